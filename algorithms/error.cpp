@@ -1,0 +1,55 @@
+#include "error.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace hausbench {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row[b.size()];
+}
+
+// A list longer than this helps nobody in a one-line message.
+constexpr std::size_t names_shown = 20;
+
+}  // namespace
+
+std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates) {
+    if (candidates.empty()) return "";
+    const std::string* nearest = nullptr;
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const std::string& candidate : candidates) {
+        const std::size_t distance = edit_distance(wrong, candidate);
+        if (distance < least) {
+            least = distance;
+            nearest = &candidate;
+        }
+    }
+    // A third of the letters may differ (but two in a short word); beyond that it is another word, not a slip.
+    const std::size_t length = std::max(wrong.size(), nearest->size());
+    const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
+    if (least <= allowed) return " (did you mean '" + *nearest + "'?)";
+
+    std::string known = " (known: ";
+    for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i) {
+        if (i > 0) known += ", ";
+        known += candidates[i];
+    }
+    if (candidates.size() > names_shown) known += " and " + std::to_string(candidates.size() - names_shown) + " more";
+    return known + ")";
+}
+
+}  // namespace hausbench

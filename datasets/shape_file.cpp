@@ -1,0 +1,136 @@
+#include "shape_file.h"
+
+#include "error.h"
+#include "hash.h"
+#include "hdf5.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <bit>
+#include <stdexcept>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+constexpr std::int64_t shape_schema = 1;
+
+static_assert(std::endian::native == std::endian::little, "content_hash takes the bytes as they lie in memory");
+
+Points points_from(const std::vector<double>& values) {
+    if (values.size() % 3 != 0) throw std::runtime_error("coordinates are not a whole number of points");
+    return Eigen::Map<const Points>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
+}
+
+Triangles triangles_from(const std::vector<Index>& values) {
+    if (values.size() % 3 != 0) throw std::runtime_error("indices are not a whole number of triangles");
+    return Eigen::Map<const Triangles>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
+}
+
+template <class Matrix> void add_matrix(Sha256& hash, const Matrix& matrix) {
+    const std::int64_t rows = matrix.rows();
+    hash.add(&rows, sizeof rows);
+    hash.add(matrix.data(), sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(matrix.size()));
+}
+
+LoadedShape read_unchecked(const std::filesystem::path& path) {
+    const h5::File file(path, h5::Open::read);
+    if (!file.has_attribute("", "shape_schema") || file.integer_attribute("", "shape_schema") != shape_schema)
+        throw std::runtime_error("is not a shape file of this version");
+    LoadedShape loaded;
+    const std::string kind = file.text_attribute("", "kind");
+    const Points points = points_from(file.read_doubles("coordinates"));
+    if (kind == "mesh")
+        loaded.shape = TriangleMesh{points, triangles_from(file.read_indices("triangles"))};
+    else if (kind == "points")
+        loaded.shape = PointSet{points};
+    else
+        throw std::runtime_error("is of unknown kind '" + kind + "'");
+
+    loaded.report.format = file.text_attribute("", "format");
+    loaded.report.precision = file.text_attribute("", "precision");
+    const std::int64_t unreferenced = file.integer_attribute("", "unreferenced");
+    loaded.report.unreferenced = unreferenced < 0 ? std::nullopt : std::optional(unreferenced);
+    loaded.report.polygons = file.integer_attribute("", "polygons");
+    loaded.report.objects = file.integer_attribute("", "objects");
+    if (content_hash(loaded.shape) != file.text_attribute("", "content_hash"))
+        throw std::runtime_error("does not hold what was written into it");
+    return loaded;
+}
+
+}  // namespace
+
+void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
+    // The process number keeps two writers of one file apart; the last rename wins, and both wrote the same shape.
+    std::filesystem::path temporary = path;
+    temporary += fmt::format(".{}.part", ::getpid());
+    try {
+        h5::File file(temporary, h5::Open::create);
+        file.attribute("", "shape_schema", shape_schema);
+        file.attribute("", "kind", std::string(to_string(kind_of(loaded.shape))));
+        file.attribute("", "content_hash", content_hash(loaded.shape));
+        file.attribute("", "format", loaded.report.format);
+        file.attribute("", "precision", loaded.report.precision);
+        file.attribute("", "unreferenced", loaded.report.unreferenced.value_or(-1));
+        file.attribute("", "polygons", loaded.report.polygons);
+        file.attribute("", "objects", loaded.report.objects);
+        const Points& points = points_of(loaded.shape);
+        file.write("coordinates", std::vector<double>(points.data(), points.data() + points.size()), 3);
+        if (const auto* mesh = std::get_if<TriangleMesh>(&loaded.shape)) {
+            const Triangles& t = mesh->triangles;
+            file.write("triangles", std::vector<Index>(t.data(), t.data() + t.size()), 3);
+        }
+        file.close();
+        std::filesystem::rename(temporary, path);
+    } catch (...) {
+        std::error_code ignored;
+        std::filesystem::remove(temporary, ignored);
+        throw;
+    }
+}
+
+LoadedShape read_shape(const std::filesystem::path& path) {
+    LoadedShape loaded;
+    try {
+        loaded = read_unchecked(path);
+    } catch (const std::runtime_error& error) {
+        const std::string why = error.what();
+        const bool named = why.starts_with(path.string());
+        throw InputError((named ? "" : path.string() + ": ") + why + "; delete the file and it is made anew");
+    }
+    const std::string problem = shape_problem(loaded.shape);
+    if (!problem.empty()) throw InputError(path.string() + ": " + problem + "; delete the file and it is made anew");
+    return loaded;
+}
+
+std::string shape_problem(const Shape& shape) {
+    const Points& points = points_of(shape);
+    if (points.rows() == 0) return "holds no points";
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        if (!points.row(i).allFinite()) return fmt::format("vertex {} (from 0) has a coordinate that is not finite", i);
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    if (!mesh) return "";
+    if (mesh->triangles.rows() == 0) return "is a mesh without triangles";
+    std::vector<bool> used(static_cast<std::size_t>(points.rows()), false);
+    for (Eigen::Index t = 0; t < mesh->triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const Index v = mesh->triangles(t, k);
+            if (v < 0 || v >= points.rows())
+                return fmt::format("triangle {} (from 0) names vertex {} of {}", t, v, points.rows());
+            used[static_cast<std::size_t>(v)] = true;
+        }
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (!used[v]) return fmt::format("vertex {} (from 0) belongs to no triangle", v);
+    return "";
+}
+
+std::string content_hash(const Shape& shape) {
+    Sha256 hash;
+    hash.add(to_string(kind_of(shape)));
+    add_matrix(hash, points_of(shape));
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) add_matrix(hash, mesh->triangles);
+    return hash.hex();
+}
+
+}  // namespace hausbench
