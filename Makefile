@@ -1,0 +1,158 @@
+# The front door: `make help` says what there is.
+#
+# The line every experiment walks: experiments/**/S.toml -> hausbench run -> results/S.h5 -> analysis/S.py -> results/figures, results/tables.
+# Nothing here deletes results; a run that was interrupted goes on where it stopped when the same target is made again.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+MAKEFLAGS += --no-builtin-rules
+.SUFFIXES:
+# Timings must not compete with each other; compilers and tests are run in parallel by ninja and ctest.
+.NOTPARALLEL:
+.DEFAULT_GOAL := help
+
+PROFILE ?= quick
+PYTHON ?= /usr/bin/python3
+# One job a core, but at least 2 GB of free memory each: CGAL is heavy on compilers.
+JOBS ?= $(shell awk -v cores=$$(nproc) '/^MemAvailable/ {m = int($$2 / 2e6); if (m < 1) m = 1} END {print m && m < cores ? m : cores}' /proc/meminfo)
+CMAKE_ARGS ?=
+RUN_ARGS ?=
+SKIP_DEPS ?=
+
+export MPLBACKEND := Agg
+export HAUSBENCH_PROGRAM := $(CURDIR)/build/release/hausbench
+# Where ccache is installed it is used, and two clones share what it holds.
+export CCACHE_BASEDIR := $(CURDIR)
+LAUNCHER := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+
+PACKAGES := $(filter-out $(if $(shell command -v npm),npm),$(shell sed 's/\#.*//' packages.txt))
+DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
+STEMS := $(sort $(basename $(notdir $(shell find experiments -name '*.toml'))))
+# zhang2017_table3 belongs to the group zhang2017.
+GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
+CPP_FILES = $(sort $(shell find algorithms datasets harness tests -name '*.cpp'))
+HEADERS = $(sort $(shell find algorithms datasets harness tests -name '*.h'))
+
+.PHONY: help deps build datasets test types experiments figures tidy format asan clean $(STEMS) $(GROUPS)
+
+help:
+	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
+	@echo 'make build        the program, build/release/hausbench'
+	@echo 'make datasets     fetch the models that experiments name'
+	@echo 'make test         build, then all tests and a small experiment from end to end'
+	@echo 'make experiments  run every experiment, then draw every table and figure'
+	@echo 'make figures      draw again from the results that exist; runs nothing'
+	@echo 'make STEM         run and draw one experiment'
+	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
+	@echo 'make tidy         clang-tidy;  make format: clang-format, in place;  make types: mypy'
+	@echo 'make clean        delete what was built; results and fetched models stay'
+	@echo
+	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
+	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
+	@echo
+	@echo 'Groups: $(GROUPS)'
+	@echo 'Experiments:'
+	@printf '  %s\n' $(STEMS)
+
+# --- what is needed --------------------------------------------------------------------------------------------------
+
+deps: $(DEPS)
+	@echo 'deps: all Debian packages of packages.txt are installed'
+
+# Looked at again only when the list, or what is installed, has changed.
+.stamps/deps: packages.txt $(wildcard /var/lib/dpkg/status)
+	@command -v dpkg-query >/dev/null || { \
+	    echo 'deps: this is not a Debian system: install what packages.txt lists, then run make SKIP_DEPS=1 ...' >&2; exit 1; }
+	@installed=" $$(dpkg-query -W -f='$${db:Status-Status} $${Package}\n' $(PACKAGES) 2>/dev/null | sed -n 's/^installed //p' | tr '\n' ' ' || true)"; \
+	missing=; for package in $(PACKAGES); do [[ $$installed == *" $$package "* ]] || missing+=" $$package"; done; \
+	if [ -n "$$missing" ] && [ "$$(id -u)" -ne 0 ]; then \
+	    echo "deps: Debian packages are missing, and only root may install them. Please run" >&2; \
+	    echo "  sudo apt-get update && sudo apt-get install --no-install-recommends$$missing" >&2; exit 1; \
+	elif [ -n "$$missing" ]; then \
+	    echo "deps: installing, which takes a minute or two:$$missing"; \
+	    mkdir -p $(@D); export DEBIAN_FRONTEND=noninteractive; \
+	    apt-get update -qq || echo 'deps: apt-get update failed; going on with the package lists at hand' >&2; \
+	    apt-get install -qq -y --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $$missing > $(@D)/apt.log 2>&1 || { \
+	        tail -n 20 $(@D)/apt.log >&2; echo 'deps: apt-get install failed; its output is in $(@D)/apt.log' >&2; exit 1; }; \
+	fi
+	@mkdir -p $(@D) && touch $@
+
+# --- building --------------------------------------------------------------------------------------------------------
+
+build/%/build.ninja: $(DEPS)
+	cmake --preset $* $(LAUNCHER) $(CMAKE_ARGS)
+	@touch $@
+
+# cmake runs again by itself when a CMakeLists.txt changes; here it runs again for options given to this make.
+define compile
+$(if $(CMAKE_ARGS),cmake --preset $(1) $(CMAKE_ARGS))
+cmake --build --preset $(1) -j $(JOBS) --target $(2)
+endef
+
+build: build/release/build.ninja
+	$(call compile,release,hausbench)
+
+datasets: $(DEPS)
+	$(PYTHON) datasets/fetch.py
+
+# --- experiments -----------------------------------------------------------------------------------------------------
+
+# $(1): stems. One that fails does not stop the others, but make fails in the end and names it; Ctrl-C stops at once.
+define walk
+@trap 'exit 130' INT TERM; failed=; \
+for stem in $(1); do \
+    echo "== $$stem"; \
+    if ! "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(RUN_ARGS); then failed+=" $$stem (run)"; continue; fi; \
+    [ ! -f "analysis/$$stem.py" ] || $(PYTHON) -m "analysis.$$stem" || failed+=" $$stem (analysis)"; \
+done; \
+[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
+endef
+
+experiments: build datasets
+	$(call walk,$(STEMS))
+
+$(GROUPS): %: build datasets
+	$(call walk,$(filter $*_%,$(STEMS)))
+
+$(STEMS): %: build datasets
+	$(call walk,$*)
+
+figures: $(DEPS)
+	@trap 'exit 130' INT TERM; failed=; none=yes; \
+	for stem in $(STEMS); do \
+	    [ -f "results/$$stem.h5" ] && [ -f "analysis/$$stem.py" ] || continue; \
+	    none=; echo "== $$stem"; $(PYTHON) -m "analysis.$$stem" || failed+=" $$stem"; \
+	done; \
+	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
+	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
+
+# --- checks ----------------------------------------------------------------------------------------------------------
+
+test: build/release/build.ninja types
+	$(call compile,release,all)
+	ctest --preset release -j $(JOBS)
+	$(call walk,smoke)
+	$(PYTHON) -m pytest -q --import-mode=importlib tests
+
+types: $(DEPS)
+	$(PYTHON) -m mypy --strict --ignore-missing-imports datasets/fetch.py analysis
+
+asan: build/asan/build.ninja
+	$(call compile,asan,all)
+	ctest --preset asan -j $(JOBS)
+
+# clang-tidy reads the flags of each file from build/release/compile_commands.json.
+tidy: build/release/build.ninja
+	@command -v clang-tidy >/dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }
+	printf '%s\n' $(CPP_FILES) | xargs -P $(JOBS) -n 1 clang-tidy -p build/release --quiet
+
+format:
+	@command -v clang-format >/dev/null || { echo 'format: please run: sudo apt-get install clang-format' >&2; exit 1; }
+	clang-format -i $(CPP_FILES) $(HEADERS)
+
+clean:
+	rm -rf build .stamps .mypy_cache .pytest_cache
+	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
+
+.DEFAULT:
+	@echo "make: there is no target or experiment '$@'; \`make help\` lists them" >&2; exit 2
