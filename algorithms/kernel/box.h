@@ -1,0 +1,33 @@
+// Axis-aligned boxes.
+#pragma once
+
+#include "../scene.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace hausbench {
+
+struct Box {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+    void add(const Vec3& point) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    void add(const Box& box) {
+        low = low.cwiseMin(box.low);
+        high = high.cwiseMax(box.high);
+    }
+};
+
+// Rounded: the differences, squares and sums are those of squared_length(p - q), in the same order. Each operation is
+// monotone, so for every q in the box the result is at most the computed squared_length(p - q): no slack is needed.
+inline double squared_distance_to_box(const Vec3& p, const Box& box) {
+    double d[3];
+    for (int k = 0; k < 3; ++k) d[k] = std::max(std::max(box.low[k] - p[k], p[k] - box.high[k]), 0.0);
+    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+}
+
+}  // namespace hausbench

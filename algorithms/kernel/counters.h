@@ -1,0 +1,38 @@
+// Work counters: exact on any machine, so they stand beside every time. Passed in, never global.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace hausbench {
+
+struct Counters {
+    std::uint64_t point_distances = 0;           // point to point
+    std::uint64_t point_triangle_distances = 0;  // point to triangle
+    std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was looked into
+    std::uint64_t closest_point_queries = 0;
+    std::uint64_t bound_tests = 0;               // upper bounds of an element of A evaluated
+    std::uint64_t subdivisions = 0;              // elements of A split
+    std::uint64_t queue_pushes = 0;
+
+    bool operator==(const Counters&) const = default;
+};
+
+struct CounterField {
+    std::string_view name;
+    std::uint64_t Counters::*member;
+};
+
+// The one list that files, tables and tests go by.
+inline constexpr std::array<CounterField, 7> counter_fields{{
+    {"point_distances", &Counters::point_distances},
+    {"point_triangle_distances", &Counters::point_triangle_distances},
+    {"node_visits", &Counters::node_visits},
+    {"closest_point_queries", &Counters::closest_point_queries},
+    {"bound_tests", &Counters::bound_tests},
+    {"subdivisions", &Counters::subdivisions},
+    {"queue_pushes", &Counters::queue_pushes},
+}};
+
+}  // namespace hausbench

@@ -1,0 +1,57 @@
+// What rounding may do to the distances computed here, and how bounds are widened so that they hold all the same.
+//
+// u = 2^-53, round to nearest. Every widening of a certified bound in this project is in this file.
+#pragma once
+
+#include "../scene.h"
+
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace hausbench {
+
+inline constexpr double unit_roundoff = 0x1p-53;
+
+inline double next_up(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
+inline double next_down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
+
+// --- point to point -------------------------------------------------------------------------------------------------
+//
+// s = fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2), f = fl(sqrt(s)), d = |a - b|.
+// A difference has one relative error of at most u, its square two of them and one more, the sums at most two more, so
+// s lies in d^2 [(1-u)^5, (1+u)^5] and f in d [(1-u)^3.5, (1+u)^3.5]. As 1/(1-u)^3.5 < 1 + 4u and 1/(1+u)^3.5 > 1 - 4u,
+// d lies in [f (1 - 4u), f (1 + 4u)]. Minima and maxima of s are exact choices among such values, so the same holds of
+// the Hausdorff distance. The products with 1 -+ 4u are rounded once more, which next_up and next_down make up for.
+//
+// Overflow: none while |coordinate| <= 2^400 (differences 2^401, squares 2^802).
+// Underflow: differences are exact when they underflow. If every nonzero |coordinate| >= 2^-450, all coordinates are
+// multiples of 2^-502, unequal ones differ by 2^-502 or more, and squares are at least 2^-1004: normal, and s = 0 only
+// for equal points. Otherwise each of three squares is off by 2^-1075 at most, their sum by less than 2^-1072, and f by
+// less than 2^-536: widen by 2^-500 beyond the relative error.
+inline constexpr double largest_safe_coordinate = 0x1p400;
+inline constexpr double smallest_safe_coordinate = 0x1p-450;
+
+// Smallest nonzero |coordinate|, infinity where there is none. O(n).
+inline double smallest_nonzero(const Points& points) {
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const double value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
+        if (value != 0 && std::abs(value) < smallest) smallest = std::abs(value);
+    }
+    return smallest;
+}
+
+inline double distance_at_least(double squared, bool may_underflow) {
+    const double f = std::sqrt(squared);
+    if (f == 0) return 0;
+    const double low = next_down(f * (1 - 4 * unit_roundoff)) - (may_underflow ? 0x1p-500 : 0);
+    return low > 0 ? low : 0;
+}
+
+inline double distance_at_most(double squared, bool may_underflow) {
+    const double f = std::sqrt(squared);
+    const double high = f == 0 ? 0 : next_up(f * (1 + 4 * unit_roundoff));
+    return may_underflow ? next_up(high + 0x1p-500) : high;
+}
+
+}  // namespace hausbench

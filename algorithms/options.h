@@ -1,0 +1,55 @@
+// Solver parameters: declared with type, unit, default and the paper's value; checked when given; read by name.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace hausbench {
+
+using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
+
+std::string to_string(const ParameterValue& value);
+
+struct ParameterSpec {
+    std::string name;
+    ParameterValue default_value;      // its alternative is the parameter's type
+    std::string unit;                  // "" where it has none
+    std::string paper_value;           // as printed in the paper, "" where the paper has no such parameter
+    std::string description;
+    std::vector<std::string> choices;  // for text parameters: the only values allowed, empty for any
+    double least = -1e300, most = 1e300;  // for numbers: the allowed range, ends included
+};
+
+using ParameterMap = std::map<std::string, ParameterValue>;
+
+// The values one solver runs with: every declared parameter has one.
+class Options {
+public:
+    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices.
+    Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given);
+
+    // Throws std::logic_error for a name that was not declared or is of another type.
+    bool flag(const std::string& name) const;
+    std::int64_t integer(const std::string& name) const;
+    double real(const std::string& name) const;
+    std::string text(const std::string& name) const;
+
+    const ParameterMap& values() const { return values_; }
+
+    // Declared parameters that nobody has read yet; a solver's constructor must leave none.
+    std::vector<std::string> unread() const;
+
+private:
+    template <class T> const T& get(const std::string& name) const;
+
+    std::string solver_;
+    ParameterMap values_;
+    mutable std::set<std::string> read_;
+};
+
+}  // namespace hausbench

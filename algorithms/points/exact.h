@@ -1,0 +1,50 @@
+// What the exact solvers for point sets share: squared distances in, a certified result out (rounding.h).
+#pragma once
+
+#include "kernel/rounding.h"
+#include "solver.h"
+
+namespace hausbench {
+
+inline double squared_distance(const double* a, const double* b) {
+    const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return (x * x + y * y) + z * z;
+}
+
+// The point of A that is farthest from B so far, and its nearest point of B.
+struct FarthestPoint {
+    double squared = -1;
+    Index source = -1, target = -1;
+};
+
+// Whether coordinates are beyond what rounding.h covers; a solver then returns Result{}: stalled, in [0, infinity].
+inline bool out_of_range(const Points& a, const Points& b) {
+    return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
+}
+
+// `rest` bounds the squared distances of the points of A that were not looked at: -1 where all were. `stopped` is why.
+inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
+                           const Counters& counters, double rest = -1, Status stopped = Status::converged) {
+    const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
+    Result result;
+    result.counters = counters;
+    result.bounds.lower = distance_at_least(std::max(farthest.squared, 0.0), tiny);
+    result.bounds.upper = distance_at_most(std::max({farthest.squared, rest, 0.0}), tiny);
+    if (farthest.source >= 0) {
+        result.witness = {a.row(farthest.source), b.row(farthest.target), farthest.source, farthest.target};
+    }
+    const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+    result.status = close ? Status::converged : stopped == Status::converged ? Status::precision_floor : stopped;
+    return result;
+}
+
+// An upper bound for the points order[first..] of A (order null: first..): the farthest from one point of B. O(n).
+inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
+    double most = -1;
+    for (Index i = first; i < a.rows(); ++i) {
+        most = std::max(most, squared_distance(a.row(order ? order[i] : i).data(), b.data()));
+    }
+    return most;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,69 @@
+// NAIVEHDD: every point of A against every point of B.
+//
+// Source: Zhang, He, Wu, Wang: An efficient algorithm for calculating the exact Hausdorff distance, 2017, Algorithm 1
+// (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
+#include "kernel/deadline.h"
+#include "points/exact.h"
+#include "solver.h"
+
+namespace hausbench {
+namespace {
+
+class Naive final : public Solver {
+public:
+    explicit Naive(const Options&) {}
+
+    void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
+
+    Result solve(const Query& query, Trace&) const override {
+        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points& b = points_of(scene_->target);
+        if (out_of_range(a, b)) return {};
+
+        const Deadline deadline(query.time_limit);
+        constexpr Index block = 4096;  // points of B between two looks at the clock
+        Counters counters;
+        FarthestPoint farthest;
+        for (Index i = 0; i < a.rows(); ++i) {
+            const double* point = a.row(i).data();
+            double nearest = std::numeric_limits<double>::infinity();
+            Index at = -1;
+            std::optional<Status> stopped;
+            if (static_cast<std::uint64_t>(i) >= query.budget) stopped = Status::budget;
+            for (Index begin = 0; begin < b.rows() && !stopped; begin += block) {
+                if (deadline.passed()) stopped = Status::time_limit;
+                const Index end = std::min<Index>(begin + block, static_cast<Index>(b.rows()));
+                for (Index j = begin; j < end; ++j) {
+                    const double squared = squared_distance(point, b.row(j).data());
+                    if (squared < nearest) nearest = squared, at = j;
+                }
+                counters.point_distances += static_cast<std::uint64_t>(end - begin);
+            }
+            if (!stopped && nearest > farthest.squared) farthest = {nearest, i, at};
+            if (!stopped && distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::cutoff_passed;
+            if (stopped) {
+                const double rest = squared_distances_at_most(a, b, nullptr, i);
+                return exact_result(query, a, b, farthest, counters, rest, *stopped);
+            }
+        }
+        return exact_result(query, a, b, farthest, counters);
+    }
+
+private:
+    const Scene* scene_ = nullptr;
+};
+
+}  // namespace
+
+SolverEntry naive_solver() {
+    SolverInfo info;
+    info.name = "naive";
+    info.title = "NAIVEHDD";
+    info.paper = "zhang2017";
+    info.source.points = info.target.points = true;
+    info.certified = true;
+    info.exact = true;
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Naive>(options); }};
+}
+
+}  // namespace hausbench

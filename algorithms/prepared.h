@@ -1,0 +1,57 @@
+// Structures built once for a scene, before any query: exactly those that a solver declared it needs, each timed.
+#pragma once
+
+#include "kernel/octree.h"
+#include "scene.h"
+
+#include <compare>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+enum class Structure { octree };
+enum class Side { source, target };
+
+struct Need {
+    Structure structure;
+    Side side;
+
+    auto operator<=>(const Need&) const = default;
+};
+
+using Needs = std::vector<Need>;
+
+std::string to_string(const Need& need);  // "target octree"
+
+struct PreparationTime {
+    std::string name;  // as to_string(Need), or "solver" for what the solver built itself
+    double seconds;
+    std::size_t bytes;
+};
+
+class Prepared {
+public:
+    // Builds each need once. `scene` must outlive this. O(n log n) for each structure.
+    Prepared(const Scene& scene, const Needs& needs);
+
+    bool has(Structure structure, Side side) const;
+
+    // Over the elements (triangles) of that side, unposed. Throws std::logic_error if it was not declared.
+    const TriangleOctree& octree(Side side) const;
+
+    const std::vector<PreparationTime>& times() const { return times_; }
+
+    // What was asked for through the getters so far; a need never used is a bug that the contract test finds.
+    const std::map<Need, int>& uses() const { return uses_; }
+
+private:
+    std::optional<TriangleOctree> octree_[2];
+    std::vector<PreparationTime> times_;
+    mutable std::map<Need, int> uses_;
+};
+
+}  // namespace hausbench

@@ -1,0 +1,47 @@
+#include "registry.h"
+
+#include "error.h"
+
+namespace hausbench {
+
+// One line a solver: its function, defined in its own file.
+SolverEntry naive_solver();       // points/naive.cpp
+SolverEntry earlybreak_solver();  // points/earlybreak.cpp
+SolverEntry guthe_solver();       // meshes/guthe.cpp
+SolverEntry kdtree_solver();      // peers/kdtree.cpp
+SolverEntry cgal_solver();        // peers/cgal.cpp
+
+const std::vector<SolverEntry>& solvers() {
+    static const std::vector<SolverEntry> list = {
+        naive_solver(),
+    };
+    return list;
+}
+
+const std::vector<NotBuilt>& solvers_not_built() {
+    static const std::vector<NotBuilt> list = {
+#ifndef HAUSBENCH_HAS_KDTREE
+        {"kdtree", "nanoflann was not found, or HAUSBENCH_WITH_KDTREE_PEER is off"},
+#endif
+#ifndef HAUSBENCH_HAS_CGAL
+        {"cgal", "HAUSBENCH_WITH_CGAL_PEER is off"},
+#endif
+    };
+    return list;
+}
+
+const SolverEntry& find_solver(std::string_view name) {
+    std::vector<std::string> names;
+    for (const SolverEntry& entry : solvers()) {
+        if (entry.info.name == name) return entry;
+        names.push_back(entry.info.name);
+    }
+    for (const NotBuilt& missing : solvers_not_built()) {
+        if (missing.name == name) {
+            throw InputError("solver '" + missing.name + "' is not built into this program: " + missing.reason);
+        }
+    }
+    throw InputError("unknown solver '" + std::string(name) + "'" + nearest_hint(name, names));
+}
+
+}  // namespace hausbench

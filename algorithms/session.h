@@ -1,0 +1,51 @@
+// One solver on one scene: scales, prepares what is needed, answers queries in the units of the input.
+#pragma once
+
+#include "solver.h"
+
+#include <memory>
+#include <vector>
+
+namespace hausbench {
+
+// Which structures to build: those the solver says this scene needs, or all it could ever use (to test that leaving out
+// changes no bit of an answer).
+enum class Leave { out_what_is_not_needed, nothing_out };
+
+class Session {
+public:
+    // Takes the scene over, scales it by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
+    // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers get it as it is), builds the
+    // structures, prepares the solver. Throws InputError for shapes the solver does not take.
+    Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries,
+            Leave leave = Leave::out_what_is_not_needed);
+
+    // The query's lengths (tolerance, cutoff, translation), the result's and the trace's are in the units of the input.
+    // Bounds are rounded outward where scaling back is inexact. Starts the trace, and ends it if the solver traces.
+    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite.
+    Result solve(const Query& query, Trace& trace) const;
+
+    const Prepared& prepared() const { return *prepared_; }
+    const Needs& needs() const { return needs_; }
+    const std::vector<PreparationTime>& preparation() const { return preparation_; }
+    double prepare_seconds() const;
+    std::size_t prepare_bytes() const;
+
+private:
+    double widening(const Pose& pose) const;
+
+    std::unique_ptr<Scene> scene_;
+    bool traces_ = false;
+    int exponent_ = 0;                       // scaled = original * 2^exponent
+    double lost_ = 0;                        // what a scaled coordinate may have lost to underflow
+    double largest_ = 0, smallest_ = 0;      // nonzero |coordinate| of the source, scaled
+    Needs needs_;
+    std::unique_ptr<Prepared> prepared_;
+    std::unique_ptr<Solver> solver_;
+    std::vector<PreparationTime> preparation_;
+};
+
+// An error text where the solver cannot take these shapes, empty where it can.
+std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target);
+
+}  // namespace hausbench

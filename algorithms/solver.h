@@ -1,0 +1,125 @@
+// THE interface. A solver bounds the directed Hausdorff distance h(A,B) = max over a in A of min over b in B of |a - b|
+// from below and above. One solver is one .cpp file without a header: it defines a class, a SolverInfo and one function
+// that registry.cpp lists. Read points/naive.cpp next.
+//
+// What a solver may rely on (session.h sees to it): shapes are non-empty and finite, and unless it asks for
+// `original_coordinates` the scene is scaled by a power of two so that the largest |coordinate| is in [0.5, 1).
+#pragma once
+
+#include "kernel/counters.h"
+#include "options.h"
+#include "prepared.h"
+#include "scene.h"
+#include "trace.h"
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+struct ShapeSet {
+    bool points = false, mesh = false;
+    bool contains(ShapeKind kind) const { return kind == ShapeKind::points ? points : mesh; }
+};
+
+// How small the gap upper - lower must get.
+struct Tolerance {
+    enum class Of { absolute, lower };  // a length, or a fraction of the lower bound
+    Of of = Of::absolute;
+    double value = 0;
+
+    // The gap that is small enough, given the lower bound so far.
+    double gap(double lower) const { return of == Of::absolute ? value : value * lower; }
+};
+
+enum class Status {
+    converged,        // the gap is within the tolerance
+    cutoff_passed,    // lower > cutoff, or upper <= cutoff: the question "is h below the cutoff?" is answered
+    time_limit,
+    budget,           // Query::budget subdivisions (or the solver's own unit of work, see its header) were spent
+    precision_floor,  // the tolerance is below what double precision can certify
+    stalled,          // the solver cannot go on; the bounds still hold
+};
+std::string_view to_string(Status status);
+
+struct Bounds {
+    double lower = 0;
+    double upper = std::numeric_limits<double>::infinity();
+
+    double gap() const { return upper - lower; }
+};
+
+// A pair that shows the lower bound: source_point on A posed, target_point its closest point on B.
+struct Witness {
+    Vec3 source_point = Vec3::Zero(), target_point = Vec3::Zero();
+    Index source_element = -1, target_element = -1;  // -1: unknown (peers that do not tell)
+};
+
+// Per-element fields and the like, by name; filled only where a query asks for them.
+using Extras = std::map<std::string, std::vector<double>>;
+
+struct Result {
+    Status status = Status::stalled;
+    Bounds bounds;  // lower <= h(A posed, B) <= upper, whatever the status
+    Witness witness;
+    Counters counters;
+    Extras extras;
+};
+
+struct Query {
+    Pose pose;
+    Tolerance tolerance;
+    double cutoff = std::numeric_limits<double>::infinity();      // length; infinity: none
+    double time_limit = std::numeric_limits<double>::infinity();  // seconds of wall time
+    std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();
+    const Result* previous = nullptr;  // the answer of a nearby pose, as a warm start
+};
+
+// What all queries to come have in common, so that a solver can leave out what they do not need.
+struct QuerySet {
+    bool moves = false;      // some pose is not the identity
+    std::size_t count = 1;
+    double finest_tolerance = 0;
+};
+
+class Solver {
+public:
+    virtual ~Solver() = default;
+
+    // Only what THIS scene and THESE queries call for: a few plain ifs.
+    virtual Needs needs(const Scene&, const QuerySet&) const { return {}; }
+
+    // Builds what the solver keeps to itself; timed apart from solve. Both arguments outlive the solver's last solve.
+    virtual void prepare(const Scene& scene, const Prepared& prepared) = 0;
+
+    // Memory of what prepare() built, in bytes; 0 where the solver keeps nothing of note.
+    virtual std::size_t prepared_bytes() const { return 0; }
+
+    // Const, so that the order of queries cannot matter. Never throws for hard input: returns `stalled` with bounds that hold.
+    virtual Result solve(const Query& query, Trace& trace) const = 0;
+};
+
+struct SolverInfo {
+    std::string name;    // as in experiment files
+    std::string title;   // as in tables and legends
+    std::string paper;   // key in papers.bib
+    ShapeSet source, target;
+    bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file
+    bool exact = false;                 // the gap does not depend on the tolerance
+    bool traces = false;                // offers samples to Trace
+    bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
+    Needs may_need = {};                // every structure it can ever use
+    std::vector<ParameterSpec> parameters = {};
+};
+
+struct SolverEntry {
+    SolverInfo info;
+    std::unique_ptr<Solver> (*make)(const Options&);
+};
+
+}  // namespace hausbench
