@@ -1,0 +1,52 @@
+// A thin RAII layer over the HDF5 C library: whole columns in, whole columns out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench::h5 {
+
+enum class Open { create, read };
+
+// Everything throws std::runtime_error with the file, the object and the library's own message.
+class File {
+public:
+    File(const std::filesystem::path& file, Open how);
+    ~File();
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+
+    // Flushes to disk (fsync) and closes; the destructor closes without it.
+    void close();
+
+    // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix, row-major.
+    void write(const std::string& name, const std::vector<double>& values, std::size_t columns = 1);
+    void write(const std::string& name, const std::vector<std::int64_t>& values, std::size_t columns = 1);
+    void write(const std::string& name, const std::vector<std::uint64_t>& values, std::size_t columns = 1);
+    void write(const std::string& name, const std::vector<std::int32_t>& values, std::size_t columns = 1);
+    void write(const std::string& name, const std::vector<std::string>& values);  // variable-length UTF-8
+
+    std::vector<double> read_doubles(const std::string& name) const;
+    std::vector<std::int64_t> read_integers(const std::string& name) const;  // any integer type that fits
+    std::vector<std::uint64_t> read_unsigned(const std::string& name) const;
+    std::vector<std::int32_t> read_indices(const std::string& name) const;
+    std::vector<std::string> read_texts(const std::string& name) const;
+
+    bool has(const std::string& name) const;
+    std::vector<std::string> children(const std::string& group) const;
+
+    // Attributes of a group ("" or "/" is the root; the group is created if need be).
+    void attribute(const std::string& group, const std::string& name, const std::string& value);
+    void attribute(const std::string& group, const std::string& name, std::int64_t value);
+    std::string text_attribute(const std::string& group, const std::string& name) const;
+    std::int64_t integer_attribute(const std::string& group, const std::string& name) const;
+    bool has_attribute(const std::string& group, const std::string& name) const;
+
+private:
+    std::int64_t id_ = -1;  // hid_t
+    std::filesystem::path path_;
+};
+
+}  // namespace hausbench::h5

@@ -1,0 +1,187 @@
+#include "load.h"
+
+#include "error.h"
+#include "readers.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <unordered_map>
+
+namespace hausbench {
+namespace readers {
+namespace {
+
+// Bits of the three coordinates, with -0 taken for +0.
+struct PointKey {
+    std::array<double, 3> x;
+    bool operator==(const PointKey&) const = default;
+};
+
+struct PointKeyHash {
+    std::size_t operator()(const PointKey& key) const {
+        std::uint64_t mixed = 0;
+        for (const double value : key.x) {
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, &value, sizeof bits);
+            mixed = (mixed ^ bits) * 0x9e3779b97f4a7c15u;
+            mixed ^= mixed >> 32;
+        }
+        return mixed;
+    }
+};
+
+void merge_equal(Soup& soup) {
+    std::unordered_map<PointKey, std::size_t, PointKeyHash> first;
+    first.reserve(soup.points.size());
+    std::vector<std::size_t> becomes(soup.points.size());
+    std::vector<Vec3> kept;
+    for (std::size_t v = 0; v < soup.points.size(); ++v) {
+        const Vec3& p = soup.points[v];
+        const auto [at, fresh] = first.try_emplace(PointKey{{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}}, kept.size());
+        if (fresh) kept.push_back(p);
+        becomes[v] = at->second;
+    }
+    for (auto& face : soup.faces)
+        for (std::size_t& v : face) v = becomes[v];
+    soup.points = std::move(kept);
+    soup.point_lines.clear();
+}
+
+std::string line_of(const std::vector<std::uint32_t>& lines, std::size_t i) {
+    return i < lines.size() ? fmt::format("line {}: ", lines[i]) : "";
+}
+
+void check(const std::string& name, const Soup& soup) {
+    if (soup.points.empty()) throw InputError(name + ": holds no vertices");
+    if (soup.points.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+        throw InputError(fmt::format("{}: holds {} vertices, more than {}", name, soup.points.size(), std::numeric_limits<Index>::max()));
+    for (std::size_t v = 0; v < soup.points.size(); ++v) {
+        const Vec3& p = soup.points[v];
+        if (!p.allFinite())
+            throw InputError(fmt::format("{}: {}vertex {} (from 0) has a coordinate that is not finite: {} {} {}", name,
+                                         line_of(soup.point_lines, v), v, p.x(), p.y(), p.z()));
+    }
+    for (std::size_t f = 0; f < soup.faces.size(); ++f)
+        for (const std::size_t v : soup.faces[f])
+            if (v >= soup.points.size())
+                throw InputError(fmt::format("{}: {}face {} (from 0) names vertex {} (from 0), but there are {}", name,
+                                             line_of(soup.face_lines, f), f, static_cast<std::int64_t>(v), soup.points.size()));
+}
+
+// Corners without those equal to their predecessor, as far as more than three are left.
+std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
+    std::vector<std::size_t> corners;
+    for (const std::size_t v : face)
+        if (corners.empty() || corners.back() != v) corners.push_back(v);
+    while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+    return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
+}
+
+}  // namespace
+
+LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool merge) {
+    check(name, soup);
+    report.objects = soup.objects;
+    const auto as_points = [](const std::vector<Vec3>& points) {
+        Points rows(static_cast<Eigen::Index>(points.size()), 3);
+        for (std::size_t v = 0; v < points.size(); ++v) rows.row(static_cast<Eigen::Index>(v)) = points[v];
+        return rows;
+    };
+    if (soup.faces.empty()) return {PointSet{as_points(soup.points)}, report};
+    if (merge) merge_equal(soup);
+
+    std::vector<Index> corners;
+    for (const auto& face : soup.faces) {
+        if (face.size() < 3) continue;
+        if (face.size() == 3) {
+            for (const std::size_t v : face) corners.push_back(static_cast<Index>(v));
+            continue;
+        }
+        ++report.polygons;
+        const std::vector<std::size_t> polygon = without_repeats(face);
+        std::vector<Vec3> positions;
+        for (const std::size_t v : polygon) positions.push_back(soup.points[v]);
+        for (const auto& triple : triangulate(positions))
+            for (const std::size_t k : triple) corners.push_back(static_cast<Index>(polygon[k]));
+    }
+    if (corners.empty()) throw InputError(name + ": none of its faces has three corners");
+    if (corners.size() / 3 > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+        throw InputError(name + ": holds more triangles than are numbered");
+
+    std::vector<Index> becomes(soup.points.size(), -1);
+    for (const Index v : corners) becomes[static_cast<std::size_t>(v)] = 0;
+    std::vector<Vec3> used;
+    for (std::size_t v = 0; v < becomes.size(); ++v)
+        if (becomes[v] == 0) {
+            becomes[v] = static_cast<Index>(used.size());
+            used.push_back(soup.points[v]);
+        }
+    if (report.unreferenced) report.unreferenced = static_cast<std::int64_t>(soup.points.size() - used.size());
+    for (Index& v : corners) v = becomes[static_cast<std::size_t>(v)];
+    const Triangles triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+    return {TriangleMesh{as_points(used), triangles}, report};
+}
+
+}  // namespace readers
+
+namespace {
+
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return text;
+}
+
+std::string extension_of(const std::filesystem::path& file) {
+    std::filesystem::path base = file.filename();
+    if (lower_case(base.extension().string()) == ".gz") base = base.stem();
+    const std::string extension = lower_case(base.extension().string());
+    return extension.empty() ? "" : extension.substr(1);
+}
+
+// The whole file, inflated where it is gzipped (zlib goes by its first two bytes).
+std::string read_all(const std::filesystem::path& file) {
+    errno = 0;
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
+    if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
+    gzbuffer(in.get(), 1 << 18);
+    std::string bytes;
+    std::vector<char> buffer(1 << 20);
+    for (;;) {
+        const int count = gzread(in.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
+        int code = 0;
+        const std::string why = gzerror(in.get(), &code);
+        // The end of a truncated archive is no error of gzread, but leaves this code.
+        if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
+        if (count == 0) return bytes;
+        bytes.append(buffer.data(), static_cast<std::size_t>(count));
+    }
+}
+
+}  // namespace
+
+LoadedShape load_file(const std::filesystem::path& file, const std::string& format) {
+    std::error_code error;
+    const std::string name = file.string();
+    const auto status = std::filesystem::status(file, error);
+    if (!std::filesystem::exists(status)) throw InputError(name + ": no such file");
+    if (std::filesystem::is_directory(status)) throw InputError(name + ": is a directory, not a file");
+    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0) throw InputError(name + ": is empty");
+    const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
+    if (kind.empty()) throw InputError(name + ": has no extension: say its format");
+    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off") return readers::load_with_assimp(file, format);
+
+    std::string bytes = read_all(file);
+    if (bytes.empty()) throw InputError(name + ": is empty");
+    LoadReport report;
+    report.format = kind;
+    return readers::finish(name, readers::read_with_cgal(name, std::move(bytes), kind), report, kind == "stl");
+}
+
+}  // namespace hausbench

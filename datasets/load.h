@@ -1,0 +1,32 @@
+// Reads mesh and point files of any common format into float64 shapes.
+#pragma once
+
+#include "scene.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace hausbench {
+
+struct LoadReport {
+    std::string format;                            // "obj", "ply", "stl", "off", ... as read
+    std::string precision = "float64";             // "float32" where the reader keeps no more (assimp)
+    std::optional<std::int64_t> unreferenced = 0;  // vertices dropped; empty: unknown, the reader drops them itself
+    std::int64_t polygons = 0;                     // faces of more than three corners, now triangles
+    std::int64_t objects = 1;                      // solids, groups or meshes that became one soup
+};
+
+struct LoadedShape {
+    Shape shape;
+    LoadReport report;
+};
+
+// OBJ, PLY, STL and OFF (also gzipped) in float64 through CGAL, everything else through assimp. A file with vertices and
+// no faces is a point set. `format` ("obj", ...) overrides the file's extension. Throws InputError, one line that names
+// the file, the place and the remedy, for a missing, empty or unparsable file, no vertices, a NaN or infinite coordinate
+// (which vertex), an index out of range. A hostile file may still crash the reader: see isolated.h.
+LoadedShape load_file(const std::filesystem::path& file, const std::string& format = "");
+
+}  // namespace hausbench
