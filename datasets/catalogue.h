@@ -1,0 +1,59 @@
+// Models by name: where each comes from, and its shape once fetched, generated or derived.
+#pragma once
+
+#include "load.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hausbench {
+
+// One [model.NAME] table of datasets/manifest.toml, checked.
+struct ModelInfo {
+    std::string name;
+    std::string source;  // "generated", "debian", "npm", "file", "derived"
+    std::string note;    // what it is, what it stands in for
+    std::string licence;
+    // debian, npm, file
+    std::string package, version, path, sha256, format;
+    // generated: recipe; derived: operation and `from`
+    std::string recipe, from;
+    std::map<std::string, double> numbers;  // parameters of the recipe or operation
+};
+
+struct ResolvedModel {
+    std::filesystem::path shape_file;  // read_shape() reads it
+    std::string content_hash;
+    LoadReport report;
+    ShapeKind kind = ShapeKind::mesh;
+    Index elements = 0, vertices = 0;
+    double diagonal = 0;
+};
+
+struct MissingModel {
+    std::string reason;  // "package glmark2-data was not fetched: run `make datasets`"
+};
+
+class Catalogue {
+public:
+    // `program` is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable
+    // manifest, an unknown key (names the nearest), a derived model whose origin does not exist or depends on itself.
+    Catalogue(std::filesystem::path manifest, std::filesystem::path cache, std::filesystem::path program);
+
+    const std::vector<ModelInfo>& models() const { return models_; }
+    const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
+
+    // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their SHA-256
+    // is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in CACHE/shapes/<key>.h5
+    // where key is a hash of the recipe, the operation and all inputs' bytes, so an edited manifest never meets a stale shape.
+    std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
+
+private:
+    std::filesystem::path cache_, program_;
+    std::vector<ModelInfo> models_;
+};
+
+}  // namespace hausbench

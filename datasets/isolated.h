@@ -1,0 +1,13 @@
+// Foreign files are read in a process of its own, so that a reader that crashes takes nothing with it.
+#pragma once
+
+#include "load.h"
+
+namespace hausbench {
+
+// Starts `program load FILE OUT.h5 [--format F]` (the harness's hidden verb), waits, reads the shape it wrote. Throws
+// InputError with the child's own message, or "the reader was killed by signal N", or "did not finish within N s".
+LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
+                          const std::string& format = "", double seconds_limit = 120);
+
+}  // namespace hausbench

@@ -1,0 +1,358 @@
+#include "experiment.h"
+
+#include "error.h"
+#include "registry.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// One table of the file: every key must be one of `known`, every value of its type; errors name file, line and key.
+class Reader {
+public:
+    Reader(const fs::path& file, const toml::table& table, std::string name, const std::vector<std::string>& known)
+        : file_(file), table_(table), name_(std::move(name)) {
+        for (const auto& [key, node] : table) {
+            if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
+                fail(node, fmt::format("unknown key '{}'{}{}", key.str(), name_.empty() ? "" : " in " + name_,
+                                       nearest_hint(key.str(), known)));
+            }
+        }
+    }
+
+    [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
+        throw InputError(fmt::format("{}:{}: {}", file_.string(), node.source().begin.line, what));
+    }
+    [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
+
+    const toml::node* find(std::string_view key) const { return table_.get(key); }
+
+    std::string text(std::string_view key, const std::string& otherwise) const {
+        const toml::node* node = find(key);
+        if (!node) return otherwise;
+        const auto value = node->value_exact<std::string>();
+        if (!value) fail(*node, fmt::format("'{}' must be a text in quotes", key));
+        return *value;
+    }
+    std::string text(std::string_view key) const {
+        if (!find(key)) fail(fmt::format("'{}' is missing{}", key, name_.empty() ? "" : " in " + name_));
+        return text(key, "");
+    }
+    bool flag(std::string_view key, bool otherwise) const {
+        const toml::node* node = find(key);
+        if (!node) return otherwise;
+        const auto value = node->value_exact<bool>();
+        if (!value) fail(*node, fmt::format("'{}' must be true or false", key));
+        return *value;
+    }
+    double number(const toml::node& node, std::string_view key) const {
+        const auto value = node.value<double>();
+        if (!value || !node.is_number() || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
+        return *value;
+    }
+    double positive(const toml::node& node, std::string_view key) const {
+        const double value = number(node, key);
+        if (!(value > 0)) fail(node, fmt::format("'{}' must be above 0, not {}", key, value));
+        return value;
+    }
+    double positive(std::string_view key, double otherwise) const {
+        const toml::node* node = find(key);
+        return node ? positive(*node, key) : otherwise;
+    }
+    int count(std::string_view key, int least, int otherwise) const {
+        const toml::node* node = find(key);
+        if (!node) return otherwise;
+        const auto value = node->value_exact<std::int64_t>();
+        if (!value || *value < least || *value > 1'000'000) {
+            fail(*node, fmt::format("'{}' must be a whole number from {} to 1000000", key, least));
+        }
+        return int(*value);
+    }
+    Vec3 vector(std::string_view key) const {
+        const toml::node* node = find(key);
+        if (!node) fail(fmt::format("'{}' is missing in {}", key, name_));
+        const toml::array* array = node->as_array();
+        if (!array || array->size() != 3) fail(*node, fmt::format("'{}' must be three numbers in brackets", key));
+        Vec3 value;
+        for (std::size_t i = 0; i < 3; ++i) value[Eigen::Index(i)] = number(*array->get(i), key);
+        return value;
+    }
+    std::vector<std::string> texts(std::string_view key) const {
+        std::vector<std::string> values;
+        const toml::node* node = find(key);
+        if (!node) return values;
+        const toml::array* array = node->as_array();
+        if (!array) fail(*node, fmt::format("'{}' must be a list of texts", key));
+        for (const toml::node& item : *array) {
+            const auto value = item.value_exact<std::string>();
+            if (!value) fail(item, fmt::format("'{}' must be a list of texts", key));
+            values.push_back(*value);
+        }
+        return values;
+    }
+    std::vector<double> tolerances(std::string_view key) const {
+        std::vector<double> values;
+        const toml::node* node = find(key);
+        if (!node) return values;
+        const toml::array* array = node->as_array();
+        if (!array || array->empty()) fail(*node, fmt::format("'{}' must be a list of numbers above 0", key));
+        for (const toml::node& item : *array) values.push_back(positive(item, key));
+        return values;
+    }
+
+private:
+    const fs::path& file_;
+    const toml::table& table_;
+    std::string name_;
+};
+
+// Keys of `over` replace those of `base`; tables are merged key by key.
+void merge(toml::table& base, const toml::table& over) {
+    for (const auto& [key, node] : over) {
+        toml::table* into = base[key].as_table();
+        const toml::table* from = node.as_table();
+        if (into && from) {
+            merge(*into, *from);
+        } else {
+            base.insert_or_assign(key, node);
+        }
+    }
+}
+
+bool wanted(const Reader& reader, const std::string& profile) {
+    const auto profiles = reader.texts("profiles");
+    return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
+}
+
+Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& node) {
+    const toml::table* table = node.as_table();
+    if (!table) scene.fail(node, "'motion' must be a table such as { kind = \"static\" }");
+    const auto kind = (*table)["kind"].value_or<std::string>("");
+    if (kind == "static") {
+        Reader(file, *table, "the motion", {"kind"});
+        return Static{};
+    }
+    if (kind == "translation") {
+        Reader reader(file, *table, "the motion", {"kind", "from", "to", "steps", "of"});
+        const auto of = reader.text("of", "diagonal");
+        if (of != "diagonal" && of != "absolute") reader.fail("'of' must be \"diagonal\" or \"absolute\"");
+        return Translation{reader.vector("from"), reader.vector("to"), reader.count("steps", 1, 10), of == "diagonal"};
+    }
+    if (kind == "rotation") {
+        Reader reader(file, *table, "the motion", {"kind", "axis", "degrees", "steps"});
+        const Vec3 axis = reader.vector("axis");
+        if (axis.isZero(0)) reader.fail("'axis' must not be zero");
+        const toml::node* degrees = reader.find("degrees");
+        if (!degrees) reader.fail("'degrees' is missing in the motion");
+        return Rotation{axis, reader.number(*degrees, "degrees"), reader.count("steps", 1, 10)};
+    }
+    if (kind == "poses") {
+        Reader reader(file, *table, "the motion", {"kind", "file"});
+        return PoseFile{file.parent_path() / reader.text("file")};
+    }
+    scene.fail(node, fmt::format("unknown motion '{}'{}", kind, nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
+}
+
+ParameterValue read_value(const Reader& reader, const toml::node& node, std::string_view key) {
+    if (auto b = node.value_exact<bool>()) return *b;
+    if (auto i = node.value_exact<std::int64_t>()) return *i;
+    if (auto d = node.value_exact<double>()) return *d;
+    if (auto s = node.value_exact<std::string>()) return *s;
+    reader.fail(node, fmt::format("parameter '{}' must be a number, a text, true, false, or a list of them to sweep", key));
+}
+
+// Every combination of the swept values, the last parameter fastest, each checked against the solver's declarations.
+std::vector<ParameterMap> read_options(const Reader& reader, const SolverEntry& entry) {
+    std::vector<ParameterMap> combinations(1);
+    const toml::node* node = reader.find("parameters");
+    if (!node) return combinations;
+    const toml::table* table = node->as_table();
+    if (!table) reader.fail(*node, "'parameters' must be a table");
+    for (const auto& [key, value] : *table) {
+        std::vector<ParameterValue> values;
+        if (const toml::array* list = value.as_array()) {
+            for (const toml::node& item : *list) values.push_back(read_value(reader, item, key.str()));
+            if (values.empty()) reader.fail(value, fmt::format("the list of parameter '{}' is empty", key.str()));
+        } else {
+            values.push_back(read_value(reader, value, key.str()));
+        }
+        std::vector<ParameterMap> next;
+        for (const ParameterMap& combination : combinations) {
+            for (const ParameterValue& one : values) {
+                next.push_back(combination);
+                next.back()[std::string(key.str())] = one;
+            }
+        }
+        combinations = std::move(next);
+    }
+    for (const ParameterMap& combination : combinations) {
+        try {
+            Options(entry.info.name, entry.info.parameters, combination);
+        } catch (const InputError& error) {
+            reader.fail(*node, error.what());
+        }
+    }
+    return combinations;
+}
+
+ScenePlan read_scene(const fs::path& file, const Reader& reader) {
+    ScenePlan scene;
+    scene.name = reader.text("name");
+    scene.source = reader.text("source");
+    scene.target = reader.text("target");
+    scene.note = reader.text("note", "");
+    if (const toml::node* motion = reader.find("motion")) scene.motion = read_motion(file, reader, *motion);
+    return scene;
+}
+
+SolverPlan read_solver(const Reader& reader) {
+    SolverPlan solver;
+    solver.name = reader.text("name");
+    solver.label = reader.text("label", solver.name);
+    solver.tolerances = reader.tolerances("tolerances");
+    solver.scenes = reader.texts("scenes");
+    const auto& absent = solvers_not_built();
+    if (std::any_of(absent.begin(), absent.end(), [&](const NotBuilt& s) { return s.name == solver.name; })) {
+        solver.options.resize(1);  // its parameters are unknown here; its cases become `not_built`
+        return solver;
+    }
+    try {
+        solver.options = read_options(reader, find_solver(solver.name));
+    } catch (const InputError& error) {
+        const std::string what = error.what();
+        if (what.find(".toml:") != std::string::npos) throw;
+        reader.fail(*reader.find("name"), what);
+    }
+    return solver;
+}
+
+const std::vector<std::string> root_keys = {"title", "paper", "tolerances", "of", "repeats", "rounds", "trace",
+                                            "limits", "profile", "scene", "solver"};
+
+Limits read_limits(const fs::path& file, const Reader& root) {
+    Limits limits;
+    const toml::node* node = root.find("limits");
+    if (!node) return limits;
+    if (!node->is_table()) root.fail(*node, "'limits' must be a table");
+    Reader reader(file, *node->as_table(), "[limits]", {"case_seconds", "prepare_seconds", "memory_mb"});
+    limits.case_seconds = reader.positive("case_seconds", limits.case_seconds);
+    limits.prepare_seconds = reader.positive("prepare_seconds", limits.prepare_seconds);
+    limits.memory_bytes = std::int64_t(reader.positive("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
+    return limits;
+}
+
+toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
+    const std::vector<std::string> builtin = {"quick", "paper"};
+    std::set<std::string> known(builtin.begin(), builtin.end());
+    if (const toml::table* profiles = table["profile"].as_table()) {
+        for (const auto& [name, node] : *profiles) known.insert(std::string(name.str()));
+    }
+    if (!known.contains(profile)) {
+        throw InputError(fmt::format("{}: unknown profile '{}'{}", file.string(), profile,
+                                     nearest_hint(profile, {known.begin(), known.end()})));
+    }
+    if (const toml::table* over = table["profile"][profile].as_table()) {
+        auto keys = root_keys;
+        std::erase(keys, "profile");
+        Reader(file, *over, fmt::format("[profile.{}]", profile), keys);
+        toml::table copy = *over;
+        merge(table, copy);
+    }
+    return table;
+}
+
+}  // namespace
+
+Experiment read_experiment(const fs::path& file, const std::string& profile) {
+    Experiment experiment;
+    experiment.file = file;
+    experiment.stem = file.stem().string();
+    experiment.profile = profile;
+    if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name an experiment file (.toml)", file.string()));
+    std::ifstream in(file);
+    if (!in) throw InputError(fmt::format("{}: cannot open it: name an experiment file, such as one below experiments/", file.string()));
+    std::ostringstream text;
+    text << in.rdbuf();
+    experiment.toml = text.str();
+
+    toml::table table;
+    try {
+        table = with_profile(file, toml::parse(experiment.toml, file.string()), profile);
+    } catch (const toml::parse_error& error) {
+        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line, error.source().begin.column,
+                                     error.description()));
+    }
+    Reader root(file, table, "", root_keys);
+    experiment.title = root.text("title");
+    experiment.paper = root.text("paper", "");
+    experiment.tolerances = root.tolerances("tolerances");
+    experiment.of = root.text("of", experiment.of);
+    if (experiment.of != "diagonal" && experiment.of != "absolute" && experiment.of != "lower") {
+        root.fail(*root.find("of"), fmt::format("'of' must be diagonal, absolute or lower, not '{}'", experiment.of));
+    }
+    experiment.repeats = root.count("repeats", 0, experiment.repeats);
+    experiment.rounds = root.count("rounds", 1, experiment.rounds);
+    experiment.trace = root.flag("trace", experiment.trace);
+    experiment.limits = read_limits(file, root);
+
+    std::set<std::string> names;
+    for (const char* kind : {"scene", "solver"}) {
+        const toml::node* node = root.find(kind);
+        const toml::array* array = node ? node->as_array() : nullptr;
+        if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
+        for (const toml::node& item : *array) {
+            if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
+            if (std::string_view(kind) == "scene") {
+                Reader reader(file, *item.as_table(), "[[scene]]", {"name", "source", "target", "note", "motion", "profiles"});
+                if (!wanted(reader, profile)) continue;
+                experiment.scenes.push_back(read_scene(file, reader));
+                if (!names.insert(experiment.scenes.back().name).second) {
+                    reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", experiment.scenes.back().name, profile));
+                }
+            } else {
+                Reader reader(file, *item.as_table(), "[[solver]]",
+                              {"name", "label", "parameters", "tolerances", "scenes", "profiles"});
+                if (!wanted(reader, profile)) continue;
+                SolverPlan solver = read_solver(reader);
+                if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
+                if (solver.tolerances.empty()) reader.fail("no 'tolerances', here or at the top: a tolerance has no default");
+                for (const std::string& scene : solver.scenes) {
+                    if (!names.contains(scene)) {
+                        reader.fail(fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.begin(), names.end()})));
+                    }
+                }
+                experiment.solvers.push_back(std::move(solver));
+            }
+        }
+    }
+    return experiment;
+}
+
+std::vector<fs::path> experiment_files(const fs::path& folder) {
+    std::vector<fs::path> files;
+    if (fs::exists(folder)) {
+        for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+            if (entry.path().extension() == ".toml") files.push_back(entry.path());
+        }
+    }
+    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
+    for (std::size_t i = 1; i < files.size(); ++i) {
+        if (files[i].stem() == files[i - 1].stem()) {
+            throw InputError(fmt::format("{} and {}: two experiments of one stem: rename one", files[i - 1].string(), files[i].string()));
+        }
+    }
+    return files;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,54 @@
+// An experiment file, checked: what to run on what. The one place that knows its TOML keys (see CONTRIBUTING.md).
+#pragma once
+
+#include "motion.h"
+#include "options.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct Limits {
+    double case_seconds = 60;      // for one answer; the timed repeats together may take twice as long
+    double prepare_seconds = 120;  // for loading and preparing
+    std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
+};
+
+struct ScenePlan {
+    std::string name, source, target;  // models of datasets/manifest.toml
+    std::string note;
+    Motion motion = Static{};
+};
+
+struct SolverPlan {
+    std::string name, label;
+    std::vector<ParameterMap> options;  // one for each combination of swept parameters
+    std::vector<double> tolerances;     // this solver's own, else the experiment's
+    std::vector<std::string> scenes;    // only on these; empty: on all
+};
+
+struct Experiment {
+    std::string stem, title, paper, profile;
+    std::string toml;  // verbatim
+    std::filesystem::path file;
+    std::vector<ScenePlan> scenes;
+    std::vector<SolverPlan> solvers;
+    std::vector<double> tolerances;
+    std::string of = "diagonal";  // diagonal | absolute | lower
+    int repeats = 5;              // timed repeats a round
+    int rounds = 1;               // fresh processes; the order of solvers is turned round after each (ABBA)
+    bool trace = false;           // coarser tolerances are read off the trace of the finest where a solver traces
+    Limits limits;
+};
+
+// Throws InputError naming file, line and key for anything unknown (with the nearest known name), missing or out of range:
+// keys, solvers, parameters and their values; models are checked by plan.h.
+Experiment read_experiment(const std::filesystem::path& file, const std::string& profile);
+
+// All experiment files below a folder, by stem. Throws InputError if two have the same.
+std::vector<std::filesystem::path> experiment_files(const std::filesystem::path& folder);
+
+}  // namespace hausbench

@@ -1,0 +1,127 @@
+#include "journal.h"
+
+#include "error.h"
+#include "hash.h"
+#include "machine.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr int journal_schema = 1;
+
+std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
+
+}  // namespace
+
+Journal::Journal(std::filesystem::path file) : file_(std::move(file)) {
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) {
+        throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results", file_.string(),
+                                     std::strerror(errno)));
+    }
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        ::close(descriptor_);
+        throw InputError(fmt::format("{}: another run is writing this result: wait for it, or end it", file_.string()));
+    }
+    try {
+        read();
+    } catch (...) {
+        ::close(descriptor_);
+        throw;
+    }
+}
+
+Journal::~Journal() { ::close(descriptor_); }
+
+void Journal::begin() {
+    started_ = utc_now();
+    write_line(json{{"hausbench_journal", journal_schema}, {"started", started_}}.dump());
+}
+
+void Journal::read() {
+    std::string text;
+    char buffer[1 << 16];
+    for (;;) {
+        const ssize_t n = ::read(descriptor_, buffer, sizeof buffer);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
+        if (n == 0) break;
+        text.append(buffer, std::size_t(n));
+    }
+    std::size_t good = 0;  // everything before is whole lines
+    for (int number = 1; good < text.size(); ++number) {
+        const std::size_t end = text.find('\n', good);
+        const bool last = end == std::string::npos || end + 1 == text.size();
+        const std::string line = text.substr(good, end == std::string::npos ? end : end - good);
+        if (end == std::string::npos || line.size() < 18 || line[16] != ' ' || checksum(std::string_view(line).substr(17)) != line.substr(0, 16)) {
+            if (number == 1 && !(line.size() < 18)) {
+                throw InputError(fmt::format("{}: is not a journal of hausbench: move it away or choose another folder with --results", file_.string()));
+            }
+            if (!last) throw InputError(fmt::format("{}:{}: damaged: start over with --fresh", file_.string(), number));
+            break;  // torn: the write never finished
+        }
+        const json record = json::parse(std::string_view(line).substr(17));
+        if (number == 1) {
+            if (record.value("hausbench_journal", 0) != journal_schema) {
+                throw InputError(fmt::format("{}: written by another version of hausbench: finish with that one, or start over with --fresh", file_.string()));
+            }
+            started_ = record.at("started");
+        } else {
+            outcomes_[{record.at("identity"), record.at("round")}] = outcome_from_json(record.at("outcome"));
+        }
+        good = end + 1;
+    }
+    if (::ftruncate(descriptor_, off_t(good)) != 0 || ::lseek(descriptor_, 0, SEEK_END) < 0) {
+        throw InputError(fmt::format("{}: cannot mend its last line: {}", file_.string(), std::strerror(errno)));
+    }
+    if (started_.empty()) begin();
+}
+
+void Journal::clear() {
+    outcomes_.clear();
+    if (::ftruncate(descriptor_, 0) != 0 || ::lseek(descriptor_, 0, SEEK_SET) < 0) {
+        throw InputError(fmt::format("{}: cannot empty it: {}", file_.string(), std::strerror(errno)));
+    }
+    begin();
+}
+
+void Journal::write_line(const std::string& text) {
+    const std::string line = checksum(text) + ' ' + text + '\n';
+    const off_t start = ::lseek(descriptor_, 0, SEEK_CUR);
+    std::size_t done = 0;
+    while (done < line.size()) {
+        const ssize_t n = ::write(descriptor_, line.data() + done, line.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) {
+            const int cause = errno;
+            // Whole lines only, even on a full disk. If this fails as well, opening the journal cuts the torn line off.
+            if (::ftruncate(descriptor_, start) == 0) ::lseek(descriptor_, start, SEEK_SET);
+            throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again", file_.string(),
+                                         std::strerror(cause)));
+        }
+        done += std::size_t(n);
+    }
+    if (::fsync(descriptor_) != 0 && errno != EINVAL) {
+        throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again", file_.string(),
+                                     std::strerror(errno)));
+    }
+}
+
+void Journal::append(const Key& key, const Outcome& outcome) {
+    write_line(json{{"identity", key.first}, {"round", key.second}, {"outcome", to_json(outcome)}}.dump());
+    outcomes_[key] = outcome;
+}
+
+}  // namespace hausbench

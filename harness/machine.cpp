@@ -1,0 +1,125 @@
+#include "machine.h"
+
+#include "build_info.h"  // written by CMake
+#include "hash.h"
+#include "paths.h"
+
+#include <CGAL/version.h>
+#include <Eigen/Core>
+#include <assimp/version.h>
+#include <fmt/format.h>
+#include <H5public.h>
+#include <nlohmann/json.hpp>
+
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+std::string first_line(const fs::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    return line;
+}
+
+// The value of the first line "KEY<separator>value" of a file.
+std::string field(const fs::path& file, const std::string& key, char separator) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+        const auto at = line.find(separator);
+        if (at == std::string::npos || line.compare(0, key.size(), key) != 0) continue;
+        auto value = line.substr(at + 1);
+        const auto begin = value.find_first_not_of(" \t\"");
+        const auto end = value.find_last_not_of(" \t\"");
+        return begin == std::string::npos ? "" : value.substr(begin, end - begin + 1);
+    }
+    return "unknown";
+}
+
+std::string cache_sizes() {
+    std::string text;
+    for (int i = 0; i < 8; ++i) {
+        const fs::path folder = fmt::format("/sys/devices/system/cpu/cpu0/cache/index{}", i);
+        if (!fs::exists(folder)) break;
+        text += fmt::format("{}L{} {} {}", text.empty() ? "" : ", ", first_line(folder / "level"), first_line(folder / "type"),
+                            first_line(folder / "size"));
+    }
+    return text.empty() ? "unknown" : text;
+}
+
+Build read_build() {
+    Build build;
+    build.id = sha256_of_file("/proc/self/exe");
+    build.version = HAUSBENCH_VERSION;
+    build.compiler = HAUSBENCH_COMPILER;
+    build.flags = HAUSBENCH_FLAGS;
+    build.type = HAUSBENCH_BUILD_TYPE;
+    unsigned hdf5[3] = {};
+    H5get_libversion(&hdf5[0], &hdf5[1], &hdf5[2]);
+    json libraries = json::parse(HAUSBENCH_LIBRARIES);
+    libraries["CGAL"] = CGAL_VERSION_STR;
+    libraries["Eigen"] = fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+    libraries["HDF5"] = fmt::format("{}.{}.{}", hdf5[0], hdf5[1], hdf5[2]);
+    libraries["assimp"] = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+    build.libraries = libraries.dump();
+    // The commit lies beside the program, not in it, so that a commit that changes no code keeps the build's id.
+    std::ifstream in(program_path().parent_path() / "commit.json");
+    const json commit = in ? json::parse(in, nullptr, false) : json();
+    build.commit = commit.is_object() ? commit.value("commit", "unknown") : "unknown";
+    build.dirty = commit.is_object() ? commit.value("dirty", "unknown") : "unknown";
+    return build;
+}
+
+Machine read_machine() {
+    Machine machine;
+    machine.cpu = field("/proc/cpuinfo", "model name", ':');
+    machine.caches = cache_sizes();
+    machine.cores = sysconf(_SC_NPROCESSORS_ONLN);
+    machine.memory_bytes = std::int64_t(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
+    utsname name{};
+    uname(&name);
+    machine.kernel = fmt::format("{} {} {}", name.sysname, name.release, name.machine);
+    machine.system = field("/etc/os-release", "PRETTY_NAME", '=');
+    machine.id = Sha256()
+                     .add(machine.cpu)
+                     .add(machine.caches)
+                     .add(machine.kernel)
+                     .add(machine.system)
+                     .add(fmt::format("{} {}", machine.cores, machine.memory_bytes))
+                     .hex();
+    return machine;
+}
+
+}  // namespace
+
+const Build& this_build() {
+    static const Build build = read_build();
+    return build;
+}
+
+const Machine& this_machine() {
+    static const Machine machine = read_machine();
+    return machine;
+}
+
+std::string utc_now() {
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text;
+}
+
+}  // namespace hausbench

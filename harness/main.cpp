@@ -1,0 +1,144 @@
+// The program: verbs run, list, measure; `hausbench VERB --help` says what each takes.
+#include "catalogue.h"
+#include "error.h"
+#include "experiment.h"
+#include "list.h"
+#include "load.h"
+#include "measure.h"
+#include "paths.h"
+#include "plan.h"
+#include "progress.h"
+#include "runner.h"
+#include "shape_file.h"
+#include "worker.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <new>
+
+namespace {
+
+using namespace hausbench;
+namespace fs = std::filesystem;
+
+struct RunArguments {
+    fs::path file, results;
+    std::string profile = "quick";
+    Choice choice;
+    bool fresh = false, any_build = false, quiet = false;
+};
+
+int run(const RunArguments& arguments) {
+    const Experiment experiment = read_experiment(arguments.file, arguments.profile);
+    const Catalogue catalogue(project_root() / "datasets" / "manifest.toml", cache_folder(), program_path());
+    Plan plan;
+    {
+        Progress progress(arguments.quiet);
+        plan = make_plan(experiment, catalogue, arguments.choice, [&](const std::string& what) { progress.doing(what); });
+    }
+    const RunSummary summary = run_plan(plan, {arguments.results.empty() ? project_root() / "results" : arguments.results,
+                                               arguments.fresh, arguments.any_build, arguments.quiet});
+    std::string counts;
+    for (const auto& [status, count] : summary.statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
+    fmt::print("{}: {}\n", summary.file.string(), counts);
+    if (!summary.interrupted) return 0;
+    fmt::print(stderr, "interrupted: what was finished is safe; the same command goes on from here\n");
+    return 130;
+}
+
+ParameterMap parse_parameters(const std::vector<std::string>& texts) {
+    ParameterMap parameters;
+    for (const std::string& text : texts) {
+        const auto equals = text.find('=');
+        if (equals == std::string::npos) throw InputError(fmt::format("--set {}: write it as name=value", text));
+        const auto value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
+        ParameterValue& to = parameters[text.substr(0, equals)];
+        if (value.is_boolean()) to = value.get<bool>();
+        else if (value.is_number_integer()) to = value.get<std::int64_t>();
+        else if (value.is_number()) to = value.get<double>();
+        else to = text.substr(equals + 1);
+    }
+    return parameters;
+}
+
+int dispatch(int argc, char** argv) {
+    CLI::App app("Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, Pompeiu-Hausdorff).");
+    app.require_subcommand(1);
+    int code = 0;
+
+    RunArguments run_arguments;
+    auto* run_verb = app.add_subcommand("run", "run an experiment and write its results (resumes by itself)");
+    run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
+    run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")->capture_default_str();
+    run_verb->add_option("--solver", run_arguments.choice.solvers, "only this solver (its label in the experiment); may be repeated");
+    run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated");
+    run_verb->add_option("--results", run_arguments.results, "folder for the result file (default: results of the project)");
+    run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
+    run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
+    run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
+    run_verb->callback([&] { code = run(run_arguments); });
+
+    bool list_json = false;
+    auto* list_verb = app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
+    list_verb->add_flag("--json", list_json, "as one JSON object");
+    list_verb->callback([&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
+
+    MeasureRequest request;
+    std::vector<std::string> parameters;
+    bool measure_json = false;
+    auto* measure_verb = app.add_subcommand("measure", "bound the distance from A to B (meshes or point sets in any common format)");
+    measure_verb->add_option("A", request.source, "source file: h(A,B) = max over a in A of the distance from a to B")->required();
+    measure_verb->add_option("B", request.target, "target file")->required();
+    measure_verb->add_option("--solver", request.solver, "see `hausbench list` (default: guthe for meshes, earlybreak for points)");
+    measure_verb->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")->capture_default_str();
+    measure_verb->add_option("--of", request.of, "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a fraction of the lower bound")
+        ->capture_default_str()->check(CLI::IsMember({"diagonal", "absolute", "lower"}));
+    measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
+    measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
+    measure_verb->add_option("--time-limit", request.time_limit, "seconds for each direction; the bounds hold when it runs out");
+    measure_verb->add_flag("--json", measure_json, "print one JSON object");
+    measure_verb->callback([&] {
+        request.options = parse_parameters(parameters);
+        const Measured measured = measure(request);
+        std::fputs((measure_json ? to_json(measured, request).dump() + "\n" : describe(measured, request)).c_str(), stdout);
+    });
+
+    // For this program's own use: a foreign file or a solver can take down no more than its own process.
+    fs::path load_in, load_out;
+    std::string load_format;
+    auto* load_verb = app.add_subcommand("load")->group("");
+    load_verb->add_option("file", load_in)->required();
+    load_verb->add_option("out", load_out)->required();
+    load_verb->add_option("--format", load_format);
+    load_verb->callback([&] { write_shape(load_out, load_file(load_in, load_format)); });
+    int events = -1;
+    auto* worker_verb = app.add_subcommand("worker")->group("");
+    worker_verb->add_option("--events", events)->required();
+    worker_verb->callback([&] { code = worker_main(events); });
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return dispatch(argc, argv);
+    } catch (const hausbench::InputError& error) {
+        fmt::print(stderr, "hausbench: {}\n", error.what());
+        return 2;
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "hausbench: out of memory\n");
+        return 4;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "hausbench: internal error: {}\n", error.what());
+        return 1;
+    }
+}

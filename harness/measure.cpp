@@ -1,0 +1,149 @@
+#include "measure.h"
+
+#include "error.h"
+#include "isolated.h"
+#include "paths.h"
+#include "registry.h"
+#include "session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+
+namespace hausbench {
+
+namespace {
+
+std::int64_t resident(const char* key) {
+    std::ifstream in("/proc/self/status");
+    const std::string wanted = key;
+    for (std::string line; std::getline(in, line);) {
+        if (line.compare(0, wanted.size(), wanted) == 0) return 1024 * std::stoll(line.substr(wanted.size() + 1));
+    }
+    return -1;
+}
+
+// One direction, added to what is measured so far: H is the larger of the two.
+void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scene scene, const std::string& direction,
+                   Measured& measured, bool first) {
+    Query query;
+    query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
+                       request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
+    query.time_limit = request.time_limit;
+    measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value
+                                                                                : std::numeric_limits<double>::quiet_NaN();
+    const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options), std::move(scene),
+                          {false, 1, query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0});
+    Trace untraced;
+    const auto begin = std::chrono::steady_clock::now();
+    const Result result = session.solve(query, untraced);
+    measured.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    measured.prepare_seconds += session.prepare_seconds();
+    if (first) {
+        measured.result = result;
+        return;
+    }
+    Result& whole = measured.result;
+    if (result.bounds.lower > whole.bounds.lower) {
+        whole.witness = result.witness;
+        measured.witness_direction = direction;
+    }
+    whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
+    whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
+    if (result.status != Status::converged) whole.status = result.status;
+    for (const CounterField& field : counter_fields) whole.counters.*field.member += result.counters.*field.member;
+}
+
+}  // namespace
+
+Measured measure(const MeasureRequest& request) {
+    if (!(request.tolerance > 0) || !std::isfinite(request.tolerance)) {
+        throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
+    }
+    LoadedShape source = load_isolated(program_path(), request.source);
+    LoadedShape target = load_isolated(program_path(), request.target);
+    Measured measured;
+    measured.source_report = source.report;
+    measured.target_report = target.report;
+    measured.source_kind = kind_of(source.shape);
+    measured.target_kind = kind_of(target.shape);
+    measured.source_elements = element_count(source.shape);
+    measured.target_elements = element_count(target.shape);
+    measured.diagonal = diagonal(points_of(source.shape));
+    const bool points = measured.source_kind == ShapeKind::points && measured.target_kind == ShapeKind::points;
+    measured.solver = !request.solver.empty() ? request.solver : points ? "earlybreak" : "guthe";
+    const SolverEntry& entry = find_solver(measured.solver);
+    if (const auto why = refusal(entry.info, measured.source_kind, measured.target_kind); !why.empty()) {
+        throw InputError(fmt::format("{} and {}: {}; choose another with --solver", request.source.string(), request.target.string(), why));
+    }
+    if (request.of == "diagonal" && measured.diagonal == 0) {
+        throw InputError(fmt::format("{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
+                                     request.source.string()));
+    }
+    const std::int64_t before = resident("VmRSS");
+    std::ofstream("/proc/self/clear_refs") << "5";
+    if (request.symmetric) one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
+    else one_direction(entry, request, {std::move(source.shape), std::move(target.shape)}, "", measured, true);
+    if (request.symmetric) {
+        one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured, false);
+    }
+    measured.peak_bytes = std::max<std::int64_t>(0, resident("VmHWM") - before);
+    return measured;
+}
+
+nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
+    const auto point = [](const Vec3& v) -> nlohmann::json {
+        if (!v.allFinite()) return nullptr;
+        return {v[0], v[1], v[2]};
+    };
+    // A witness of the other direction lies on B first; the keys keep to A and B.
+    const bool turned = m.witness_direction == "target to source";
+    const Witness& w = m.result.witness;
+    return {{"lower", number(m.result.bounds.lower)},
+            {"upper", number(m.result.bounds.upper)},
+            {"status", to_string(m.result.status)},
+            {"source_point", point(turned ? w.target_point : w.source_point)},
+            {"target_point", point(turned ? w.source_point : w.target_point)},
+            {"witness_direction", m.witness_direction},
+            {"direction", request.symmetric ? "symmetric" : "source to target"},
+            {"solver", m.solver},
+            {"tolerance", request.tolerance},
+            {"tolerance_of", request.of},
+            {"tolerance_absolute", number(m.tolerance_absolute)},
+            {"prepare_seconds", m.prepare_seconds},
+            {"solve_seconds", m.solve_seconds},
+            {"peak_bytes", m.peak_bytes}};
+}
+
+std::string describe(const Measured& m, const MeasureRequest& request) {
+    const auto shape = [](const std::filesystem::path& file, ShapeKind kind, Index elements, const LoadReport& report) {
+        std::string text = fmt::format("{}, {} {}", file.string(), elements, kind == ShapeKind::points ? "points" : "triangles");
+        if (report.precision != "float64") text += fmt::format(", {} coordinates", report.precision);
+        if (report.unreferenced.value_or(0) > 0) text += fmt::format(", {} unreferenced vertices dropped", *report.unreferenced);
+        return text;
+    };
+    const Bounds& b = m.result.bounds;
+    const bool turned = m.witness_direction == "target to source";
+    const Vec3& p = turned ? m.result.witness.target_point : m.result.witness.source_point;
+    const Vec3& q = turned ? m.result.witness.source_point : m.result.witness.target_point;
+    std::string text;
+    text += fmt::format("source A   {}\n", shape(request.source, m.source_kind, m.source_elements, m.source_report));
+    text += fmt::format("target B   {}\n", shape(request.target, m.target_kind, m.target_elements, m.target_report));
+    const std::string of = request.of == "diagonal" ? fmt::format("of A's diagonal {:.9g} (= {:.9g})", m.diagonal, m.tolerance_absolute)
+                           : request.of == "lower"  ? "of the lower bound"
+                                                    : "(a length)";
+    text += fmt::format("solver     {}, tolerance {:g} {}\n", m.solver, request.tolerance, of);
+    text += fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);
+    text += fmt::format("           gap {:.3g}, {}\n", b.gap(), to_string(m.result.status));
+    if (p.allFinite()) {
+        text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1], p[2], q[0],
+                            q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");
+    }
+    text += fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {:.1f} MB\n", m.prepare_seconds, m.solve_seconds,
+                        double(m.peak_bytes) / 1e6);
+    return text;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,41 @@
+// `hausbench measure A B`: the distance between any two files.
+#pragma once
+
+#include "load.h"
+#include "record.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace hausbench {
+
+struct MeasureRequest {
+    std::filesystem::path source, target;
+    std::string solver;  // empty: guthe for meshes, earlybreak for point sets
+    ParameterMap options;
+    double tolerance = 1e-6;
+    std::string of = "diagonal";  // diagonal | absolute | lower
+    bool symmetric = false;       // H = max of both directions
+    double time_limit = std::numeric_limits<double>::infinity();
+};
+
+struct Measured {
+    std::string solver;
+    Result result;  // of the symmetric distance: the bounds of H, the witness of the direction with the larger lower bound
+    double diagonal = 0, tolerance_absolute = 0;
+    double prepare_seconds = 0, solve_seconds = 0;
+    std::int64_t peak_bytes = -1;
+    std::string witness_direction = "source to target";
+    LoadReport source_report, target_report;
+    ShapeKind source_kind{}, target_kind{};
+    Index source_elements = 0, target_elements = 0;
+};
+
+// Throws InputError for anything wrong with the files, the solver, its parameters or the tolerance.
+Measured measure(const MeasureRequest& request);
+
+nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
+std::string describe(const Measured& measured, const MeasureRequest& request);  // for a person; ends in a newline
+
+}  // namespace hausbench

@@ -1,0 +1,80 @@
+#include "motion.h"
+
+#include "error.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+namespace hausbench {
+
+namespace {
+
+double fraction(int step, int steps) { return steps == 1 ? 0.0 : double(step) / double(steps - 1); }
+
+std::vector<Pose> translated(const Translation& motion, const Shape& source) {
+    const double unit = motion.of_diagonal ? diagonal(points_of(source)) : 1.0;
+    std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
+    for (int i = 0; i < motion.steps; ++i) {
+        const double s = fraction(i, motion.steps);
+        poses[std::size_t(i)].translation = unit * ((1 - s) * motion.from + s * motion.to);
+    }
+    return poses;
+}
+
+std::vector<Pose> rotated(const Rotation& motion, const Shape& source) {
+    const Points& points = points_of(source);
+    const Vec3 centre = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
+    std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
+    for (int i = 0; i < motion.steps; ++i) {
+        const double angle = motion.degrees * fraction(i, motion.steps) * std::numbers::pi / 180;
+        if (angle == 0) continue;  // the identity, exactly
+        Pose& pose = poses[std::size_t(i)];
+        pose.rotation = Eigen::AngleAxisd(angle, motion.axis.normalized()).toRotationMatrix();
+        pose.translation = centre - pose.rotation * centre;
+    }
+    return poses;
+}
+
+std::vector<Pose> read_poses(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    if (!in) throw InputError(fmt::format("{}: cannot open the pose file: check its path (relative to the experiment)", file.string()));
+    std::vector<Pose> poses;
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number) {
+        if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
+        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+        std::istringstream words(line);
+        std::vector<double> values;
+        for (double value; words >> value;) values.push_back(value);
+        bool good = words.eof() && values.size() == 12;
+        for (double value : values) good = good && std::isfinite(value);
+        if (!good) {
+            throw InputError(fmt::format("{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): mend the line",
+                                         file.string(), number));
+        }
+        Pose pose;
+        for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = values[std::size_t(i)];
+        for (int i = 0; i < 3; ++i) pose.translation[i] = values[std::size_t(9 + i)];
+        poses.push_back(pose);
+    }
+    if (poses.empty()) throw InputError(fmt::format("{}: no poses in it: write at least one line of twelve numbers", file.string()));
+    return poses;
+}
+
+}  // namespace
+
+std::vector<Pose> poses_of(const Motion& motion, const Shape& source) {
+    if (const auto* m = std::get_if<Translation>(&motion)) return translated(*m, source);
+    if (const auto* m = std::get_if<Rotation>(&motion)) return rotated(*m, source);
+    if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file);
+    return {Pose{}};
+}
+
+bool moves(const Motion& motion) { return !std::holds_alternative<Static>(motion); }
+
+}  // namespace hausbench

@@ -1,0 +1,42 @@
+// Motions: the poses that a scene's source goes through.
+#pragma once
+
+#include "scene.h"
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hausbench {
+
+struct Static {};
+
+// `steps` poses from `from` to `to`, both included; lengths in units of the source's diagonal, or absolute.
+struct Translation {
+    Vec3 from, to;
+    int steps;
+    bool of_diagonal;
+};
+
+// `steps` poses from 0 to `degrees` about an axis through the centre of the source's box, both included.
+struct Rotation {
+    Vec3 axis;
+    double degrees;
+    int steps;
+};
+
+// A text file with twelve numbers a line: the rotation row by row, then the translation; '#' begins a comment. A recorded
+// simulation is such a file, too.
+struct PoseFile {
+    std::filesystem::path file;
+};
+
+using Motion = std::variant<Static, Translation, Rotation, PoseFile>;
+
+// Throws InputError that names the line of a pose file that is not twelve finite numbers.
+std::vector<Pose> poses_of(const Motion& motion, const Shape& source);
+
+bool moves(const Motion& motion);
+
+}  // namespace hausbench

@@ -1,0 +1,18 @@
+// Where things lie: found from the program and the working directory, overridable by environment.
+#pragma once
+
+#include <filesystem>
+
+namespace hausbench {
+
+// This program's own file.
+std::filesystem::path program_path();
+
+// The checkout: HAUSBENCH_ROOT, else the nearest folder above the working directory, else above the program, that holds
+// datasets/manifest.toml. Throws InputError if there is none.
+std::filesystem::path project_root();
+
+// HAUSBENCH_CACHE, else datasets/cache of the project: fetched files and shapes.
+std::filesystem::path cache_folder();
+
+}  // namespace hausbench

@@ -1,0 +1,218 @@
+#include "plan.h"
+
+#include "error.h"
+#include "registry.h"
+#include "session.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace hausbench {
+
+namespace {
+
+struct SceneModels {
+    std::variant<ResolvedModel, MissingModel> source, target;
+    std::vector<Pose> poses{Pose{}};
+    std::string missing;      // why it cannot run, empty if it can
+    std::string row = "skipped";  // the status of its rows then
+};
+
+void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known, const std::string& what) {
+    for (const std::string& name : chosen) {
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            throw InputError(fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, known)));
+        }
+    }
+}
+
+bool chosen(const std::vector<std::string>& choice, const std::string& name) {
+    return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
+}
+
+class Planner {
+public:
+    Planner(const Experiment& experiment, const Catalogue& catalogue, const std::function<void(const std::string&)>& say)
+        : catalogue_(catalogue), say_(say) {
+        plan_.experiment = experiment;
+    }
+
+    Plan make(const Choice& choice) {
+        const Experiment& experiment = plan_.experiment;
+        std::vector<std::string> scene_names, solver_names;
+        for (const ScenePlan& scene : experiment.scenes) scene_names.push_back(scene.name);
+        for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
+        check_choice(choice.scenes, scene_names, "scene");
+        check_choice(choice.solvers, solver_names, "solver");
+        for (const ScenePlan& scene : experiment.scenes) {  // all names first: a wrong one should not cost the derivations
+            catalogue_.find(scene.source);
+            catalogue_.find(scene.target);
+        }
+        for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
+            if (!chosen(choice.scenes, experiment.scenes[i].name)) continue;
+            const SceneModels models = resolve(experiment.scenes[i]);
+            for (const SolverPlan& solver : experiment.solvers) {
+                const auto& on = solver.scenes;
+                if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i].name)) continue;
+                for (const ParameterMap& options : solver.options) add(i, models, solver, options);
+            }
+        }
+        check_identities();
+        return std::move(plan_);
+    }
+
+private:
+    std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) {
+        if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
+        say_(fmt::format("model {}", name));
+        auto result = catalogue_.resolve(name);
+        if (const auto* good = std::get_if<ResolvedModel>(&result)) plan_.models.push_back({&catalogue_.find(name), *good});
+        return resolved_[name] = std::move(result);
+    }
+
+    SceneModels resolve(const ScenePlan& scene) {
+        SceneModels models{MissingModel{}, MissingModel{}, {Pose{}}, "", "skipped"};
+        try {
+            models.source = resolve(scene.source);
+            models.target = resolve(scene.target);
+            for (const auto* side : {&models.source, &models.target}) {
+                if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
+            }
+            if (models.missing.empty() && moves(scene.motion)) {
+                models.poses = poses_of(scene.motion, read_shape(std::get<ResolvedModel>(models.source).shape_file).shape);
+            }
+        } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
+            models.missing = error.what();
+            models.row = "failed";
+        }
+        return models;
+    }
+
+    void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
+        const Experiment& experiment = plan_.experiment;
+        const ScenePlan& scene = experiment.scenes[scene_number];
+        Outcome decided;
+        decided.status = "";
+        const SolverEntry* entry = nullptr;
+        for (const NotBuilt& absent : solvers_not_built()) {
+            if (absent.name != solver.name) continue;
+            decided.status = "not_built";
+            decided.reason = absent.reason;
+        }
+        if (decided.status.empty()) entry = &find_solver(solver.name);
+        if (decided.status.empty() && !models.missing.empty()) {
+            decided.status = models.row;
+            decided.reason = models.missing;
+        }
+        const auto* source = std::get_if<ResolvedModel>(&models.source);
+        const auto* target = std::get_if<ResolvedModel>(&models.target);
+        if (decided.status.empty()) {
+            decided.reason = refusal(entry->info, source->kind, target->kind);
+            if (!decided.reason.empty()) decided.status = "skipped";
+        }
+
+        Job job;
+        job.scene = scene_number;
+        job.label = fmt::format("{} on {}", solver.label, scene.name);
+        std::vector<double> tolerances = solver.tolerances;
+        std::sort(tolerances.begin(), tolerances.end());  // the finest first
+        const bool reads_trace = entry && (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
+        for (std::size_t p = 0; p < models.poses.size(); ++p) {
+            std::size_t finest = 0;
+            for (std::size_t t = 0; t < tolerances.size(); ++t) {
+                Case asked;
+                asked.solver = solver.name;
+                asked.label = solver.label;
+                asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
+                asked.scene = scene.name;
+                asked.note = scene.note;
+                asked.source = scene.source;
+                asked.target = scene.target;
+                if (source) {
+                    asked.source_hash = source->content_hash;
+                    asked.source_elements = source->elements;
+                    asked.source_diagonal = source->diagonal;
+                }
+                if (target) {
+                    asked.target_hash = target->content_hash;
+                    asked.target_elements = target->elements;
+                }
+                asked.pose_index = int(p);
+                asked.pose = models.poses[p];
+                asked.tolerance = tolerances[t];
+                asked.tolerance_of = experiment.of;
+                asked.limits = experiment.limits;
+                asked.identity = identify(asked);
+                const std::size_t row = plan_.cases.size();
+                plan_.cases.push_back(std::move(asked));
+                if (!decided.status.empty()) {
+                    plan_.decided[row] = decided;
+                } else if (t > 0 && reads_trace) {
+                    plan_.traced[row] = {finest, entry->info.exact};
+                } else {
+                    if (t == 0) finest = row;
+                    job.cases.push_back(row);
+                }
+            }
+        }
+        note(job, entry, decided, models.poses.size() * tolerances.size());
+        if (job.cases.empty()) return;
+        job.source_file = source->shape_file;
+        job.target_file = target->shape_file;
+        const Case& first = plan_.cases[job.cases.front()];
+        const Tolerance tolerance = first.resolved_tolerance();
+        job.queries = {moves(scene.motion), job.cases.size(), tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
+        plan_.jobs.push_back(std::move(job));
+    }
+
+    void note(const Job& job, const SolverEntry* entry, const Outcome& decided, std::size_t asked) {
+        auto& ledger = plan_.ledger;
+        if (!decided.status.empty()) {
+            ledger.push_back({decided.status == "not_built" ? "not_built" : "not_run", job.label, "all cases", decided.reason,
+                              std::int64_t(asked)});
+        } else if (asked > job.cases.size()) {
+            ledger.push_back({"not_run", job.label, "coarser tolerances",
+                              entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"
+                                                : "the trace of the finest tolerance holds their answers",
+                              std::int64_t(asked - job.cases.size())});
+        }
+    }
+
+    void check_identities() const {
+        std::map<std::string, const Case*> seen;
+        for (const Case& asked : plan_.cases) {
+            const auto [at, fresh] = seen.emplace(asked.identity, &asked);
+            if (!fresh && at->second->scene == asked.scene) {
+                throw InputError(fmt::format("{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
+                                             plan_.experiment.file.string(), at->second->label, asked.label, asked.scene,
+                                             asked.pose_index, asked.tolerance));
+            }
+        }
+    }
+
+    const Catalogue& catalogue_;
+    const std::function<void(const std::string&)>& say_;
+    std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
+    Plan plan_;
+};
+
+}  // namespace
+
+std::vector<double> Plan::marks(std::size_t row) const {
+    std::vector<double> gaps;
+    for (const auto& [coarse, from] : traced) {
+        if (from.of == row && !from.exact) gaps.push_back(cases[coarse].resolved_tolerance().value);
+    }
+    std::sort(gaps.rbegin(), gaps.rend());
+    return gaps;
+}
+
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
+               const std::function<void(const std::string&)>& say) {
+    return Planner(experiment, catalogue, say).make(choice);
+}
+
+}  // namespace hausbench

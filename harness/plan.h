@@ -1,0 +1,63 @@
+// From an experiment to the cases it asks for, the workers that answer them, and what can be left out.
+#pragma once
+
+#include "catalogue.h"
+#include "record.h"
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run.
+struct Job {
+    std::size_t scene = 0;  // number in the experiment
+    std::string label;      // "guthe on bunny"
+    std::filesystem::path source_file, target_file;
+    QuerySet queries;
+    std::vector<std::size_t> cases;  // rows of Plan::cases, in running order
+};
+
+// A case that is not run because the run of another holds its answer.
+struct FromTrace {
+    std::size_t of;  // row of the case that is run
+    bool exact;      // the solver's answer does not depend on the tolerance at all
+};
+
+struct LedgerEntry {
+    std::string kind;  // not_built | not_prepared | not_run
+    std::string subject, what, reason;
+    std::int64_t count = 1;
+};
+
+struct ModelRow {
+    const ModelInfo* info;
+    ResolvedModel resolved;
+};
+
+struct Plan {
+    Experiment experiment;
+    std::vector<Case> cases;                  // every case asked for
+    std::map<std::size_t, Outcome> decided;   // rows that need no run: not built, skipped, failed before it began
+    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run
+    std::vector<Job> jobs;
+    std::vector<LedgerEntry> ledger;
+    std::vector<ModelRow> models;
+
+    // Gaps (absolute lengths, the largest first) that the trace of this row must hold.
+    std::vector<double> marks(std::size_t row) const;
+};
+
+struct Choice {  // --solver, --scene; empty: all
+    std::vector<std::string> solvers, scenes;
+};
+
+// Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for
+// each. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
+               const std::function<void(const std::string&)>& say);
+
+}  // namespace hausbench

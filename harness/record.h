@@ -1,0 +1,73 @@
+// A case that was asked for, and what became of it: the rows of a result file, and their JSON in journals and pipes.
+#pragma once
+
+#include "experiment.h"
+#include "solver.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// What was asked for. Everything that can change the answer goes into `identity`.
+struct Case {
+    std::string identity;  // SHA-256, see identify()
+    std::string solver, label;
+    ParameterMap options;  // every parameter of the solver
+    std::string scene, note, source, target;
+    std::string source_hash, target_hash;  // of the shapes; empty for a missing model
+    std::int64_t source_elements = 0, target_elements = 0;
+    double source_diagonal = 0;
+    int pose_index = 0;
+    Pose pose;
+    double tolerance = 0;
+    std::string tolerance_of;
+    Limits limits;
+
+    Tolerance resolved_tolerance() const;  // relative to the diagonal becomes absolute: here and nowhere else
+};
+
+std::string identify(const Case& asked);
+
+struct Repeat {
+    int round = 0;
+    double wall_seconds = 0, cpu_seconds = 0;  // per solve
+    std::int64_t iterations = 1;
+};
+
+// What became of it.
+struct Outcome {
+    std::string status = "skipped";  // see results/README.md
+    std::string reason;
+    std::string solver_status;
+    Bounds bounds{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    Witness witness{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()),
+                    Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), -1, -1};
+    Counters counters;
+    double prepare_seconds = std::numeric_limits<double>::quiet_NaN();
+    std::int64_t prepare_bytes = -1;
+    double solve_seconds = std::numeric_limits<double>::quiet_NaN();
+    std::int64_t peak_bytes = -1;
+    std::vector<PreparationTime> preparation;
+    std::vector<Repeat> repeats;
+    std::vector<TraceSample> trace;
+    bool from_trace = false;
+    std::string build, machine;
+};
+
+// The status of a row for a solver's own status: converged and cutoff_passed are `ok`.
+std::string row_status(Status status);
+
+nlohmann::json to_json(const Outcome& outcome);
+Outcome outcome_from_json(const nlohmann::json& json);
+
+nlohmann::json options_json(const ParameterMap& options);
+
+// JSON has no NaN or infinity: these become texts.
+nlohmann::json number(double value);
+double number(const nlohmann::json& json);
+
+}  // namespace hausbench

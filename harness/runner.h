@@ -1,0 +1,27 @@
+// Runs a plan: one worker process a solver and scene, limits, the journal, and the result file at the end.
+#pragma once
+
+#include "plan.h"
+
+#include <filesystem>
+
+namespace hausbench {
+
+struct RunOptions {
+    std::filesystem::path results;  // folder
+    bool fresh = false;             // forget what an earlier run finished
+    bool any_build = false;         // keep rows of other builds of this program
+    bool quiet = false;
+};
+
+struct RunSummary {
+    std::filesystem::path file;
+    std::map<std::string, std::size_t> statuses;  // how many rows of each
+    bool interrupted = false;
+};
+
+// Resumes by itself: cases in the journal of the same identity and build are not run again. Ctrl-C (SIGINT, SIGTERM) ends
+// the worker, writes what there is and leaves a journal to resume from.
+RunSummary run_plan(const Plan& plan, const RunOptions& options);
+
+}  // namespace hausbench

@@ -1,0 +1,207 @@
+// Events, in order: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is timed), "repeat" for
+// each timed repeat, "trace", "end". "refused" instead of "prepared" if the solver cannot take the scene.
+#include "worker.h"
+
+#include "error.h"
+#include "registry.h"
+#include "session.h"
+#include "shape_file.h"
+#include "timing.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+json pose_json(const Pose& pose) {
+    json out = json::array();
+    for (int i = 0; i < 9; ++i) out.push_back(number(pose.rotation(i / 3, i % 3)));
+    for (int i = 0; i < 3; ++i) out.push_back(number(pose.translation[i]));
+    return out;
+}
+
+Pose pose_of(const json& values) {
+    Pose pose;
+    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = number(values.at(std::size_t(i)));
+    for (int i = 0; i < 3; ++i) pose.translation[i] = number(values.at(std::size_t(9 + i)));
+    return pose;
+}
+
+// kB from /proc/self/status, as bytes; -1 where there is no such line.
+std::int64_t memory_now(const std::string& key) {
+    std::ifstream in("/proc/self/status");
+    for (std::string line; std::getline(in, line);) {
+        if (line.compare(0, key.size(), key) == 0) return 1024 * std::stoll(line.substr(key.size() + 1));
+    }
+    return -1;
+}
+
+// Makes the peak resident set start again from the present one. False where the kernel does not let us.
+bool reset_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
+
+class Worker {
+public:
+    Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
+
+    int run() {
+        const SolverEntry& entry = find_solver(order_.solver);
+        Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
+        memory_before_ = memory_now("VmRSS");
+        reset_peak();
+        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene), order_.queries);
+        json structures = json::array(), left_out = json::array();
+        for (const PreparationTime& p : session_->preparation()) structures.push_back({p.name, number(p.seconds), p.bytes});
+        for (const Need& need : entry.info.may_need) {
+            const auto& built = session_->needs();
+            if (std::find(built.begin(), built.end(), need) == built.end()) left_out.push_back(to_string(need));
+        }
+        send({{"event", "prepared"}, {"structures", structures}, {"left_out", left_out}});
+        for (const WorkOrder::Item& item : order_.items) answer(item);
+        return 0;
+    }
+
+private:
+    void send(const json& event) {
+        const std::string line = event.dump() + '\n';
+        for (std::size_t done = 0; done < line.size();) {
+            const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
+            if (n <= 0) std::exit(3);  // the runner is gone
+            done += std::size_t(n);
+        }
+    }
+
+    void answer(const WorkOrder::Item& item) {
+        send({{"event", "begin"}, {"row", item.row}});
+        Query query;
+        query.pose = item.pose;
+        query.tolerance = item.tolerance;
+        query.time_limit = order_.limits.case_seconds;
+
+        const bool peak_known = reset_peak();
+        Trace untraced;
+        const auto begin = std::chrono::steady_clock::now();
+        const Result result = session_->solve(query, untraced);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+
+        Outcome outcome;
+        outcome.status = row_status(result.status);
+        outcome.solver_status = to_string(result.status);
+        if (outcome.status != "ok") outcome.reason = reason(result.status);
+        outcome.bounds = result.bounds;
+        outcome.witness = result.witness;
+        outcome.counters = result.counters;
+        outcome.prepare_seconds = session_->prepare_seconds();
+        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
+        outcome.preparation = session_->preparation();
+        outcome.solve_seconds = seconds.count();
+        if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, memory_now("VmHWM") - memory_before_);
+        send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
+
+        if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, seconds.count());
+        if (item.trace) trace(item, query, result);
+        send({{"event", "end"}, {"row", item.row}});
+    }
+
+    std::string reason(Status status) const {
+        switch (status) {
+            case Status::time_limit: return fmt::format("not within {} s: the bounds hold", order_.limits.case_seconds);
+            case Status::budget: return "the budget of subdivisions was spent: the bounds hold";
+            case Status::precision_floor: return "the tolerance is below what double precision can certify: the bounds hold";
+            case Status::stalled: return "the solver could not go on: the bounds hold";
+            default: return "";
+        }
+    }
+
+    // Fast solves are timed several at once, so that the clock's own cost stays below a thousandth.
+    void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
+        const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
+        double spent = 0;
+        for (int i = 0; i < order_.repeats && (i == 0 || spent < 2 * order_.limits.case_seconds); ++i) {
+            const Timing timing = time_once(*session_, query, iterations);
+            spent += timing.wall_seconds * double(iterations);
+            send({{"event", "repeat"}, {"row", item.row}, {"repeat", {order_.round, number(timing.wall_seconds),
+                  number(timing.cpu_seconds), iterations}}});
+        }
+    }
+
+    void trace(const WorkOrder::Item& item, const Query& query, const Result& first) {
+        Trace traced(Trace::Mode::on, item.marks);
+        const Result again = session_->solve(query, traced);
+        json samples = json::array();
+        for (const TraceSample& s : traced.samples()) samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
+        // Only a run that both times came to its own end must come to the same one.
+        const bool equal = again.bounds.lower == first.bounds.lower && again.bounds.upper == first.bounds.upper;
+        send({{"event", "trace"}, {"row", item.row}, {"samples", samples},
+              {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
+    }
+
+    WorkOrder order_;
+    int events_;
+    std::int64_t memory_before_ = 0;
+    std::optional<Session> session_;
+};
+
+ParameterMap parameters_of(const json& object) {
+    ParameterMap out;
+    for (const auto& [name, value] : object.items()) {
+        if (value.is_boolean()) out[name] = value.get<bool>();
+        else if (value.is_number_integer()) out[name] = value.get<std::int64_t>();
+        else if (value.is_number()) out[name] = value.get<double>();
+        else out[name] = value.get<std::string>();
+    }
+    return out;
+}
+
+}  // namespace
+
+json to_json(const WorkOrder& o) {
+    json items = json::array();
+    for (const auto& i : o.items) {
+        items.push_back({{"row", i.row}, {"pose", pose_json(i.pose)}, {"of_lower", i.tolerance.of == Tolerance::Of::lower},
+                         {"tolerance", i.tolerance.value}, {"trace", i.trace}, {"marks", i.marks}});
+    }
+    return {{"solver", o.solver},
+            {"options", options_json(o.options)},
+            {"source", o.source_file.string()},
+            {"target", o.target_file.string()},
+            {"queries", {o.queries.moves, o.queries.count, o.queries.finest_tolerance}},
+            {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
+            {"round", o.round},
+            {"repeats", o.repeats},
+            {"items", items}};
+}
+
+WorkOrder work_order_from_json(const json& j) {
+    WorkOrder o;
+    o.solver = j.at("solver");
+    o.options = parameters_of(j.at("options"));
+    o.source_file = j.at("source").get<std::string>();
+    o.target_file = j.at("target").get<std::string>();
+    o.queries = {j.at("queries").at(0), j.at("queries").at(1), j.at("queries").at(2)};
+    o.limits = {j.at("limits").at(0), j.at("limits").at(1), j.at("limits").at(2)};
+    o.round = j.at("round");
+    o.repeats = j.at("repeats");
+    for (const json& i : j.at("items")) {
+        o.items.push_back({i.at("row"), pose_of(i.at("pose")),
+                           {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
+                           i.at("trace"), i.at("marks").get<std::vector<double>>()});
+    }
+    return o;
+}
+
+int worker_main(int events) {
+    const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+    return Worker(work_order_from_json(json::parse(text)), events).run();
+}
+
+}  // namespace hausbench
