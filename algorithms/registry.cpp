@@ -14,6 +14,13 @@ SolverEntry cgal_solver();        // peers/cgal.cpp
 const std::vector<SolverEntry>& solvers() {
     static const std::vector<SolverEntry> list = {
         naive_solver(),
+        earlybreak_solver(),
+#ifdef HAUSBENCH_HAS_KDTREE
+        kdtree_solver(),
+#endif
+#ifdef HAUSBENCH_HAS_CGAL
+        cgal_solver(),
+#endif
     };
     return list;
 }

@@ -1,0 +1,136 @@
+// CGAL's bounded-error one-sided Hausdorff distance between triangle meshes, as its users call it.
+//
+// Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
+// subdivision). Its own structures are built inside every call, so they are part of solve, not of prepare.
+// It returns one number, v with |v - h| <= error_bound, and starts its search at error_bound: where it answers just that,
+// h lies in [0, 2 error_bound], and no more is known (`stalled`); else in [v, v + error_bound]. No rounding is accounted
+// for: not certified. No pair of points is told (NaN, elements -1). One run a tolerance, which is error_bound; a tolerance
+// relative to the lower bound is met by halving error_bound until it is. Limits of time and work are not looked at.
+//
+// The soup becomes a Surface_mesh that shares vertices where that makes a polygon mesh; otherwise each triangle gets its
+// own three, which is valid for this function: it looks at faces one by one, and only its matching of equal faces of A and
+// B goes by shared positions, which it then finds by sorting points.
+#include "kernel/rounding.h"
+#include "solver.h"
+
+#include <exception>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/distance.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Surface_mesh.h>
+
+namespace hausbench {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+using Faces = std::vector<std::array<std::size_t, 3>>;
+
+Faces faces_of(const Triangles& triangles) {
+    Faces faces(static_cast<std::size_t>(triangles.rows()));
+    for (Index i = 0; i < triangles.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            faces[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = static_cast<std::size_t>(triangles(i, k));
+        }
+    }
+    return faces;
+}
+
+SurfaceMesh surface_mesh(const Points& vertices, const Faces& faces, bool shared) {
+    SurfaceMesh mesh;
+    const auto point = [&](std::size_t v) {
+        const auto row = static_cast<Index>(v);
+        return Kernel::Point_3(vertices(row, 0), vertices(row, 1), vertices(row, 2));
+    };
+    using Vertex = SurfaceMesh::Vertex_index;
+    if (shared) {
+        for (Index v = 0; v < vertices.rows(); ++v) mesh.add_vertex(point(static_cast<std::size_t>(v)));
+        for (const auto& [a, b, c] : faces) {
+            mesh.add_face(Vertex(static_cast<Index>(a)), Vertex(static_cast<Index>(b)), Vertex(static_cast<Index>(c)));
+        }
+    } else {
+        for (const auto& [a, b, c] : faces) {
+            mesh.add_face(mesh.add_vertex(point(a)), mesh.add_vertex(point(b)), mesh.add_vertex(point(c)));
+        }
+    }
+    return mesh;
+}
+
+class Cgal final : public Solver {
+public:
+    explicit Cgal(const Options& options) : match_faces_(options.flag("match_faces")) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        namespace pmp = CGAL::Polygon_mesh_processing;
+        source_ = &std::get<TriangleMesh>(scene.source);
+        const auto& target = std::get<TriangleMesh>(scene.target);
+        source_faces_ = faces_of(source_->triangles);
+        source_shared_ = pmp::is_polygon_soup_a_polygon_mesh(source_faces_);
+        const Faces target_faces = faces_of(target.triangles);
+        target_ = surface_mesh(target.vertices, target_faces, pmp::is_polygon_soup_a_polygon_mesh(target_faces));
+    }
+
+    Result solve(const Query& query, Trace&) const override {
+        Result result;
+        result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
+        result.witness.target_point = result.witness.source_point;
+        try {
+            const SurfaceMesh source = surface_mesh(posed(source_->vertices, query.pose), source_faces_, source_shared_);
+            if (query.tolerance.of == Tolerance::Of::absolute) {
+                result.bounds = bounds(source, query.tolerance.value);
+            } else {
+                // The diagonal of the source is where a search for the scale of h may start.
+                double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
+                do {
+                    bound *= query.tolerance.value < 0.5 ? query.tolerance.value : 0.5;
+                    result.bounds = bounds(source, bound);
+                } while (result.bounds.gap() > query.tolerance.gap(result.bounds.lower) &&
+                         bound > 16 * unit_roundoff * magnitude(source_->vertices));
+            }
+        } catch (const std::exception&) {  // an assertion of CGAL's, where those are compiled in
+            return result;
+        }
+        const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+        result.status = close ? Status::converged : Status::stalled;
+        return result;
+    }
+
+private:
+    Bounds bounds(const SurfaceMesh& source, double error_bound) const {
+        namespace pmp = CGAL::Polygon_mesh_processing;
+        const auto matched = CGAL::parameters::match_faces(match_faces_);
+        const double value =
+            pmp::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(source, target_, error_bound, matched, matched);
+        if (value == 0) return {0, 0};  // every face of A is a face of B
+        if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};  // as CGAL passes it on
+        Bounds result{value, value + error_bound};
+        while (result.gap() > error_bound) result.upper = next_down(result.upper);
+        return result;
+    }
+
+    bool match_faces_;
+    const TriangleMesh* source_ = nullptr;
+    Faces source_faces_;
+    bool source_shared_ = false;
+    SurfaceMesh target_;
+};
+
+}  // namespace
+
+SolverEntry cgal_solver() {
+    SolverInfo info;
+    info.name = "cgal";
+    info.title = "CGAL";
+    info.paper = "cgal";
+    info.source.mesh = info.target.mesh = true;
+    info.original_coordinates = true;
+    info.parameters = {
+        {.name = "match_faces", .default_value = true, .unit = "", .paper_value = "",
+         .description = "first drop the faces of A that are faces of B; CGAL's default", .choices = {}},
+    };
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Cgal>(options); }};
+}
+
+}  // namespace hausbench

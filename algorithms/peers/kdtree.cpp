@@ -1,0 +1,158 @@
+// The simple rival: a k-d tree over B (nanoflann), a nearest neighbour search for each point of A that is given up once it
+// finds a point no farther than the largest distance so far. Points of A that look farthest come first.
+//
+// Certified although nanoflann promises nothing: each search names a true point of B, so the largest distance found bounds
+// h from above whatever was overlooked; the point that attains it is compared with all of B again, which is the lower
+// bound. O(|A| log |B| + |B|) time on tame data, O(|A| + |B|) memory. Budget: points of A.
+#include "kernel/deadline.h"
+#include "points/exact.h"
+#include "solver.h"
+
+#include <algorithm>
+
+#include <nanoflann.hpp>
+
+namespace hausbench {
+namespace {
+
+struct PointsAdaptor {
+    const Points* points = nullptr;
+    std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points->rows()); }
+    double kdtree_get_pt(std::size_t i, std::size_t k) const {
+        return (*points)(static_cast<Index>(i), static_cast<Index>(k));
+    }
+    template <class BoundingBox> bool kdtree_get_bbox(BoundingBox&) const { return false; }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsAdaptor>, PointsAdaptor, 3>;
+
+// Keeps the nearest point; asks to stop at the first one that is near enough.
+struct NearestOrEnough {
+    double enough;
+    Counters& counters;
+    double squared = std::numeric_limits<double>::infinity();
+    Index at = -1;
+
+    std::size_t size() const { return at < 0 ? 0 : 1; }
+    bool full() const { return at >= 0; }
+    double worstDist() const { return squared; }
+    bool addPoint(double candidate, std::size_t index) {
+        ++counters.point_distances;
+        if (candidate < squared) {
+            squared = candidate;
+            at = static_cast<Index>(index);
+        }
+        return squared > enough;
+    }
+};
+
+class KdTree final : public Solver {
+public:
+    explicit KdTree(const Options& options)
+        : leaf_size_(static_cast<std::size_t>(options.integer("leaf_size"))),
+          samples_(static_cast<Index>(options.integer("samples"))) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        scene_ = &scene;
+        adaptor_.points = &points_of(scene.target);
+        tree_ = std::make_unique<Tree>(3, adaptor_, nanoflann::KDTreeSingleIndexAdaptorParams(leaf_size_));
+    }
+
+    std::size_t prepared_bytes() const override { return tree_->usedMemory(*tree_); }
+
+    Result solve(const Query& query, Trace&) const override {
+        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points& b = points_of(scene_->target);
+        if (out_of_range(a, b)) return {};
+
+        const Deadline deadline(query.time_limit);
+        Counters counters;
+        FarthestPoint farthest;
+        const std::vector<Index> order = likely_farthest_first(a, b, counters);
+        for (Index row = 0; row < a.rows(); ++row) {
+            const Index i = order[static_cast<std::size_t>(row)];
+            Status stopped = Status::converged;
+            if (static_cast<std::uint64_t>(row) >= query.budget) stopped = Status::budget;
+            if (row % 256 == 0 && deadline.passed()) stopped = Status::time_limit;
+            if (stopped != Status::converged) {
+                const double rest = squared_distances_at_most(a, b, order.data(), row);
+                return finish(query, a, b, farthest, counters, rest, stopped);
+            }
+            NearestOrEnough nearest{farthest.squared, counters};
+            ++counters.closest_point_queries;
+            tree_->findNeighbors(nearest, a.row(i).data(), nanoflann::SearchParams());
+            if (nearest.squared > farthest.squared) farthest = {nearest.squared, i, nearest.at};
+        }
+        return finish(query, a, b, farthest, counters, -1, Status::converged);
+    }
+
+private:
+    // The points of A that are farthest from a few points of B, a 64th of all, then the others as they come.
+    std::vector<Index> likely_farthest_first(const Points& a, const Points& b, Counters& counters) const {
+        const auto count = static_cast<std::size_t>(a.rows());
+        const Index samples = std::min<Index>(samples_, static_cast<Index>(b.rows()));
+        std::vector<std::pair<double, Index>> keys(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (Index k = 0; k < samples; ++k) {
+                const auto j = static_cast<Index>(static_cast<std::int64_t>(b.rows()) * k / samples);
+                nearest = std::min(nearest, squared_distance(a.row(static_cast<Index>(i)).data(), b.row(j).data()));
+            }
+            keys[i] = {-nearest, static_cast<Index>(i)};
+        }
+        counters.point_distances += count * static_cast<std::uint64_t>(samples);
+        const auto head = keys.begin() + static_cast<std::ptrdiff_t>((count + 63) / 64);
+        if (samples > 0) {
+            std::nth_element(keys.begin(), head - 1, keys.end());
+            std::sort(keys.begin(), head);
+            std::sort(head, keys.end(), [](const auto& x, const auto& y) { return x.second < y.second; });
+        }
+        std::vector<Index> order(count);
+        for (std::size_t i = 0; i < count; ++i) order[i] = keys[i].second;
+        return order;
+    }
+
+    // Compares the farthest point with all of B again; what the search found stays the upper bound.
+    static Result finish(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
+                         Counters& counters, double rest, Status stopped) {
+        if (farthest.source >= 0) {
+            const double found = farthest.squared;
+            farthest.squared = std::numeric_limits<double>::infinity();
+            for (Index j = 0; j < b.rows(); ++j) {
+                const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
+                if (squared < farthest.squared) farthest.squared = squared, farthest.target = j;
+            }
+            counters.point_distances += static_cast<std::uint64_t>(b.rows());
+            rest = std::max(rest, found);
+        }
+        return exact_result(query, a, b, farthest, counters, rest, stopped);
+    }
+
+    std::size_t leaf_size_;
+    Index samples_;
+    const Scene* scene_ = nullptr;
+    PointsAdaptor adaptor_;
+    std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace
+
+SolverEntry kdtree_solver() {
+    SolverInfo info;
+    info.name = "kdtree";
+    info.title = "k-d tree (nanoflann)";
+    info.paper = "nanoflann";
+    info.source.points = info.target.points = true;
+    info.certified = true;
+    info.exact = true;
+    info.parameters = {
+        {.name = "leaf_size", .default_value = std::int64_t{10}, .unit = "points", .paper_value = "",
+         .description = "most points in a leaf of the tree; nanoflann's default", .choices = {}, .least = 1, .most = 1e6},
+        {.name = "samples", .default_value = std::int64_t{16}, .unit = "points", .paper_value = "",
+         .description = "points of B that choose which points of A come first; 0: the order given", .choices = {},
+         .least = 0, .most = 1e6},
+    };
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<KdTree>(options); }};
+}
+
+}  // namespace hausbench

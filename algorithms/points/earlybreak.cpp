@@ -1,0 +1,160 @@
+// EARLYBREAK: a point of A is given up as soon as some point of B is closer than the largest distance so far.
+//
+// Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
+// given by Zhang, He, Wu, Wang, 2017, Algorithm 2, with cmin <- 0 before the break (the first print lacks it and may
+// return a stale minimum). The exclusion of common points is h(A, B) = h(A \ B, B): the inner set stays the whole of B.
+// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
+#include "kernel/deadline.h"
+#include "points/exact.h"
+#include "solver.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hausbench {
+namespace {
+
+// SplitMix64, so that the order is the same on every machine.
+class Generator {
+public:
+    explicit Generator(std::uint64_t seed) : state_(seed) {}
+
+    std::uint64_t operator()() {
+        std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+        return z ^ (z >> 31);
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+std::vector<Index> order_of(Index count, bool shuffle, Generator& random) {
+    std::vector<Index> order(static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
+    if (!shuffle) return order;
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    return order;
+}
+
+// As a key: equal for equal points, and -0 = +0.
+std::array<double, 3> key_of(const Points& points, Index i) {
+    return {points(i, 0) + 0.0, points(i, 1) + 0.0, points(i, 2) + 0.0};
+}
+
+class EarlyBreak final : public Solver {
+public:
+    explicit EarlyBreak(const Options& options)
+        : seed_(static_cast<std::uint64_t>(options.integer("seed"))),
+          shuffle_(options.flag("shuffle")),
+          exclude_common_(options.flag("exclude_common")) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        scene_ = &scene;
+        Generator random(seed_);
+        const Points& b = points_of(scene.target);
+        source_order_ = order_of(element_count(scene.source), shuffle_, random);
+        target_order_ = order_of(element_count(scene.target), shuffle_, random);
+        shuffled_target_.resize(b.rows(), 3);
+        for (Index j = 0; j < b.rows(); ++j) shuffled_target_.row(j) = b.row(target_order_[static_cast<std::size_t>(j)]);
+        if (!exclude_common_) return;
+        for (Index j = 0; j < b.rows(); ++j) sorted_target_.push_back({key_of(b, j), j});
+        std::sort(sorted_target_.begin(), sorted_target_.end());
+    }
+
+    std::size_t prepared_bytes() const override {
+        return (source_order_.capacity() + target_order_.capacity()) * sizeof(Index) +
+               static_cast<std::size_t>(shuffled_target_.size()) * sizeof(double) +
+               sorted_target_.capacity() * sizeof(sorted_target_[0]);
+    }
+
+    Result solve(const Query& query, Trace&) const override {
+        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points& b = points_of(scene_->target);
+        if (out_of_range(a, b)) return {};
+
+        const Deadline deadline(query.time_limit);
+        Counters counters;
+        FarthestPoint farthest;
+        for (Index row = 0; row < a.rows(); ++row) {
+            const Index i = source_order_[static_cast<std::size_t>(row)];
+            Status stopped = Status::converged;
+            if (static_cast<std::uint64_t>(row) >= query.budget) stopped = Status::budget;
+            if (stopped == Status::converged && !excluded(a, i, farthest)) {
+                stopped = scan(a, i, deadline, farthest, counters);
+            }
+            if (distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::cutoff_passed;
+            if (stopped != Status::converged) {
+                const double rest = squared_distances_at_most(a, b, source_order_.data(), row);
+                return exact_result(query, a, b, farthest, counters, rest, stopped);
+            }
+        }
+        return exact_result(query, a, b, farthest, counters);
+    }
+
+private:
+    // Whether point i is in B too; its distance, zero, still counts if there is nothing else.
+    bool excluded(const Points& a, Index i, FarthestPoint& farthest) const {
+        if (!exclude_common_) return false;
+        const std::array<double, 3> key = key_of(a, i);
+        const auto found = std::lower_bound(sorted_target_.begin(), sorted_target_.end(), std::pair{key, Index{0}});
+        if (found == sorted_target_.end() || found->first != key) return false;
+        if (farthest.source < 0) farthest = {0, i, found->second};
+        return true;
+    }
+
+    Status scan(const Points& a, Index i, const Deadline& deadline, FarthestPoint& farthest, Counters& counters) const {
+        constexpr Index block = 4096;  // points of B between two looks at the clock
+        const double* point = a.row(i).data();
+        const auto count = static_cast<Index>(shuffled_target_.rows());
+        double nearest = std::numeric_limits<double>::infinity();
+        Index at = -1;
+        for (Index begin = 0; begin < count; begin += block) {
+            if (deadline.passed()) return Status::time_limit;
+            const Index end = std::min(begin + block, count);
+            for (Index j = begin; j < end; ++j) {
+                const double squared = squared_distance(point, shuffled_target_.row(j).data());
+                if (squared < farthest.squared) {
+                    counters.point_distances += static_cast<std::uint64_t>(j - begin + 1);
+                    return Status::converged;
+                }
+                if (squared < nearest) nearest = squared, at = j;
+            }
+            counters.point_distances += static_cast<std::uint64_t>(end - begin);
+        }
+        if (nearest > farthest.squared) farthest = {nearest, i, target_order_[static_cast<std::size_t>(at)]};
+        return Status::converged;
+    }
+
+    std::uint64_t seed_;
+    bool shuffle_, exclude_common_;
+    const Scene* scene_ = nullptr;
+    std::vector<Index> source_order_, target_order_;
+    Points shuffled_target_;
+    std::vector<std::pair<std::array<double, 3>, Index>> sorted_target_;
+};
+
+}  // namespace
+
+SolverEntry earlybreak_solver() {
+    SolverInfo info;
+    info.name = "earlybreak";
+    info.title = "EARLYBREAK";
+    info.paper = "taha2015";
+    info.source.points = info.target.points = true;
+    info.certified = true;
+    info.exact = true;
+    info.parameters = {
+        {.name = "seed", .default_value = std::int64_t{1}, .unit = "", .paper_value = "",
+         .description = "of the generator that shuffles both sets", .choices = {}, .least = 0, .most = 9e15},
+        {.name = "shuffle", .default_value = true, .unit = "", .paper_value = "randomize(A), randomize(B)",
+         .description = "scan both sets in random order", .choices = {}},
+        {.name = "exclude_common", .default_value = false, .unit = "", .paper_value = "on, for voxel data",
+         .description = "leave out points of A that are points of B as well", .choices = {}},
+    };
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<EarlyBreak>(options); }};
+}
+
+}  // namespace hausbench
