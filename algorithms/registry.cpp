@@ -15,6 +15,7 @@ const std::vector<SolverEntry>& solvers() {
     static const std::vector<SolverEntry> list = {
         naive_solver(),
         earlybreak_solver(),
+        guthe_solver(),
 #ifdef HAUSBENCH_HAS_KDTREE
         kdtree_solver(),
 #endif

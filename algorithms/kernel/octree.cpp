@@ -17,6 +17,14 @@ void offer(ClosestPoint& best, const TrianglePoint& candidate, Index triangle) {
     best = {squared, candidate.point, triangle};
 }
 
+// Lowers `least` to what is certain of this triangle. One whose box is beyond the nearest is at least as far as that.
+void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters) {
+    if (squared_distance_to_box(point, box_of(triangle)) > nearest) return;
+    ++counters.point_triangle_distances;
+    const TrianglePoint foot = closest_point(point, triangle);
+    least = std::min(least, distance_certainly_at_least(point, triangle, foot.point));
+}
+
 }  // namespace
 
 ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters) {
@@ -32,12 +40,10 @@ ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const 
 }
 
 double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters) {
-    double least = std::numeric_limits<double>::infinity();
+    const double nearest = closest_by_scan(mesh, point, {}, counters).squared_distance;
+    double least = distance_at_least(nearest, true);
     for (Index i = 0; i < mesh.triangles.rows(); ++i) {
-        ++counters.point_triangle_distances;
-        const Triangle triangle = triangle_of(mesh, i);
-        const TrianglePoint nearest = closest_point(point, triangle);
-        least = std::min(least, distance_certainly_at_least(point, triangle, nearest.point));
+        certify(point, triangle_of(mesh, i), nearest, least, counters);
     }
     return least;
 }
@@ -175,16 +181,11 @@ ClosestPoint TriangleOctree::closest(const Vec3& point, const ClosestHints& hint
 }
 
 double TriangleOctree::certified_distance(const Vec3& point, Counters& counters) const {
-    // Triangles and cells left out are at least as far as this, by their boxes.
     const double nearest = closest(point, {}, counters).squared_distance;
     double least = distance_at_least(nearest, true);
     traverse(point, nearest, counters, [&](const Node& node) {
         for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
-            const Triangle& triangle = triangles_[static_cast<std::size_t>(i)];
-            if (squared_distance_to_box(point, box_of(triangle)) > nearest) continue;
-            ++counters.point_triangle_distances;
-            const TrianglePoint foot = closest_point(point, triangle);
-            least = std::min(least, distance_certainly_at_least(point, triangle, foot.point));
+            certify(point, triangles_[static_cast<std::size_t>(i)], nearest, least, counters);
         }
         return true;
     });

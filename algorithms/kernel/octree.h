@@ -35,13 +35,14 @@ struct ClosestHints {
 ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters);
 
 // A lower bound of the distance from `point` to the exact mesh, that holds under rounding: the least of the
-// distance_certainly_at_least (point_triangle.h) of the triangles. O(n).
+// distance_certainly_at_least (point_triangle.h) of the triangles whose box is no farther than the closest one's computed
+// distance, and that distance (rounded down) for the others. O(n). The octree returns the same bits.
 double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters);
 
 // Each triangle is kept once, in the leaf cell that the centre of its box falls into, and each cell knows the tight box
 // of the triangles below it. As closest_point clamps its answer to the triangle's box, and the box
-// distance is computed by the same operations, a cell is left out only where no computed distance inside could win:
-// answers do not depend on the shape of the tree. Any coordinates with |c| <= 2^400.
+// distance is computed by the same operations, a cell is left out only where no computed distance inside could win: no
+// slack is needed, and answers do not depend on the shape of the tree. Any coordinates with |c| <= 2^400.
 class TriangleOctree {
 public:
     // `mesh` must outlive this. O(n log n) time, O(n) memory; at most `max_depth` levels however the triangles lie.
@@ -50,7 +51,7 @@ public:
     // O(log n) on well-behaved meshes, O(n) at worst (the centre of a sphere).
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
-    // As certified_distance_by_scan; not the same bits, as cells left out count by the distance of their boxes.
+    // As certified_distance_by_scan. O(log n) and what is equally near.
     double certified_distance(const Vec3& point, Counters& counters) const;
 
     std::size_t bytes() const;

@@ -1,0 +1,332 @@
+// Midpoint subdivision after Guthe, Borodin, Klein: Fast and accurate Hausdorff distance calculation between meshes, WSCG
+// 2005. That paper was not at hand: this follows the descriptions in Tang, Lee, Kim 2009 and Zhang et al. 2017. From
+// there: an octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
+// triangles that cannot attain the maximum, the end of a triangle whose vertices share a nearest triangle.
+//
+// Upper bound of a piece T with vertices v: the least of
+//   max_v d(v, S), S a triangle of B near T: the distance to a convex set is convex, so its maximum over T is at a vertex
+//   (exact if S is nearest to all three, even if ties named another: the shared-triangle end of Tang et al., section 4);
+//   d(v, B) + the longest edge from v: the distance to any set is 1-Lipschitz.
+// The S tried are the triangles nearest to the piece's vertices and to its siblings' (ours; Guthe's list is not known).
+// The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
+//
+// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound does no harm, as
+// the bounds of what is purged are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
+// Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 152
+// bytes a piece that waits.
+#include "kernel/deadline.h"
+#include "kernel/octree.h"
+#include "kernel/rounding.h"
+#include "solver.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hausbench {
+namespace {
+
+constexpr int most_levels = 50;  // by then a piece is smaller than rounding
+constexpr Index scan_at_most = 32;  // triangles of B that are as soon scanned as searched
+
+struct Vertex {
+    Vec3 point;
+    double squared = -1;    // distance to B, squared; negative: not known yet
+    Index triangle = -1;    // of B, nearest
+};
+
+struct Piece {
+    std::array<Vertex, 3> corners;
+    double upper;
+    Index source;    // triangle of A
+    Index best;      // triangle of B whose bound was least
+    int level;
+
+    bool operator<(const Piece& other) const { return upper < other.upper; }
+};
+
+// One query at work.
+class Search {
+public:
+    Search(const TriangleMesh& a, const TriangleMesh& b, const TriangleOctree* octree, Points posed_vertices,
+           const Query& query, Trace& trace)
+        : a_(a), b_(b), octree_(octree), points_(std::move(posed_vertices)), query_(query), trace_(trace),
+          deadline_(query.time_limit), magnitude_(std::max(magnitude(points_), magnitude(b.vertices))) {}
+
+    Result run();
+
+private:
+    ClosestPoint closest(const Vec3& point, Index warm);
+    Vertex vertex_at(const Vec3& point, Index warm, Index source, int level);
+    bool measure_vertices();
+    void push_triangles();
+    void push(Piece&& piece);
+    void split(const Piece& piece);
+    double upper() const { return std::max(settled_, heap_.empty() ? 0.0 : heap_.front().upper); }
+    double certified_lower();
+    Result result(Status status);
+
+    const TriangleMesh& a_;
+    const TriangleMesh& b_;
+    const TriangleOctree* octree_;
+    Points points_;
+    const Query& query_;
+    Trace& trace_;
+    Deadline deadline_;
+    double magnitude_;
+    Counters counters_;
+    std::vector<Vertex> vertices_;  // of A
+    std::vector<Piece> heap_;
+    double settled_ = 0;            // the largest upper bound of what was purged
+    Vertex farthest_;
+    Index farthest_source_ = -1;
+    int farthest_level_ = 0;
+    double certified_ = -1;         // of farthest_, negative: to be computed
+};
+
+ClosestPoint Search::closest(const Vec3& point, Index warm) {
+    ClosestHints hints;
+    hints.warm_triangle = warm;
+    return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
+}
+
+Vertex Search::vertex_at(const Vec3& point, Index warm, Index source, int level) {
+    const ClosestPoint nearest = closest(point, warm);
+    const Vertex vertex{point, nearest.squared_distance, nearest.triangle};
+    if (vertex.squared > farthest_.squared) {
+        farthest_ = vertex;
+        farthest_source_ = source;
+        farthest_level_ = level;
+        certified_ = -1;
+    }
+    return vertex;
+}
+
+// False: out of time.
+bool Search::measure_vertices() {
+    vertices_.resize(static_cast<std::size_t>(points_.rows()));
+    Index warm = -1;
+    for (Index i = 0; i < a_.triangles.rows(); ++i) {
+        if (i % 128 == 0 && deadline_.passed()) return false;
+        for (const Index v : a_.triangles.row(i)) {
+            if (vertices_[static_cast<std::size_t>(v)].triangle >= 0) warm = vertices_[static_cast<std::size_t>(v)].triangle;
+        }
+        for (const Index v : a_.triangles.row(i)) {
+            Vertex& vertex = vertices_[static_cast<std::size_t>(v)];
+            if (vertex.triangle < 0) vertex = vertex_at(points_.row(v), warm, i, 0);
+            warm = vertex.triangle;
+        }
+    }
+    return true;
+}
+
+void Search::push(Piece&& piece) {
+    // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
+    // pieces whose vertices share a nearest triangle.
+    if (piece.upper <= surface_distance_at_most(farthest_.squared, magnitude_, piece.level) || piece.level == most_levels) {
+        settled_ = std::max(settled_, piece.upper);
+        return;
+    }
+    ++counters_.queue_pushes;
+    heap_.push_back(std::move(piece));
+    std::push_heap(heap_.begin(), heap_.end());
+}
+
+double lipschitz_bound(const std::array<Vertex, 3>& corners, double magnitude, int level) {
+    double edges[3];  // edges[k] is opposite corner k
+    for (std::size_t k = 0; k < 3; ++k) {
+        edges[k] = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
+    }
+    double bound = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double longest = std::max(edges[(k + 1) % 3], edges[(k + 2) % 3]);
+        bound = std::min(bound, piece_distance_at_most(corners[k].squared, longest, magnitude, level));
+    }
+    return bound;
+}
+
+void Search::push_triangles() {
+    for (Index i = 0; i < a_.triangles.rows(); ++i) {
+        Piece piece{};
+        piece.source = i;
+        for (int k = 0; k < 3; ++k) {
+            piece.corners[static_cast<std::size_t>(k)] = vertices_[static_cast<std::size_t>(a_.triangles(i, k))];
+        }
+        double least = std::numeric_limits<double>::infinity();
+        for (const Vertex& corner : piece.corners) {
+            const Triangle near = triangle_of(b_, corner.triangle);
+            double most = 0;
+            for (const Vertex& other : piece.corners) {
+                if (other.triangle == corner.triangle) {
+                    most = std::max(most, other.squared);
+                } else {
+                    ++counters_.point_triangle_distances;
+                    most = std::max(most, closest_point(other.point, near).squared_distance);
+                }
+            }
+            ++counters_.bound_tests;
+            if (most < least) {
+                least = most;
+                piece.best = corner.triangle;
+            }
+        }
+        piece.upper = std::min(surface_distance_at_most(least, magnitude_, 0), lipschitz_bound(piece.corners, magnitude_, 0));
+        push(std::move(piece));
+    }
+}
+
+// Four pieces, from the three corners (0, 1, 2) and the midpoints opposite them (3, 4, 5).
+void Search::split(const Piece& piece) {
+    constexpr std::array<std::array<std::size_t, 3>, 4> children{{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
+    ++counters_.subdivisions;
+    const int level = piece.level + 1;
+    std::array<Vertex, 6> v;
+    for (std::size_t k = 0; k < 3; ++k) v[k] = piece.corners[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vertex &one = v[(k + 1) % 3], &two = v[(k + 2) % 3];
+        v[k + 3] = vertex_at(0.5 * (one.point + two.point), one.triangle, piece.source, level);
+    }
+
+    std::array<Index, 7> near{piece.best, v[0].triangle, v[1].triangle, v[2].triangle, v[3].triangle, v[4].triangle,
+                              v[5].triangle};
+    std::array<double, 4> least;
+    std::array<Index, 4> best{};
+    least.fill(std::numeric_limits<double>::infinity());
+    for (std::size_t s = 0; s < near.size(); ++s) {
+        if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
+        const Triangle triangle = triangle_of(b_, near[s]);
+        std::array<double, 6> squared;
+        for (std::size_t k = 0; k < 6; ++k) {
+            if (v[k].triangle == near[s]) {
+                squared[k] = v[k].squared;
+            } else {
+                ++counters_.point_triangle_distances;
+                squared[k] = closest_point(v[k].point, triangle).squared_distance;
+            }
+        }
+        for (std::size_t c = 0; c < 4; ++c) {
+            ++counters_.bound_tests;
+            const double most = std::max({squared[children[c][0]], squared[children[c][1]], squared[children[c][2]]});
+            if (most < least[c]) {
+                least[c] = most;
+                best[c] = near[s];
+            }
+        }
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+        Piece child{{v[children[c][0]], v[children[c][1]], v[children[c][2]]}, 0, piece.source, best[c], level};
+        child.upper = std::min({piece.upper, surface_distance_at_most(least[c], magnitude_, level),
+                                lipschitz_bound(child.corners, magnitude_, level)});
+        push(std::move(child));
+    }
+}
+
+double Search::certified_lower() {
+    if (certified_ < 0) {
+        const double distance = octree_ ? octree_->certified_distance(farthest_.point, counters_)
+                                        : certified_distance_by_scan(b_, farthest_.point, counters_);
+        certified_ = surface_distance_at_least(distance, magnitude_, farthest_level_);
+    }
+    return certified_;
+}
+
+Result Search::result(Status status) {
+    Result result;
+    result.status = status;
+    result.bounds = {certified_lower(), std::max(upper(), certified_lower())};
+    const ClosestPoint nearest = closest(farthest_.point, farthest_.triangle);
+    result.witness = {farthest_.point, nearest.point, farthest_source_, nearest.triangle};
+    result.counters = counters_;
+    const bool close = result.bounds.gap() <= query_.tolerance.gap(result.bounds.lower);
+    if (close) result.status = Status::converged;
+    trace_.record(result.bounds.lower, result.bounds.upper);
+    return result;
+}
+
+Result Search::run() {
+    if (!measure_vertices()) {
+        // The distance to one point of B is convex too: no triangle of A is farther than its vertices.
+        const Vec3 point = b_.vertices.row(b_.triangles(0, 0));
+        double most = 0;
+        for (Index v = 0; v < points_.rows(); ++v) most = std::max(most, squared_length(Vec3(points_.row(v)) - point));
+        settled_ = surface_distance_at_most(most, magnitude_, 0);
+        return farthest_.triangle < 0 ? Result{.status = Status::time_limit, .bounds = {0, settled_}, .witness = {},
+                                               .counters = counters_, .extras = {}}
+                                      : result(Status::time_limit);
+    }
+    push_triangles();
+
+    double loss = 0;  // what certifying the witness has cost so far
+    while (true) {
+        const double high = upper(), low = std::max(std::sqrt(farthest_.squared) - loss, 0.0);
+        if (trace_.on()) trace_.record(certified_lower(), high);
+        if (high <= query_.cutoff && std::isfinite(query_.cutoff)) return result(Status::cutoff_passed);
+        if (low > query_.cutoff && certified_lower() > query_.cutoff) return result(Status::cutoff_passed);
+        // Finished, it seems; or nothing is left to split.
+        const bool close = high - low <= query_.tolerance.gap(low);
+        if (close || heap_.empty() || heap_.front().upper <= settled_) {
+            const double gap = high - certified_lower();
+            if (gap <= query_.tolerance.gap(certified_lower())) return result(Status::converged);
+            if (!close) return result(Status::precision_floor);
+            loss = std::max(2 * loss, std::sqrt(farthest_.squared) - certified_lower());
+            if (!(loss < query_.tolerance.gap(certified_lower()))) return result(Status::precision_floor);
+            continue;
+        }
+        if (counters_.subdivisions >= query_.budget) return result(Status::budget);
+        if (counters_.subdivisions % 64 == 0 && deadline_.passed()) return result(Status::time_limit);
+        std::pop_heap(heap_.begin(), heap_.end());
+        const Piece piece = heap_.back();
+        heap_.pop_back();
+        // The lower bound may have risen since it was pushed.
+        if (piece.upper <= surface_distance_at_most(farthest_.squared, magnitude_, piece.level)) {
+            settled_ = std::max(settled_, piece.upper);
+        } else {
+            split(piece);
+        }
+    }
+}
+
+class Guthe final : public Solver {
+public:
+    explicit Guthe(const Options&) {}
+
+    Needs needs(const Scene& scene, const QuerySet&) const override {
+        if (element_count(scene.target) <= scan_at_most) return {};
+        return {{Structure::octree, Side::target}};
+    }
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        source_ = &std::get<TriangleMesh>(scene.source);
+        target_ = &std::get<TriangleMesh>(scene.target);
+        prepared_ = &prepared;
+    }
+
+    Result solve(const Query& query, Trace& trace) const override {
+        Points points = posed(source_->vertices, query.pose);
+        const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
+        const bool has = prepared_->has(Structure::octree, Side::target);
+        const TriangleOctree* octree = has ? &prepared_->octree(Side::target) : nullptr;
+        return Search(*source_, *target_, octree, std::move(points), query, trace).run();
+    }
+
+private:
+    const TriangleMesh* source_ = nullptr;
+    const TriangleMesh* target_ = nullptr;
+    const Prepared* prepared_ = nullptr;
+};
+
+}  // namespace
+
+SolverEntry guthe_solver() {
+    SolverInfo info;
+    info.name = "guthe";
+    info.title = "Guthe et al.";
+    info.paper = "guthe2005";
+    info.source.mesh = info.target.mesh = true;
+    info.certified = true;
+    info.traces = true;
+    info.may_need = {{Structure::octree, Side::target}};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
+}
+
+}  // namespace hausbench
