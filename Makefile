@@ -57,7 +57,7 @@ help:
 # --- what is needed --------------------------------------------------------------------------------------------------
 
 deps: $(DEPS)
-	@echo 'deps: all Debian packages of packages.txt are installed'
+	@echo 'deps: $(if $(SKIP_DEPS),not looked at (SKIP_DEPS),all Debian packages of packages.txt are installed)'
 
 # Looked at again only when the list, or what is installed, has changed.
 .stamps/deps: packages.txt $(wildcard /var/lib/dpkg/status)
@@ -90,7 +90,7 @@ cmake --build --preset $(1) -j $(JOBS) --target $(2)
 endef
 
 build: build/release/build.ninja
-	$(call compile,release,hausbench)
+	$(call compile,release,hausbench hausbench_commit)
 
 # A package that cannot be had is no error: the cases that need it are skipped, and say so.
 FETCH := $(PYTHON) datasets/fetch.py
