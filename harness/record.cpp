@@ -71,6 +71,11 @@ std::string row_status(Status status) {
     throw std::logic_error("row_status: not a status");
 }
 
+std::string_view to_string(Verdict verdict) {
+    constexpr std::string_view names[] = {"holds", "unsound", "no witness", "not checked"};
+    return names[std::size_t(verdict)];
+}
+
 json to_json(const Outcome& o) {
     json counters = json::object();
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;

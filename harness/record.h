@@ -58,6 +58,27 @@ struct Outcome {
     std::string build, machine;
 };
 
+// What re-checking found, see verify.h.
+enum class Verdict {
+    holds,        // lower: proven by its witness; upper: above every verified lower bound
+    unsound,      // lower above what its witness shows, or upper below a verified lower bound
+    no_witness,   // the solver gives none: nothing to re-check the lower bound by
+    not_checked,  // no bounds, or the shapes are not to be had
+};
+std::string_view to_string(Verdict verdict);
+
+struct Check {
+    Verdict lower = Verdict::not_checked, upper = Verdict::not_checked;
+    std::string reason;  // where something is unsound
+};
+
+// One row of a result file.
+struct Row {
+    Case asked;
+    Outcome outcome;
+    Check check;
+};
+
 // The status of a row for a solver's own status: converged and cutoff_passed are `ok`.
 std::string row_status(Status status);
 

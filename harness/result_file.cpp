@@ -3,6 +3,7 @@
 #include "error.h"
 #include "hdf5.h"
 #include "machine.h"
+#include "verify.h"
 
 #include <fmt/format.h>
 
@@ -91,6 +92,8 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.real("solve_seconds", [](const Row& r) { return r.outcome.solve_seconds; });
     c.integer("peak_bytes", [](const Row& r) { return r.outcome.peak_bytes; });
     c.integer("from_trace", [](const Row& r) { return r.outcome.from_trace; });
+    c.text("lower_check", [](const Row& r) { return std::string(to_string(r.check.lower)); });
+    c.text("upper_check", [](const Row& r) { return std::string(to_string(r.check.upper)); });
     c.text("build", [](const Row& r) { return r.outcome.build; });
     c.text("machine", [](const Row& r) { return r.outcome.machine; });
     for (const CounterField& field : counter_fields) {

@@ -11,11 +11,6 @@ namespace hausbench {
 
 inline constexpr int result_schema = 1;
 
-struct Row {
-    Case asked;
-    Outcome outcome;
-};
-
 struct ResultMeta {
     std::string started, finished;
 };

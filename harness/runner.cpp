@@ -7,6 +7,8 @@
 #include "process.h"
 #include "progress.h"
 #include "result_file.h"
+#include "shape_file.h"
+#include "verify.h"
 #include "worker.h"
 
 #include <fmt/format.h>
@@ -311,9 +313,19 @@ private:
         RunSummary summary;
         for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
             const auto from = plan_.traced.find(i);
-            rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second)});
-            ++summary.statuses[rows.back().outcome.status];
+            rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
         }
+        progress_.doing("verifying");
+        std::map<std::string, Shape> shapes;
+        verify_rows(rows, [&](const std::string& name) -> const Shape* {
+            for (const ModelRow& model : plan_.models) {
+                if (model.info->name != name) continue;
+                const auto at = shapes.find(name);
+                return &(at != shapes.end() ? at->second : shapes[name] = read_shape(model.resolved.shape_file).shape);
+            }
+            return nullptr;
+        });
+        for (const Row& row : rows) ++summary.statuses[row.outcome.status];
         auto ledger = plan_.ledger;
         ledger.insert(ledger.end(), ledger_.begin(), ledger_.end());
         summary.file = options_.results / (plan_.experiment.stem + ".h5");

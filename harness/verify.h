@@ -1,0 +1,39 @@
+// Re-checks what solvers report, by code that shares nothing with them: no kernel, no tree, no rounding rule of theirs.
+//
+// Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B) >= d(p, B) - e, so `lower` holds if
+// every element of B is at least lower + e away from p. Each element is tried with a separating plane in interval
+// arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n), then, where that is not
+// enough, in exact rationals. e is computed in exact rationals. O(|B|) a witness.
+//
+// Upper bound: not below a verified lower bound of the same scene and pose by any solver. That can refute, not prove.
+#pragma once
+
+#include "result_file.h"
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// The two shapes, to re-check several witnesses on.
+class Checker {
+public:
+    Checker(const Shape& source, const Shape& target);
+    ~Checker();
+
+    // Whether `lower` is proven by the witness, see above; if not, `shown` is what the witness does show (rounded down).
+    bool lower_holds(double lower, const Witness& witness, const Pose& pose, double& shown) const;
+
+private:
+    struct Shapes;
+    std::unique_ptr<Shapes> shapes_;
+};
+
+// Fills in every row's check; rows found unsound get that status, with the reason. `load` returns the shape of a model by
+// name, or null. Rows read off a trace have the witness of the finer run: their lower bound is checked by it, too.
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load);
+
+}  // namespace hausbench

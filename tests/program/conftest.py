@@ -1,0 +1,93 @@
+"""The program as its users start it: every test here runs the built executable and looks at what it prints and writes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Program:
+    """Runs hausbench in a folder of its own."""
+
+    def __init__(self, path: str, folder: Path) -> None:
+        self.path = path
+        self.folder = folder
+
+    def __call__(self, *arguments: str | Path, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            self.command(*arguments), cwd=self.folder, env=self.environment(), capture_output=True, text=True, timeout=timeout
+        )
+
+    def command(self, *arguments: str | Path) -> list[str]:
+        return [self.path, *map(str, arguments)]
+
+    def environment(self) -> dict[str, str]:
+        return {**os.environ, "HAUSBENCH_ROOT": str(ROOT)}
+
+    def fails(self, *arguments: str | Path) -> str:
+        """The one line that bad input gets, with exit code 2 and nothing on standard output."""
+        done = self(*arguments)
+        assert done.returncode == 2, (done.returncode, done.stdout, done.stderr)
+        assert done.stdout == ""
+        lines = done.stderr.strip().splitlines()
+        assert len(lines) == 1, done.stderr
+        return lines[0]
+
+
+@pytest.fixture(scope="session")
+def program_file() -> str:
+    path = os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench"))
+    if not Path(path).exists():
+        pytest.fail(f"{path} is not built: run `make build`, or set HAUSBENCH_PROGRAM")
+    return path
+
+
+@pytest.fixture
+def hausbench(program_file: str, tmp_path: Path) -> Program:
+    return Program(program_file, tmp_path)
+
+
+TETRAHEDRON = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+
+
+@pytest.fixture
+def tetrahedron(tmp_path: Path) -> Path:
+    file = tmp_path / "tetrahedron.off"
+    file.write_text(TETRAHEDRON)
+    return file
+
+
+@pytest.fixture
+def raised(tmp_path: Path) -> Path:
+    """The tetrahedron, a quarter higher."""
+    file = tmp_path / "raised.off"
+    file.write_text("OFF\n4 4 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+    return file
+
+
+EXPERIMENT = """\
+title = "a test"
+tolerances = [1e-3]
+of = "diagonal"
+repeats = 1
+
+[[scene]]
+name = "spheres"
+source = "sphere1"
+target = "sphere2"
+
+[[solver]]
+name = "guthe"
+"""
+
+
+@pytest.fixture
+def experiment(tmp_path: Path) -> Path:
+    file = tmp_path / "tiny.toml"
+    file.write_text(EXPERIMENT)
+    return file

@@ -1,0 +1,179 @@
+"""`hausbench run`: every case has its row; what is finished is safe; the same command goes on."""
+
+from __future__ import annotations
+
+import fcntl
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from conftest import ROOT, Program
+
+
+def run(hausbench: Program, experiment: Path, folder: Path, *more: str) -> Path:
+    done = hausbench("run", experiment, "--results", folder, *more)
+    assert done.returncode == 0, done.stderr
+    return folder / (experiment.stem + ".h5")
+
+
+def texts(file: Path, column: str) -> list[str]:
+    with h5py.File(file, "r") as f:
+        return [str(value) for value in f[column].asstr()[:]]
+
+
+def numbers(file: Path, column: str) -> np.ndarray:
+    with h5py.File(file, "r") as f:
+        return np.asarray(f[column][:])
+
+
+ANSWERS = ("cases/identity", "cases/status")
+
+
+def same_answers(one: Path, other: Path) -> None:
+    for column in ANSWERS:
+        assert texts(one, column) == texts(other, column)
+    for column in ("cases/lower", "cases/upper", "cases/counter_queue_pushes"):
+        np.testing.assert_array_equal(numbers(one, column), numbers(other, column))
+
+
+def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
+    file = run(hausbench, ROOT / "experiments" / "smoke.toml", tmp_path)
+    status = texts(file, "cases/status")
+    solver = texts(file, "cases/solver")
+    scene = texts(file, "cases/scene")
+    lower, upper = numbers(file, "cases/lower"), numbers(file, "cases/upper")
+    assert set(status) <= {"ok", "skipped", "not_built"}
+    answered = np.array([s == "ok" for s in status])
+    assert answered.sum() >= 15
+    assert np.all(lower[answered] <= upper[answered])
+    # A solver that cannot take the shapes has its row too, with the reason.
+    refused = [r for s, r in zip(status, texts(file, "cases/reason")) if s == "skipped"]
+    assert refused and all("takes no" in r for r in refused)
+    # Different solvers' intervals of one distance meet.
+    pose = numbers(file, "cases/pose_index")
+    for name, index in {(s, int(p)) for s, p in zip(scene, pose)}:
+        rows = np.array([a and s == name and p == index for a, s, p in zip(answered, scene, pose)])
+        assert lower[rows].max() <= upper[rows].min(), name
+    # The witness was re-checked wherever the solver gave one.
+    check = texts(file, "cases/lower_check")
+    assert {c for c, s, o in zip(check, status, solver) if s == "ok" and o != "cgal"} == {"holds"}
+    # Bounds read off the trace are within their tolerance.
+    from_trace = numbers(file, "cases/from_trace") == 1
+    gap, tolerance = upper - lower, numbers(file, "cases/tolerance_absolute")
+    assert from_trace.any() and np.all(gap[from_trace & answered] <= tolerance[from_trace & answered])
+    with h5py.File(file, "r") as f:
+        assert f["meta"].attrs["schema_version"] == 1
+        assert f["meta"].attrs["experiment_toml"] == (ROOT / "experiments" / "smoke.toml").read_text()
+        assert len(f["repeats/wall_seconds"]) > 0 and np.all(f["repeats/wall_seconds"][:] > 0)
+        assert len(f["ledger/reason"]) > 0
+
+
+def test_same_command_again_runs_nothing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    file = run(hausbench, experiment, tmp_path)
+    first = numbers(file, "repeats/wall_seconds")
+    run(hausbench, experiment, tmp_path)
+    np.testing.assert_array_equal(first, numbers(file, "repeats/wall_seconds"))
+    run(hausbench, experiment, tmp_path, "--fresh")
+    assert not np.array_equal(first, numbers(file, "repeats/wall_seconds"))
+
+
+def test_rounds_add_repeats_from_fresh_processes(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2\nrounds = 3"))
+    file = run(hausbench, experiment, tmp_path)
+    assert sorted(numbers(file, "repeats/round")) == [0, 0, 1, 1, 2, 2]
+    assert texts(file, "cases/status") == ["ok"]
+
+
+def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    experiment.write_text(experiment.read_text().replace("sphere1", "bunny"))
+    file = run(hausbench, experiment, tmp_path)
+    assert texts(file, "cases/status") == ["skipped"]
+    assert "make datasets" in texts(file, "cases/reason")[0]
+
+
+def test_two_runs_on_one_result_refuse(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    journal = tmp_path / "tiny.journal"
+    with open(journal, "w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert "another run" in hausbench.fails("run", experiment, "--results", tmp_path)
+
+
+def test_a_torn_last_record_is_run_again(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    file = run(hausbench, experiment, tmp_path)
+    journal = tmp_path / "tiny.journal"
+    whole = journal.read_bytes()
+    journal.write_bytes(whole[:-20])
+    once = texts(file, "cases/identity")
+    run(hausbench, experiment, tmp_path)
+    assert texts(file, "cases/identity") == once and texts(file, "cases/status") == ["ok"]
+    lines = whole.splitlines(True)
+    journal.write_bytes(lines[0] + b"0" * 40 + b"\n" + lines[1])
+    assert "damaged" in hausbench.fails("run", experiment, "--results", tmp_path)
+    journal.write_text("something else entirely, of another program\n")
+    assert "not a journal" in hausbench.fails("run", experiment, "--results", tmp_path)
+
+
+SLOW = """\
+title = "slow enough to be interrupted"
+tolerances = [1e-2, 1e-3, 1e-4]
+of = "diagonal"
+repeats = 2
+
+[[scene]]
+name = "turned"
+source = "sphere3"
+target = "sphere4"
+motion = { kind = "rotation", axis = [1, 2, 3], degrees = 40, steps = 6 }
+
+[[solver]]
+name = "guthe"
+
+[[solver]]
+name = "cgal"
+"""
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Path:
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW)
+    return file
+
+
+def start(hausbench: Program, experiment: Path, folder: Path) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        hausbench.command("run", experiment, "--results", folder),
+        env=hausbench.environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+def records(folder: Path) -> int:
+    journal = folder / "slow.journal"
+    return len(journal.read_bytes().splitlines()) if journal.exists() else 0
+
+
+def wait_for(condition: object, seconds: float = 60) -> None:
+    end = time.monotonic() + seconds
+    while not condition():  # type: ignore[operator]
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_path: Path) -> None:
+    undisturbed = run(hausbench, slow, tmp_path / "whole")
+    folder = tmp_path / "cut"
+    process = start(hausbench, slow, folder)
+    wait_for(lambda: records(folder) >= 4)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(30) in (130, 0)
+    cut = folder / "slow.h5"
+    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case has its row even now
+    same_answers(run(hausbench, slow, folder), undisturbed)
