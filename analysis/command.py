@@ -1,0 +1,27 @@
+"""The command line that every stem has: `python3 -m analysis.<stem> [--results DIR] [--out DIR]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from analysis.load import ResultError, Results, load
+
+Make = Callable[[Results, Path], list[Path]]
+
+
+def main(stem: str, make: Make, arguments: Sequence[str] | None = None) -> int:
+    """Reads <results>/<stem>.h5 and lets `make` write below <out>. Returns the exit code: 2 if the file is no use."""
+    parser = argparse.ArgumentParser(prog=f"analysis.{stem}", description=f"Figures and tables of {stem}.")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (results)")
+    chosen = parser.parse_args(arguments)
+    try:
+        for path in make(load(chosen.results / f"{stem}.h5"), chosen.out):
+            print(path)
+    except ResultError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    return 0

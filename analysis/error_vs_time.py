@@ -1,0 +1,180 @@
+"""Work against precision: for each scene, time beside the gap a solver proved and the error of what it found."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import command, style, tables
+from analysis.load import Results, machine_line
+from analysis.statistics import Estimate, median
+
+STEM = "error_vs_time"
+ACROSS = 3  # panels side by side
+Panel = tuple[str, int]  # scene, pose
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases = results.cases
+    panels: list[Panel] = list(dict.fromkeys(zip(cases.scene, map(int, cases.pose_index))))
+    labels = style.order(zip(cases.solver, cases.label))
+    times = {case: median(results.total_seconds(case)) for case in range(len(cases)) if results.is_bounded(case)}
+
+    table = tables.Table(
+        "Time to prepare and solve, gap and error of the finest answer of each solver, relative to the diagonal of A.",
+        ["scene", "solver", "asked", "time, ms", "gap", "error", "distances", "rows without bounds"], left=2)
+    for panel in panels:
+        table.rules.add(len(table.rows))
+        for solver, label in labels:
+            rows = [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1], label=label)]
+            if rows:
+                table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
+                                   *finest(results, rows, times)])
+    table.notes = [
+        tables.coverage_note(times.values()) + " Gap: upper less lower bound. Error: the farthest that the lower "
+        "bound, which a witness shows, may be from the true distance, as far as all solvers together know it. "
+        "Distances: point to point and point to triangle, of one solve.", f"Measured on {machine_line(results)}."]
+    records = [record(results, case, times.get(case)) for case in range(len(cases))]
+    figure = draw(results, panels, labels, times)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+
+
+def panel_title(results: Results, panel: Panel, panels: list[Panel]) -> str:
+    several = sum(scene == panel[0] for scene, _ in panels) > 1
+    return style.scene_title(panel[0]) + (f", pose {panel[1]}" if several else "")
+
+
+def relative(results: Results, case: int) -> tuple[float, float]:
+    """Gap and error, relative to the diagonal of A."""
+    size = float(results.cases.source_diagonal[case])
+    return results.gap(case) / size, results.error(case) / size
+
+
+def distances(results: Results, case: int) -> int:
+    counters = results.cases.counters
+    names = ("point_distances", "point_triangle_distances")
+    return sum(int(counters[name][case]) for name in names if name in counters)
+
+
+def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> list[str]:
+    """Cells of the printed table: of the row with the least tolerance that has bounds."""
+    failed = Counter(str(results.cases.status[r]) for r in rows if r not in times)
+    why = ", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in failed.items())
+    bounded = [r for r in rows if r in times]
+    if not bounded:
+        return [tables.NOTHING] * 5 + [why]
+    case = min(bounded, key=lambda r: float(results.cases.tolerance[r]))
+    gap, error = relative(results, case)
+    return [tables.number(float(results.cases.tolerance[case]), 1), tables.estimate(times[case], 1e3),
+            tables.number(gap, 2), tables.number(error, 2),
+            f"{distances(results, case):,}", why]
+
+
+def record(results: Results, case: int, time: Estimate | None) -> tables.Record:
+    cases = results.cases
+    gap, error = relative(results, case) if time else (np.nan, np.nan)
+    row: tables.Record = {name: getattr(cases, name)[case] for name in
+                          ("scene", "pose_index", "solver", "label", "tolerance", "tolerance_of", "status", "reason")}
+    row |= {name: float(getattr(cases, name)[case]) for name in ("source_diagonal", "lower", "upper")}
+    row |= {"relative_gap": gap, "relative_error": error, "prepare_seconds": float(cases.prepare_seconds[case]),
+            "n": time.n if time else 0, "from_trace": int(cases.from_trace[case]),
+            "total_median_seconds": time.value if time else np.nan, "total_low_seconds": time.low if time else np.nan,
+            "total_high_seconds": time.high if time else np.nan, "coverage": time.coverage if time else np.nan}
+    return row | {name: int(column[case]) for name, column in cases.counters.items()}
+
+
+def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], times: dict[int, Estimate]) -> Any:
+    """For each panel the gap above and the error below, on one time axis; failures in the margin at the right.
+
+    Placed by hand, in inches: a layout engine would squeeze the frames to make room for the marks in their margins.
+    """
+    bands, wide, tall = -(-len(panels) // ACROSS), 1.66, 1.2
+    band = 0.22 + 2 * tall + 0.08 + 0.2  # title, frames, tick labels
+    legend = 0.145 * -(-len(labels) // 5)
+    height = bands * band + 0.22 + legend + 0.33  # axis label, legend, two lines of notes
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
+    figure.set_layout_engine("none")
+    shown: set[tuple[str, str]] = set()
+    statuses: set[str] = set()
+    for i, panel in enumerate(panels):
+        left, floor = 0.5 + (i % ACROSS) * 2.25, height - (i // ACROSS) * band - 0.22 - 2 * tall - 0.08
+        lower, upper = (figure.add_axes([left / style.DOUBLE_COLUMN, y / height,
+                                         wide / style.DOUBLE_COLUMN, tall / height])
+                        for y in (floor, floor + tall + 0.08))
+        upper.sharex(lower)
+        rows = [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
+        for ax, what in ((upper, 0), (lower, 1)):
+            shown |= draw_panel(ax, results, rows, times, what)
+        upper.tick_params(labelbottom=False)
+        upper.set_title(panel_title(results, panel, panels), pad=3)
+        failed = Counter((results.cases.solver[r], results.cases.label[r], results.cases.status[r])
+                         for r in rows if r not in times)
+        marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
+                 for pair in labels for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
+        style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
+        shown |= {(solver, label) for solver, label, _ in failed}
+        statuses |= {status for *_, status in failed}
+        if i % ACROSS == 0:
+            for ax, name in ((upper, "gap"), (lower, "error")):
+                ax.set_ylabel(f"{name} / diagonal of A")
+                ax.yaxis.set_label_coords(-0.22, 0.5)
+        if i + ACROSS >= len(panels):
+            lower.set_xlabel("prepare + solve (s)", labelpad=1)
+    figure.legend(handles=style.handles(pair for pair in labels if pair in shown), loc="lower center", ncol=5,
+                  bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
+    key = ", ".join(f"{letter} {style.STATUS_WORDS[status]}" for status, letter in style.STATUS_LETTERS.items()
+                    if status in statuses)
+    notes = ["Thin lines: one traced run. Bars: interval of the median. Open markers: bounds that hold, but the "
+             "tolerance was not reached."]
+    if key:
+        notes.append(f"Right of a frame, rows without bounds (and how many, if several): {key}.")
+    figure.text(0.5, 0.03 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    return figure
+
+
+def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Estimate],
+               what: int) -> set[tuple[str, str]]:
+    """what = 0: gap, 1: error. Returns what was drawn, for the legend."""
+    cases = results.cases
+    points = {case: relative(results, case)[what] for case in rows if case in times and times[case].n}
+    points = {case: y for case, y in points.items() if np.isfinite(y)}
+    lines = {}
+    for pair in dict.fromkeys((cases.solver[r], cases.label[r]) for r in rows):
+        traced = [r for r in rows if (cases.solver[r], cases.label[r]) == pair and cases.status[r] != "unsound"
+                  and cases.trace_end[r] > cases.trace_begin[r]]
+        if traced:
+            case = min(traced, key=lambda r: float(cases.tolerance[r]))
+            lines[case] = trace_line(results, case, what)
+    axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
+    ax.set_xscale("log")
+    ax.minorticks_off()
+    for case, (x, y) in lines.items():
+        looks = style.look(cases.solver[case], cases.label[case])
+        ax.plot(x, axis.place(y), color=looks.colour, linestyle=looks.line, linewidth=0.7, alpha=0.75, zorder=2,
+                drawstyle="steps-post")
+    for case, y in points.items():
+        looks, time = style.look(cases.solver[case], cases.label[case]), times[case]
+        at = axis.place(y)
+        if time.has_interval:
+            ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
+        marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
+        ax.plot([time.value], [at], zorder=4, **marker)
+    return {(cases.solver[case], cases.label[case]) for case in [*points, *lines]}
+
+
+def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:
+    """Times and values of the samples that have finite ones."""
+    trace, size = results.trace_of(case), float(results.cases.source_diagonal[case])
+    values = trace.upper - trace.lower if what == 0 else np.array([results.error(case, float(x)) for x in trace.lower])
+    seconds = trace.seconds + results.prepare_seconds(case)
+    keep = np.isfinite(values) & (seconds > 0)
+    return seconds[keep], values[keep] / size
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,334 @@
+"""Reads result files. The only place in analysis/ that knows their layout, which results/README.md describes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import h5py
+import numpy as np
+import numpy.typing as npt
+
+SCHEMA_VERSION = 1
+REFERENCE = Path(__file__).resolve().parent.parent / "results" / "reference"
+
+Texts = npt.NDArray[Any]  # of str
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Counters = dict[str, npt.NDArray[np.uint64]]
+
+# Statuses whose bounds hold: the others have none, or (unsound) must never become a data point.
+BOUNDED = ("ok", "floor", "budget")
+
+
+class ResultError(Exception):
+    """A result file that cannot be used: one line with its name and the remedy."""
+
+
+class Interval(NamedTuple):
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Models:
+    name: Texts
+    sha256: Texts
+    kind: Texts
+    elements: Ints
+    vertices: Ints
+    diagonal: Floats
+    precision: Texts
+    unreferenced: Ints
+    source: Texts
+    licence: Texts
+    note: Texts
+
+
+@dataclass(frozen=True)
+class Cases:
+    identity: Texts
+    solver: Texts
+    label: Texts
+    options: Texts
+    scene: Texts
+    source: Texts
+    target: Texts
+    scene_note: Texts
+    source_elements: Ints
+    target_elements: Ints
+    source_diagonal: Floats
+    pose_index: Ints
+    pose: Floats
+    tolerance: Floats
+    tolerance_of: Texts
+    tolerance_absolute: Floats
+    case_seconds_limit: Floats
+    memory_limit_bytes: Ints
+    status: Texts
+    reason: Texts
+    solver_status: Texts
+    lower: Floats
+    upper: Floats
+    witness_source: Floats
+    witness_target: Floats
+    witness_source_element: Ints
+    witness_target_element: Ints
+    prepare_seconds: Floats
+    prepare_bytes: Ints
+    solve_seconds: Floats
+    peak_bytes: Ints
+    trace_begin: Ints
+    trace_end: Ints
+    from_trace: Ints
+    lower_check: Texts
+    upper_check: Texts
+    build: Texts
+    machine: Texts
+    counters: Counters  # every counter_* column, without the prefix
+
+    def __len__(self) -> int:
+        return len(self.identity)
+
+
+@dataclass(frozen=True)
+class Repeats:
+    case: Ints
+    repeat: Ints
+    round: Ints
+    wall_seconds: Floats
+    cpu_seconds: Floats
+    iterations: Ints
+
+
+@dataclass(frozen=True)
+class Preparation:
+    case: Ints
+    name: Texts
+    seconds: Floats
+    bytes: Ints
+
+
+@dataclass(frozen=True)
+class Trace:
+    seconds: Floats
+    lower: Floats
+    upper: Floats
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+
+@dataclass(frozen=True)
+class Ledger:
+    kind: Texts
+    subject: Texts
+    what: Texts
+    reason: Texts
+    count: Ints
+
+
+@dataclass(frozen=True)
+class Results:
+    path: Path
+    meta: dict[str, Any]
+    models: Models
+    cases: Cases
+    repeats: Repeats
+    preparation: Preparation
+    trace: Trace
+    ledger: Ledger
+
+    def rows(self, **equal: object) -> Ints:
+        """Rows of /cases whose named columns have these values, in the order of the file."""
+        keep = np.ones(len(self.cases), dtype=bool)
+        for column, value in equal.items():
+            keep &= getattr(self.cases, column) == value
+        return np.flatnonzero(keep)
+
+    def in_order(self, column: str, rows: Iterable[int] | None = None) -> list[Any]:
+        """The distinct values of a column of /cases, by first appearance."""
+        values = getattr(self.cases, column)
+        return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
+
+    def options(self, case: int) -> dict[str, Any]:
+        options: dict[str, Any] = json.loads(self.cases.options[case] or "{}")
+        return options
+
+    @cached_property
+    def _repeats_by_case(self) -> tuple[Ints, Ints]:
+        order = np.argsort(self.repeats.case, kind="stable")
+        return order, np.searchsorted(self.repeats.case[order], np.arange(len(self.cases) + 1))
+
+    def repeats_of(self, case: int) -> Ints:
+        """Rows of /repeats."""
+        order, begin = self._repeats_by_case
+        return order[begin[case]:begin[case + 1]]
+
+    def wall_seconds(self, case: int) -> Floats:
+        """Wall time of each timed repeat of solving; where none was timed, of the first answer alone."""
+        rows = self.repeats_of(case)
+        times = self.repeats.wall_seconds[rows] if len(rows) else self.cases.solve_seconds[case:case + 1]
+        return _known(times)
+
+    def total_by_round(self, cases: Iterable[int]) -> dict[int, float]:
+        """Median of preparing and solving over the repeats of each round: fresh processes, solvers taking turns."""
+        times: dict[int, list[float]] = {}
+        for case in cases:
+            for row in self.repeats_of(case):
+                total = float(self.repeats.wall_seconds[row]) + self.prepare_seconds(case)
+                times.setdefault(int(self.repeats.round[row]), []).append(total)
+        return {number: float(np.median(values)) for number, values in times.items()}
+
+    def cpu_seconds(self, case: int) -> Floats:
+        """CPU time of the solving thread, by repeat; empty where it does not apply."""
+        return _known(self.repeats.cpu_seconds[self.repeats_of(case)])
+
+    def prepare_seconds(self, case: int) -> float:
+        """Of all structures together, 0 where there were none. Measured once a case."""
+        return float(np.nan_to_num(self.cases.prepare_seconds[case]))
+
+    def total_seconds(self, case: int) -> Floats:
+        """Preparing and solving, by repeat of solving."""
+        return self.wall_seconds(case) + self.prepare_seconds(case)
+
+    def trace_of(self, case: int) -> Trace:
+        part = slice(int(self.cases.trace_begin[case]), int(self.cases.trace_end[case]))
+        return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
+
+    def is_bounded(self, case: int) -> bool:
+        """The row has bounds that hold."""
+        return (self.cases.status[case] in BOUNDED and np.isfinite(self.cases.lower[case])
+                and not np.isnan(self.cases.upper[case]))
+
+    @cached_property
+    def _references(self) -> dict[tuple[str, str, bytes], Interval]:
+        found: dict[tuple[str, str, bytes], Interval] = {}
+        for case in filter(self.is_bounded, range(len(self.cases))):
+            key, old = self._pair(case), Interval(-np.inf, np.inf)
+            old = found.get(key, old)
+            found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
+                                  min(old.upper, float(self.cases.upper[case])))
+        return {key: Interval(min(interval), max(interval)) for key, interval in found.items()}
+
+    def _pair(self, case: int) -> tuple[str, str, bytes]:
+        pose: Floats = self.cases.pose[case] + 0.0  # -0 and 0 are the same pose
+        return self.cases.source[case], self.cases.target[case], pose.tobytes()
+
+    def reference_of(self, case: int) -> Interval:
+        """What is known of the true distance of this case's source, target and pose: [greatest lower, least upper] of
+        every row with bounds, whatever its solver. Where bounds of uncertified solvers contradict each other by
+        rounding, the interval between the two. NaN where no row has bounds.
+        """
+        return self._references.get(self._pair(case), Interval(np.nan, np.nan))
+
+    def reference(self, scene: str, pose_index: int = 0) -> Interval:
+        rows = self.rows(scene=scene, pose_index=pose_index)
+        return self.reference_of(int(rows[0])) if len(rows) else Interval(np.nan, np.nan)
+
+    def error(self, case: int, lower: float | None = None) -> float:
+        """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference.
+
+        The answer is the lower bound, because that is what a witness shows and what programs report; how good the upper
+        bound is, the gap says. So the gap is what a solver has proved, and the error what it has found. Exact answers
+        have error 0 if some row's interval has width 0. `lower` replaces the row's own (for samples of its trace).
+        """
+        low, high = self.reference_of(case)
+        value = float(self.cases.lower[case]) if lower is None else lower
+        return max(abs(value - low), abs(value - high))
+
+    def gap(self, case: int) -> float:
+        return float(self.cases.upper[case] - self.cases.lower[case])
+
+
+def _known(values: Floats) -> Floats:
+    known: Floats = values[~np.isnan(values)]
+    return known
+
+
+Columns = TypeVar("Columns", Models, Cases, Repeats, Preparation, Trace, Ledger)
+
+
+def _column(group: Any, name: str, kind: str) -> npt.NDArray[Any]:
+    data = group[name]
+    if (h5py.check_string_dtype(data.dtype) is not None) != (kind == "Texts"):
+        raise KeyError(f"{data.name} of type {kind}")
+    if kind == "Texts":
+        return np.asarray(data.asstr()[()], dtype=object)
+    return np.asarray(data[()], dtype={"Floats": np.float64, "Ints": np.int64, "Counters": np.uint64}[kind])
+
+
+def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
+    group, values = file[name], dict[str, Any]()
+    for field in dataclasses.fields(kind):
+        if field.type == "Counters":
+            values[field.name] = {key.removeprefix("counter_"): _column(group, key, "Counters")
+                                  for key in group if key.startswith("counter_")}
+        else:
+            values[field.name] = _column(group, field.name, str(field.type))
+    lengths = {len(column) for field, column in values.items() if field != "counters"}
+    lengths |= {len(column) for column in values.get("counters", {}).values()}
+    if len(lengths) > 1:
+        raise KeyError(f"/{name} with columns of one length")
+    return kind(**values)
+
+
+def _attribute(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode()
+    return value.item() if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1 else value
+
+
+def load(path: Path) -> Results:
+    """Opens a result file read-only and reads it whole. Throws ResultError for a missing, foreign or newer one."""
+    stem = path.stem
+    if not path.is_file():
+        raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
+    again = f"delete it and measure again with 'make {stem}'"
+    try:
+        with h5py.File(path, "r") as file:
+            meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
+            if int(meta["schema_version"]) > SCHEMA_VERSION:
+                raise ResultError(f"{path}: schema version {meta['schema_version']} is newer than {SCHEMA_VERSION}, "
+                                  f"the newest that analysis/load.py reads: use the analysis/ of hausbench "
+                                  f"{meta.get('hausbench_version', 'that wrote it')}")
+            results = Results(path, meta, _columns(Models, file, "models"), _columns(Cases, file, "cases"),
+                              _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
+                              _columns(Trace, file, "trace"), _columns(Ledger, file, "ledger"))
+    except OSError:
+        raise ResultError(f"{path}: not an HDF5 file, or a damaged one: {again}") from None
+    except (KeyError, TypeError, ValueError, AttributeError) as problem:
+        text = str(problem.args[0]) if problem.args else ""
+        raise ResultError(f"{path}: not a hausbench result file ({text}): {again}") from None
+    if meta.get("stem") != stem:
+        raise ResultError(f"{path}: holds the experiment '{meta.get('stem')}', not '{stem}': rename it or {again}")
+    if len(results.cases) == 0:
+        raise ResultError(f"{path}: holds no cases: {again}")
+    return results
+
+
+def paper_numbers(name: str) -> dict[str, Any]:
+    """The numbers that a paper prints, from results/reference/<name>.toml."""
+    with (REFERENCE / f"{name}.toml").open("rb") as file:
+        return tomllib.load(file)
+
+
+def machine_line(results: Results) -> str:
+    """Where and with what the rows were measured, for a caption."""
+    meta = results.meta
+    gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
+    dirty = " with changes" if meta.get("dirty") in (1, True, "true", "1") else ""
+    line = (f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
+            f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
+            f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
+    for column in ("machine", "build"):
+        count = len(set(getattr(results.cases, column)))
+        if count > 1:
+            line += f"; rows of {count} {column}s are mixed"
+    return line

@@ -1,0 +1,162 @@
+"""Fig. 13 of Sacht and Jacobson 2024: time to reach each tolerance, averaged over four near-zero pairs of meshes."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import command, style, tables
+from analysis.load import Results, machine_line, paper_numbers
+from analysis.statistics import median
+
+STEM = "sacht2024_fig13"
+TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # of the diagonal of A
+
+
+@dataclass(frozen=True)
+class Reach:
+    """When one solver, on one pair, first proved a gap within the tolerance. NaN: never, within the limits."""
+
+    seconds: float
+    read_from: str  # "trace", "case", or why it was not reached
+
+
+def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
+    """From the trace of the finest run; where the solver offers none, from the run that asked for this tolerance."""
+    cases = results.cases
+    rows = [int(r) for r in results.rows(scene=scene, label=label)
+            if cases.status[r] != "unsound" and cases.tolerance_of[r] == "diagonal"]
+    traced = [r for r in rows if cases.trace_end[r] > cases.trace_begin[r]]
+    if traced:
+        finest = min(traced, key=lambda r: float(cases.tolerance[r]))
+        trace = results.trace_of(finest)
+        hits = np.flatnonzero(trace.upper - trace.lower <= tolerance * cases.source_diagonal[finest])
+        if len(hits):
+            return Reach(results.prepare_seconds(finest) + float(trace.seconds[hits[0]]), "trace")
+        return Reach(np.nan, str(cases.status[finest]) if cases.status[finest] != "ok" else "not asked")
+    asked = [r for r in rows if np.isclose(cases.tolerance[r], tolerance, rtol=1e-9, atol=0)]
+    if not asked:
+        return Reach(np.nan, "not asked" if rows or not len(results.rows(scene=scene, label=label)) else "unsound")
+    if cases.status[asked[0]] != "ok":
+        return Reach(np.nan, str(cases.status[asked[0]]))
+    return Reach(median(results.total_seconds(asked[0])).value, "case")
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, printed = results.cases, paper_numbers("sacht2024_table2")
+    scenes = results.in_order("scene")
+    labels = style.order(zip(cases.solver, cases.label))
+    found = {(label, scene, t): reach(results, scene, label, t)
+             for _, label in labels for scene in scenes for t in TOLERANCES}
+
+    def seconds(label: str, t: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+        return np.array([found[label, scene, t].seconds for scene in scenes])
+
+    # As in the paper, a mean over pairs: but never over fewer pairs than there are.
+    average = {(label, t): float(np.mean(seconds(label, t))) for _, label in labels for t in TOLERANCES}
+    reached = {(label, t): int(np.isfinite(seconds(label, t)).sum()) for _, label in labels for t in TOLERANCES}
+    paper = {name: float(np.mean([row[name] for row in printed["row"]])) / 1e3 for name in ("kang", "zheng", "sacht")}
+
+    table = tables.Table(
+        f"Time in ms (preparation included) until the gap is within a tolerance, relative to the diagonal of A; mean "
+        f"over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
+        ["solver", *[f"1e-{k}" for k in range(1, 9)], "paper, 1e-8"])
+    for solver, label in labels:
+        row = [tables.number(average[label, t] * 1e3) if reached[label, t] == len(scenes)
+               else f"{reached[label, t]} of {len(scenes)}" for t in TOLERANCES]
+        table.rows.append([style.look(solver, label).title, *row, tables.number(paper.get(label, np.nan) * 1e3)])
+    table.notes = [
+        "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
+        + unreached(labels, scenes, found),
+        "Read from one traced run a pair: the first sample whose gap is within the tolerance, plus the preparation of "
+        "that run (the paper's times include the construction of the BVH). Solvers that offer no trace: the median of "
+        "the run that asked for the tolerance. " + tracing_cost(results),
+        *[f"{style.scene_title(scene)}: {note}" for scene in scenes
+          if (note := cases.scene_note[results.rows(scene=scene)[0]])],
+        "Paper: means of its Table 2 at 1e-8; Fig. 13 itself prints no numbers. Its pairs: "
+        + ", ".join(row["scene"] for row in printed["row"]) + f"; {printed['machine']}.",
+        f"Here: {machine_line(results)}."]
+    records: list[tables.Record] = [
+        {"solver": solver, "label": label, "scene": scene, "tolerance": t, "seconds": found[label, scene, t].seconds,
+         "read_from": found[label, scene, t].read_from, "pairs_reached": reached[label, t],
+         "mean_seconds": average[label, t],
+         "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
+        for solver, label in labels for scene in scenes for t in TOLERANCES]
+    figure = draw(labels, len(scenes), average, reached, paper)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+
+
+def unreached(labels: list[tuple[str, str]], scenes: list[str], found: dict[tuple[str, str, float], Reach]) -> str:
+    """Why pairs are missing at the finest tolerance, by solver."""
+    parts = []
+    for solver, label in labels:
+        last = [(scene, found[label, scene, TOLERANCES[-1]]) for scene in scenes]
+        why = [f"{scene}: {style.STATUS_WORDS.get(r.read_from, r.read_from)}"
+               for scene, r in last if np.isnan(r.seconds)]
+        if why:
+            parts.append(f"{style.look(solver, label).title} at 1e-8: {', '.join(why)}.")
+    return " ".join(parts)
+
+
+def tracing_cost(results: Results) -> str:
+    """How long traced runs took beside timed ones: the trace's last sample over the median solve."""
+    cases, ratios = results.cases, []
+    for case in np.flatnonzero((cases.trace_end > cases.trace_begin) & (cases.status == "ok")):
+        time = median(results.wall_seconds(int(case)))
+        if len(results.repeats_of(int(case))) and time.value > 0:
+            ratios.append(float(results.trace_of(int(case)).seconds[-1]) / time.value)
+    if not ratios:
+        return "What tracing costs is not known from this file."
+    return (f"Traced runs took {tables.number(float(np.median(ratios)))} times as long as timed ones "
+            f"(median of {len(ratios)}; {tables.number(min(ratios))} to {tables.number(max(ratios))}).")
+
+
+def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, float], float],
+         reached: dict[tuple[str, float], int], paper: dict[str, float]) -> Any:
+    """Lines where all pairs were reached; above the frame's break, how many were where not all."""
+    missing = [pair for pair in labels if any(reached[pair[1], t] < pairs for t in TOLERANCES)]
+    strip = 0.14 * len(missing)
+    figure, (top, ax) = plt.subplots(2, 1, sharex=True, figsize=(style.SINGLE_COLUMN, 2.75 + strip + 0.05),
+                                     gridspec_kw={"height_ratios": [max(strip, 0.01), 2.3], "hspace": 0.0})
+    for solver, label in labels:
+        looks = style.look(solver, label)
+        drawn = [t for t in TOLERANCES if reached[label, t] == pairs]
+        ax.plot(drawn, [average[label, t] * 1e3 for t in drawn], zorder=3,
+                **(style.filled_marker(looks) | {"linestyle": looks.line}))
+        if label in paper:
+            ax.plot([TOLERANCES[-1] / 10], [paper[label] * 1e3], **style.open_marker(looks))
+    for row, (solver, label) in enumerate(missing):
+        looks = style.look(solver, label)
+        for t in (t for t in TOLERANCES if reached[label, t] < pairs):
+            top.plot([t * 1.25], [row], **style.open_marker(looks))
+            top.text(t / 1.35, row, f"{reached[label, t]}/{pairs}", fontsize=6, color="#333333", va="center")
+    top.set_ylim(max(len(missing), 1) - 0.5, -0.5)
+    top.set_yticks([(len(missing) - 1) / 2] if missing else [], ["pairs\nreached"] if missing else [])
+    top.tick_params(axis="both", which="both", length=0, labelbottom=False)
+    top.grid(False)
+    top.spines["left"].set_visible(False)
+    top.spines["bottom"].set_visible(False)
+    top.set_facecolor("#F5F5F5" if missing else "none")
+    top.minorticks_off()
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.minorticks_off()
+    if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
+        ax.set_ylim(1, 1e4)
+    ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
+    ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*[f"$10^{{-{k}}}$" for k in range(1, 9)], "paper"])
+    ax.axvline(TOLERANCES[-1] / 3.2, color=style.GREY, linewidth=0.5, linestyle=(0, (2, 2)))
+    ax.set_xlabel("tolerance of the gap / diagonal of A")
+    ax.set_ylabel(f"prepare + solve, mean of {pairs} pairs (ms)")
+    style.legend_above(figure, style.handles(labels))
+    figure.get_layout_engine().set(h_pad=0.02, hspace=0.0)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,169 @@
+"""Table 3 of Zhang et al. 2017: time to compute the exact distance of six pairs of point sets, beside the paper's."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import command, style, tables
+from analysis.load import Floats, ResultError, Results, machine_line, paper_numbers
+from analysis.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
+
+STEM = "zhang2017_table3"
+COLUMNS = ("naive", "inc", "earlybreak", "adaptive", "kdtree")  # the paper's four, and the simple rival it leaves out
+
+
+def pooled(runs: list[Floats]) -> Floats:
+    """The repeats of one row; of several seeds, the median of each: repeats of one seed are no independent times, and
+    an interval over all of them would be too narrow.
+    """
+    return runs[0] if len(runs) == 1 else np.array([np.median(run) for run in runs if len(run)])
+
+
+class Cell:
+    """All rows of one label on one scene, pooled over seeds."""
+
+    def __init__(self, results: Results, rows: Sequence[int]) -> None:
+        cases, first = results.cases, rows[0]
+        asked = {(json.dumps({k: v for k, v in results.options(r).items() if k != "seed"}, sort_keys=True),
+                  cases.pose_index[r], cases.tolerance[r], cases.source[r], cases.target[r]) for r in rows}
+        if len(asked) > 1:
+            raise ResultError(f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
+                              "more than their seed: give each variant a label of its own in the experiment")
+        self.failures = Counter(str(cases.status[r]) for r in rows if cases.status[r] != "ok")
+        self.cases, self.rows = rows, len(rows)
+        # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
+        ok = not self.failures
+        self.seconds = pooled([results.total_seconds(r) for r in rows]) if ok else np.empty(0)
+        self.cpu = pooled([results.cpu_seconds(r) for r in rows]) if ok else np.empty(0)
+        self.prepare = float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
+        self.time: Estimate = median(self.seconds)
+        self.interval = results.reference_of(first)
+        self.counters = {name: int(np.median(column[rows])) for name, column in cases.counters.items()} if ok else {}
+
+    def text(self, scale: float) -> str:
+        if not self.failures:
+            return tables.estimate(self.time, scale)
+        status, count = self.failures.most_common(1)[0]
+        word = style.STATUS_WORDS.get(status, status)
+        return word if count == self.rows else f"{word} ({count} of {self.rows})"
+
+
+def compare(results: Results, slow: Cell, fast: Cell) -> Estimate:
+    """Paired by round where there are enough rounds, else of times measured apart."""
+    if slow.failures or fast.failures:
+        return NO_DATA
+    paired = ratio_by_round(results.total_by_round(slow.cases), results.total_by_round(fast.cases))
+    return paired if paired.n else ratio_of_medians(slow.seconds, fast.seconds)
+
+
+def paper_ratio(paper: dict[str, Any]) -> str:
+    return tables.number(paper["naive"] / paper["earlybreak"]) if "naive" in paper else tables.NOTHING
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, printed = results.cases, paper_numbers(STEM)
+    papers = {row["scene"]: row for row in printed["row"]}
+    scenes = sorted(results.in_order("scene"), key=lambda s: list(papers).index(s) if s in papers else len(papers))
+    labels = style.order(zip(cases.solver, cases.label))
+    labels = ([(name, name) for name in COLUMNS]
+              + [pair for pair in labels if not (pair[0] == pair[1] and pair[0] in COLUMNS)])
+    cells = {(scene, label): Cell(results, [int(r) for r in rows]) for scene in scenes for _, label in labels
+             if len(rows := results.rows(scene=scene, label=label))}
+
+    unit, scale = tables.time_unit(cell.time.value for cell in cells.values())
+    table = tables.Table(
+        f"Time to prepare and solve, {unit}, of exact directed Hausdorff distances between point sets, measured here "
+        f"and as printed in Table 3 of Zhang et al. 2017.",
+        ["scene", "", "|A| / |B|", *[style.look(*pair).title for pair in labels], "NAIVEHDD / EARLYBREAK"], left=2)
+    records: list[tables.Record] = []
+    for scene in scenes:
+        paper, first = papers.get(scene, {}), int(results.rows(scene=scene)[0])
+        own = [cells.get((scene, label)) for _, label in labels]
+        speedup = NO_DATA
+        if (scene, "naive") in cells and (scene, "earlybreak") in cells:
+            speedup = compare(results, cells[scene, "naive"], cells[scene, "earlybreak"])
+        table.rules.add(len(table.rows))
+        table.rows.append([style.scene_title(scene), "here",
+                           f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}",
+                           *[cell.text(scale) if cell else tables.NOTHING for cell in own], tables.ratio(speedup)])
+        if paper:
+            table.rows.append(["", "paper", f"{paper['source_elements']:,} / {paper['target_elements']:,}",
+                               *[f"{paper[label] * scale:.6g}" if label in paper else tables.NOTHING
+                                 for _, label in labels],
+                               paper_ratio(paper)])
+        if cases.scene_note[first]:
+            table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}")
+        for (solver, label), cell in zip(labels, own):
+            if cell:
+                cpu = median(cell.cpu)
+                records.append({"scene": scene, "solver": solver, "label": label,
+                                "source_elements": int(cases.source_elements[first]),
+                                "target_elements": int(cases.target_elements[first]),
+                                "status": ", ".join(f"{name} {count} of {cell.rows}"
+                                                    for name, count in cell.failures.items()) or "ok",
+                                "n": cell.time.n, "median_seconds": cell.time.value, "low_seconds": cell.time.low,
+                                "high_seconds": cell.time.high, "coverage": cell.time.coverage,
+                                "prepare_seconds": cell.prepare, "solve_cpu_median_seconds": cpu.value,
+                                "paper_seconds": float(paper.get(label, np.nan)), "lower": cell.interval.lower,
+                                "upper": cell.interval.upper, **cell.counters})
+    table.notes += [tables.coverage_note(cell.time for cell in cells.values())
+                    + " Where a solver was run with several seeds, n counts them, each by its median. Preparation "
+                    "(trees) is included, loading is not.",
+                    f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
+                    "A dash: not part of the experiment, or not in the paper."]
+    figure = draw(scenes, labels, cells, papers)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+
+
+def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell],
+         papers: dict[str, dict[str, Any]]) -> Any:
+    """One band a scene, one line a solver in it: filled = here, open = the paper, bar = interval of the median."""
+    present = [pair for pair in labels if any((scene, pair[1]) in cells for scene in scenes)]
+    pitch = len(present) + 1.0
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.75 + 0.098 * pitch * len(scenes)))
+    known = [x for cell in cells.values() if cell.time.n for x in (cell.time.value, cell.time.low, cell.time.high)]
+    known += [papers[s][label] for s in scenes if s in papers for _, label in present if label in papers[s]]
+    known = [x for x in known if np.isfinite(x) and x > 0] or [1.0]
+    ax.set_xscale("log")
+    ax.set_xlim(min(known) / 2, max(known) * 2)
+    for i, scene in enumerate(scenes):
+        if i % 2:
+            ax.axhspan(i * pitch - 1, (i + 1) * pitch - 1, color="#F5F5F5", linewidth=0, zorder=0)
+        for j, (solver, label) in enumerate(present):
+            y, looks, cell = i * pitch + j, style.look(solver, label), cells.get((scene, label))
+            printed = papers.get(scene, {}).get(label)
+            if printed and cell and cell.time.n:
+                ax.plot([printed, cell.time.value], [y, y], color=looks.colour, linewidth=0.5, alpha=0.6, zorder=1)
+            if printed:
+                ax.plot(printed, y, **style.open_marker(looks))
+            if cell and cell.time.n:
+                if cell.time.has_interval:
+                    ax.plot([cell.time.low, cell.time.high], [y, y], color=looks.colour, linewidth=1.6, zorder=2)
+                ax.plot(cell.time.value, y, **style.filled_marker(looks))
+            elif cell:
+                # On the side where the paper's mark is not.
+                right = bool(printed) and printed**2 < min(known) * max(known)
+                ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
+                        transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
+    ax.set_ylim(len(scenes) * pitch - 1, -1)
+    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], map(style.scene_title, scenes))
+    ax.tick_params(axis="y", length=0)
+    ax.grid(False, axis="y")
+    ax.set_xlabel("time to prepare and solve (s)")
+    grey = style.Look("", style.GREY, "o")
+    style.legend_above(figure, [*style.handles(present, lines=False),
+                                plt.Line2D([], [], label="here", **style.filled_marker(grey)),
+                                plt.Line2D([], [], label="the paper", **style.open_marker(grey))])
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))
