@@ -1,0 +1,226 @@
+"""Writes result files as results/README.md describes them, with numbers that a test knows beforehand.
+
+Written from that description, not from analysis/load.py, so that the two check each other.
+`python3 tests/analysis/synthetic.py DIR` writes one file for each stem, to look at the figures.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+NAN = float("nan")
+COUNTERS = ("point_distances", "point_triangle_distances", "node_visits", "closest_point_queries", "bound_tests",
+            "subdivisions", "queue_pushes")
+TEXT = h5py.string_dtype("utf-8")
+
+META: dict[str, Any] = {
+    "schema_version": 1, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "",
+    "started": "2026-01-01T00:00:00Z", "finished": "2026-01-01T00:01:00Z", "commit": "0123456789abcdef", "dirty": 0,
+    "build": "b1", "compiler": "g++ 12.2.0", "flags": "-O3", "libraries": "{}", "machine": "m1", "cpu": "Test CPU",
+    "cores": 2, "caches": "", "memory_bytes": 8 * 2**30, "kernel": "6.1.0", "system": "Debian 12",
+    "hausbench_version": "0.1.0"}
+
+CASE: dict[str, Any] = {
+    "identity": "", "solver": "", "label": "", "options": "{}", "scene": "", "source": "", "target": "",
+    "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "pose_index": 0,
+    "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "tolerance": 0.0, "tolerance_of": "diagonal",
+    "tolerance_absolute": 0.0, "case_seconds_limit": 60.0, "memory_limit_bytes": 2**32, "status": "ok", "reason": "",
+    "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3,
+    "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
+    "solve_seconds": NAN, "peak_bytes": -1, "trace_begin": 0, "trace_end": 0, "from_trace": 0,
+    "lower_check": "holds", "upper_check": "not checked",
+    **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
+
+MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
+                         "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": ""}
+REPEAT: dict[str, Any] = {"case": 0, "repeat": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
+PREPARATION: dict[str, Any] = {"case": 0, "name": "", "seconds": NAN, "bytes": -1}
+TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
+LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0}
+
+
+@dataclass
+class ResultFile:
+    """Rows are dictionaries; columns that are not given take the defaults above."""
+
+    stem: str
+    meta: dict[str, Any] = field(default_factory=dict)
+    models: list[dict[str, Any]] = field(default_factory=list)
+    cases: list[dict[str, Any]] = field(default_factory=list)
+    repeats: list[dict[str, Any]] = field(default_factory=list)
+    preparation: list[dict[str, Any]] = field(default_factory=list)
+    trace: list[dict[str, Any]] = field(default_factory=list)
+    ledger: list[dict[str, Any]] = field(default_factory=list)
+
+    def case(self, solver: str, scene: str, seconds: Sequence[float] = (),
+             trace: Sequence[tuple[float, float, float]] = (), options: dict[str, Any] | None = None,
+             counters: dict[str, int] | None = None, rounds: int = 1, **columns: Any) -> int:
+        """Adds a case with its repeats (spread over so many rounds) and trace, and its models; returns its row."""
+        row = len(self.cases)
+        new: dict[str, Any] = {
+            **CASE, "solver": solver, "label": solver, "scene": scene, "source": f"{scene}/A", "target": f"{scene}/B",
+            "options": json.dumps(options or {}), "solve_seconds": seconds[0] if seconds else NAN,
+            "identity": hashlib.sha256(f"{self.stem}{row}".encode()).hexdigest(), **columns}
+        new |= {f"counter_{name}": np.uint64(value) for name, value in (counters or {}).items()}
+        if new["tolerance_of"] == "diagonal":
+            new["tolerance_absolute"] = new["tolerance"] * new["source_diagonal"]
+        new["trace_begin"], new["trace_end"] = len(self.trace), len(self.trace) + len(trace)
+        self.trace += [dict(zip(TRACE, sample)) for sample in trace]
+        self.repeats += [{**REPEAT, "case": row, "repeat": i, "round": i * rounds // len(seconds), "wall_seconds": x,
+                          "cpu_seconds": 0.9 * x}
+                         for i, x in enumerate(seconds)]
+        if not np.isnan(new["prepare_seconds"]):
+            self.preparation.append({"case": row, "name": "solver", "seconds": new["prepare_seconds"], "bytes": 64})
+        for model in (new["source"], new["target"]):
+            if model not in (known["name"] for known in self.models):
+                self.models.append({**MODEL, "name": model, "sha256": hashlib.sha256(model.encode()).hexdigest()})
+        self.cases.append(new)
+        return row
+
+    def write(self, folder: Path) -> Path:
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{self.stem}.h5"
+        with h5py.File(path, "w") as file:
+            attributes = file.create_group("meta").attrs
+            for key, value in {**META, "stem": self.stem, **self.meta}.items():
+                attributes[key] = value
+            for name, default, rows in (("models", MODEL, self.models), ("cases", CASE, self.cases),
+                                        ("repeats", REPEAT, self.repeats),
+                                        ("preparation", PREPARATION, self.preparation), ("trace", TRACE, self.trace),
+                                        ("ledger", LEDGER, self.ledger)):
+                group = file.create_group(name)
+                for column, example in default.items():
+                    values = [row.get(column, example) for row in rows]
+                    group[column] = _array(values, example)
+        return path
+
+
+def _array(values: list[Any], example: Any) -> Any:
+    if isinstance(example, str):
+        return np.array(values, dtype=TEXT)
+    kind = np.uint64 if isinstance(example, np.uint64) else np.int64 if isinstance(example, int) else np.float64
+    return np.array(values, dtype=kind).reshape(len(values), *np.shape(example))
+
+
+def spread(middle: float, n: int, width: float = 0.1) -> list[float]:
+    """n times whose median is `middle`, from middle (1 - width/2) to middle (1 + width/2)."""
+    return [middle * (1 + width * (i / (n - 1) - 0.5)) if n > 1 else middle for i in range(n)]
+
+
+def without_bounds(status: str, reason: str, columns: dict[str, Any]) -> dict[str, Any]:
+    return {**columns, "status": status, "reason": reason, "lower": NAN, "upper": NAN}
+
+
+def zhang2017_table3() -> ResultFile:
+    """Known: a_pears: naive 2.0 s, earlybreak 0.5 s (10 seeds); b_cow_hippo: one of ten seeds timed out; c_rabbits: inc
+    crashed.
+    """
+    file = ResultFile("zhang2017_table3")
+    scenes = {"a_pears": ("neverball orange_sculpted.obj, resampled to size", 1.0),
+              "b_cow_hippo": ("CGAL cow.off, hippo1.ply", 0.8), "c_rabbits": ("glmark2 bunny, @pmndrs bunny", 2.5),
+              "d_cups": ("brutalchess king and queen", 0.7), "e_wrenches": ("OpenFOAM flange, linuxcnc fanuc", 0.3),
+              "f_singular": ("CGAL bear.off, mannequin-devil.off", 1.7)}
+    for k, (scene, (note, factor)) in enumerate(scenes.items()):
+        common: dict[str, Any] = {"scene_note": note, "source_elements": 1075 + k, "target_elements": 1076 + k,
+                                  "lower": 0.25, "upper": 0.25}
+        file.case("naive", scene, spread(2.0 * factor, 9), counters={"point_distances": 10**6}, **common)
+        for seed in range(1, 11):
+            bad = scene == "b_cow_hippo" and seed == 7
+            file.case("earlybreak", scene, [] if bad else spread(0.5 * factor, 3, 0.02), options={"seed": seed},
+                      **(without_bounds("timeout", "60 s passed", common) if bad else common))
+        file.case("kdtree", scene, spread(0.004 * factor, 9, 0.3), prepare_seconds=0.001, **common)
+        if scene == "c_rabbits":
+            file.case("inc", scene, **without_bounds("signal", "SIGSEGV", common))
+        else:
+            file.case("inc", scene, spread(0.11 * factor, 9), prepare_seconds=0.02, **common)
+        if scene != "f_singular":
+            file.case("adaptive", scene, spread(0.011 * factor, 9), prepare_seconds=0.004, **common)
+    return file
+
+
+def sacht2024_fig13() -> ResultFile:
+    """Known: sacht closes a decade every 10 ms after 20 ms of preparation, times 1, 2, 3, 4 on the four pairs; zheng
+    does not get below 1e-6 on ramesses; cgal has no trace, and one case a tolerance.
+    """
+    file = ResultFile("sacht2024_fig13")
+    for k, scene in enumerate(("crown", "monster", "bust", "ramesses")):
+        slow, diagonal = k + 1.0, 10.0 * (k + 1)
+        common: dict[str, Any] = {"source_diagonal": diagonal, "scene_note": f"stand-in number {k + 1}"}
+        for solver, pace, prepare in (("sacht", 0.010, 0.020), ("zheng", 0.033, 0.015), ("kang", 0.024, 0.060),
+                                      ("tang", 0.051, 0.020), ("cover", 0.004, 0.012), ("guthe", 0.12, 0.02)):
+            stuck = {("zheng", "ramesses"): 6, ("guthe", "ramesses"): 4, ("guthe", "bust"): 4, ("tang", "bust"): 7}
+            last = stuck.get((solver, scene), 8)
+            # The gap after j steps is 0.9 of the j-th tolerance.
+            samples = [(pace * slow * j, 0.004 * diagonal, (0.004 + 0.9 * 10.0**-j) * diagonal)
+                       for j in range(last + 1)]
+            if last == 8:
+                file.case(solver, scene, spread(pace * slow * 8 / 1.05, 7), samples, prepare_seconds=prepare * slow,
+                          tolerance=1e-8, lower=0.004 * diagonal, upper=(0.004 + 0.9e-8) * diagonal, **common)
+            else:
+                file.case(solver, scene, [], samples, prepare_seconds=prepare * slow, tolerance=1e-8, status="timeout",
+                          reason="60 s passed", **common)
+        for j in range(1, 9):
+            file.case("cgal", scene, spread((0.03 + 0.02 * j) * slow, 7), tolerance=10.0**-j, prepare_seconds=0.0,
+                      lower=0.004 * diagonal, upper=(0.004 + 10.0**-j) * diagonal, **common)
+    return file
+
+
+def error_vs_time() -> ResultFile:
+    """Three pairs of meshes, three of point sets; exact zeros, failures of every kind, steps of ten tolerances."""
+    file = ResultFile("error_vs_time")
+    rng = np.random.default_rng(1)
+    meshes = (("guthe", 0.30), ("tang", 0.10), ("kang", 0.05), ("zheng", 0.06), ("sacht", 0.03), ("cover", 0.012))
+    for k, scene in enumerate(("bunny_half", "armadillo_scan", "same_mesh")):
+        h = 0.0 if scene == "same_mesh" else 0.01 * (k + 1)
+        common: dict[str, Any] = {"source_diagonal": 2.0}
+        for solver, pace in meshes:
+            samples = [(pace * (0.2 + t), h * (1 - 0.3**t / 2), h + 0.3 * 0.15**t) for t in range(11)]
+            if scene == "same_mesh":
+                samples += [(pace * 12, 0.0, 0.0)]
+            for tolerance in (1e-2, 1e-4, 1e-6, 1e-8):
+                lost = {("guthe", 1e-8): "timeout", ("guthe", 1e-6): "timeout", ("tang", 1e-8): "out_of_memory",
+                        ("kang", 1e-8): "unsound"}.get((solver, tolerance)) if k else None
+                if lost:
+                    file.case(solver, scene, status=lost, reason=lost, tolerance=tolerance, **common)
+                    continue
+                at = next((s for s in samples if s[2] - s[1] <= 2 * tolerance), samples[-1])
+                at = samples[-1] if h == 0 and tolerance == 1e-8 else at
+                floor = solver == "zheng" and tolerance == 1e-8
+                file.case(solver, scene, list(at[0] * (1 + 0.1 * rng.random(7))),
+                          samples if tolerance == 1e-8 else (), tolerance=tolerance, prepare_seconds=0.01,
+                          lower=at[1], upper=at[2], status="floor" if floor else "ok",
+                          counters={"point_triangle_distances": int(at[0] * 1e6)}, **common)
+        for tolerance in (1e-2, 1e-4, 1e-6, 1e-8):
+            file.case("cgal", scene, list(0.08 * (1 - np.log10(tolerance)) * (1 + 0.2 * rng.random(7))),
+                      tolerance=tolerance, lower=max(0.0, h - tolerance), upper=h + tolerance, **common)
+        file.case("external", scene, status="failed", reason="no number in its output", **common)
+        file.case("kdtree", scene, status="skipped", reason="takes points only", **common)
+    points = (("naive", 4.0), ("earlybreak", 0.4), ("inc", 0.2), ("nohd", 0.08), ("ohd", 0.11), ("adaptive", 0.07),
+              ("scan", 0.011), ("kdtree", 0.02))
+    for k, scene in enumerate(("gauss_overlap", "gauss_far", "grid_noise")):
+        for solver, time in points:
+            if solver == "inc" and k == 1:
+                file.case(solver, scene, status="signal", reason="SIGSEGV")
+            elif solver == "naive" and k == 2:
+                file.case(solver, scene, status="timeout", reason="60 s passed")
+            else:
+                width = 0.0 if solver in ("naive", "kdtree") or k == 1 else 2e-16 * (1 + len(solver))
+                file.case(solver, scene, list(time * (1 + k) * (1 + 0.1 * rng.random(9))), prepare_seconds=0.002,
+                          lower=0.5 - width, upper=0.5 + width, counters={"point_distances": int(1e6 * time)})
+        file.case("ohd", scene, list(0.05 * (1 + k) * (1 + 0.1 * rng.random(9))), label="ohd as printed",
+                  lower=0.5, upper=0.5, status="unsound" if k == 2 else "ok")
+    return file
+
+
+if __name__ == "__main__":
+    for make in (zhang2017_table3, sacht2024_fig13, error_vs_time):
+        print(make().write(Path(sys.argv[1])))

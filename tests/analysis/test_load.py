@@ -1,0 +1,204 @@
+"""Reading result files: the schema, groupings, the reference, and files that are no use."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import synthetic
+from synthetic import ResultFile, spread
+
+from analysis import load
+
+README = Path(__file__).resolve().parents[2] / "results" / "README.md"
+
+
+def described() -> dict[str, set[str]]:
+    """The columns that results/README.md names, by group: in its tables' first cells, or its first sentence."""
+    columns: dict[str, set[str]] = {}
+    for section in README.read_text(encoding="utf-8").split("\n## ")[1:]:
+        name = re.match(r"`/(\w+)", section)
+        assert name
+        rows = re.findall(r"^\| (`.*?) \|", section, re.MULTILINE)
+        # Without a table, in prose: what stands in brackets explains values, not columns.
+        texts = rows or [re.sub(r"\([^)]*\)", "", section.split("\n", 1)[1])]
+        columns[name[1]] = {word for text in texts for word in re.findall(r"`(\w+\*?)`", text)}
+    return columns
+
+
+def test_loader_and_generator_know_the_columns_that_are_described() -> None:
+    groups = {"models": (load.Models, synthetic.MODEL), "cases": (load.Cases, synthetic.CASE),
+              "repeats": (load.Repeats, synthetic.REPEAT), "preparation": (load.Preparation, synthetic.PREPARATION),
+              "trace": (load.Trace, synthetic.TRACE), "ledger": (load.Ledger, synthetic.LEDGER)}
+    found = described()
+    assert found["meta"] <= set(synthetic.META)  # some attributes stand in the second column
+    for name, (reader, writer) in groups.items():
+        read = {field.name for field in dataclasses.fields(reader)}
+        assert {"counter_*" if column == "counters" else column for column in read} == found[name], name
+        assert {"counter_*" if column.startswith("counter_") else column for column in writer} == found[name], name
+
+
+@pytest.fixture()
+def small(tmp_path: Path) -> load.Results:
+    file = ResultFile("small", meta={"dirty": 1})
+    file.case("naive", "x", [3.0, 1.0, 2.0], lower=1.0, upper=1.0, prepare_seconds=0.5, options={"seed": 3},
+              counters={"point_distances": 2**63 + 1})
+    file.case("cover", "x", [0.1], [(0.0, 0.0, np.inf), (0.1, 0.9, 1.25)], lower=0.9, upper=1.25, tolerance=0.1)
+    file.case("kang", "x", status="timeout", reason="zu spät", lower=0.0, upper=0.5)
+    file.case("zheng", "x", status="unsound", lower=1.1, upper=1.1)
+    file.case("tang", "y", [1.0], lower=0.5, upper=0.75)
+    file.case("sacht", "y", [1.0], lower=0.625, upper=1.0)
+    file.case("sacht", "y", [1.0], lower=5.0, upper=6.0, pose_index=1, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0])
+    file.case("adaptive", "z", status="failed")
+    file.ledger.append({"kind": "not_run", "subject": "naive y", "what": "case", "reason": "points only", "count": 2})
+    return load.load(file.write(tmp_path))
+
+
+def test_columns(small: load.Results) -> None:
+    assert small.cases.solver[0] == "naive" and small.cases.reason[2] == "zu spät"
+    assert small.cases.pose.shape == (8, 12) and small.cases.witness_source.shape == (8, 3)
+    assert int(small.cases.counters["point_distances"][0]) == 2**63 + 1
+    assert small.options(0) == {"seed": 3}
+    assert small.ledger.count.tolist() == [2] and small.meta["cpu"] == "Test CPU"
+    assert set(small.models.name) == {"x/A", "x/B", "y/A", "y/B", "z/A", "z/B"}
+    assert "with changes" in load.machine_line(small)
+
+
+def test_rows_and_order(small: load.Results) -> None:
+    assert small.rows(scene="y", pose_index=0).tolist() == [4, 5]
+    assert small.in_order("scene") == ["x", "y", "z"]
+
+
+def test_repeats_are_grouped_by_case(small: load.Results) -> None:
+    assert small.wall_seconds(0).tolist() == [3.0, 1.0, 2.0]
+    assert small.total_seconds(0).tolist() == [3.5, 1.5, 2.5]
+    assert small.cpu_seconds(0) == pytest.approx([2.7, 0.9, 1.8])
+    assert small.wall_seconds(2).tolist() == []
+
+
+def test_rounds(tmp_path: Path) -> None:
+    file = ResultFile("rounds")
+    file.case("naive", "x", [1.0, 3.0, 2.0, 7.0, 9.0, 8.0], rounds=2, prepare_seconds=0.5, lower=1.0, upper=1.0)
+    file.case("naive", "x", [100.0, 10.0], rounds=2, lower=1.0, upper=1.0)
+    results = load.load(file.write(tmp_path))
+    assert results.total_by_round([0]) == {0: 2.5, 1: 8.5}
+    assert results.total_by_round([0, 1]) == {0: 3.0, 1: 9.0}  # of 1.5, 2.5, 3.5, 100 and of 7.5, 8.5, 9.5, 10
+
+
+def test_without_repeats_the_first_answer_counts(tmp_path: Path) -> None:
+    file = ResultFile("first")
+    file.case("naive", "x", lower=1.0, upper=1.0, solve_seconds=7.0)
+    assert load.load(file.write(tmp_path)).total_seconds(0).tolist() == [7.0]
+
+
+def test_trace(small: load.Results) -> None:
+    assert small.trace_of(1).upper.tolist() == [np.inf, 1.25] and len(small.trace_of(0)) == 0
+
+
+def test_reference_is_the_tightest_of_all_rows_with_bounds(small: load.Results) -> None:
+    assert small.reference("x") == (1.0, 1.0)  # neither the timeout nor the unsound row counts
+    assert small.reference("y") == (0.625, 0.75)
+    assert small.reference("y", 1) == (5.0, 6.0)
+    assert np.isnan(small.reference("z")).all() and np.isnan(small.reference("nowhere")).all()
+
+
+def test_error_and_gap(small: load.Results) -> None:
+    assert small.error(0) == 0 and small.gap(0) == 0
+    assert small.error(1) == pytest.approx(0.1) and small.gap(1) == pytest.approx(0.35)
+    assert small.error(4) == 0.25  # 0.5, where the truth is in [0.625, 0.75]
+    assert small.error(1, lower=0.25) == 0.75
+
+
+def test_reference_of_bounds_that_contradict_each_other(tmp_path: Path) -> None:
+    file = ResultFile("rounding")
+    file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
+    file.case("inc", "x", [1.0], lower=1.25, upper=1.25)
+    results = load.load(file.write(tmp_path))
+    assert results.reference("x") == (1.0, 1.25) and results.error(0) == 0.25 == results.error(1)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(load.ResultError, match=r"none\.h5: no such file.*make none"):
+        load.load(tmp_path / "none.h5")
+
+
+def test_newer_schema(tmp_path: Path) -> None:
+    file = ResultFile("newer", meta={"schema_version": 2})
+    file.case("naive", "x")
+    with pytest.raises(load.ResultError, match=r"newer\.h5: schema version 2 is newer than 1"):
+        load.load(file.write(tmp_path))
+
+
+def test_no_hdf5(tmp_path: Path) -> None:
+    (tmp_path / "text.h5").write_text("case,solver\n")
+    with pytest.raises(load.ResultError, match=r"text\.h5: not an HDF5 file.*make text"):
+        load.load(tmp_path / "text.h5")
+
+
+def test_foreign_hdf5(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["cases"] = [1, 2, 3]
+    with pytest.raises(load.ResultError, match=r"foreign\.h5: not a hausbench result file"):
+        load.load(tmp_path / "foreign.h5")
+
+
+@pytest.mark.parametrize("column", ["cases/upper", "repeats/wall_seconds", "trace/lower", "cases/counter_queue_pushes"])
+def test_ragged_column(tmp_path: Path, column: str) -> None:
+    file = ResultFile("ragged")
+    file.case("naive", "x", [1.0], [(0.0, 0.0, 1.0)])
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        kind = opened[column].dtype
+        del opened[column]
+        opened[column] = np.zeros(3, dtype=kind)
+    with pytest.raises(load.ResultError, match="columns of one length"):
+        load.load(path)
+
+
+@pytest.mark.parametrize("column", ["cases/upper", "ledger/what", "models/sha256"])
+def test_missing_column(tmp_path: Path, column: str) -> None:
+    file = ResultFile("short")
+    file.case("naive", "x", spread(1.0, 3))
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        del opened[column]
+    with pytest.raises(load.ResultError, match=column.split("/")[1]):
+        load.load(path)
+
+
+def test_text_where_a_number_belongs(tmp_path: Path) -> None:
+    file = ResultFile("typed")
+    file.case("naive", "x")
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        del opened["cases/upper"]
+        opened["cases/upper"] = np.array(["1"], dtype=synthetic.TEXT)
+    with pytest.raises(load.ResultError, match="cases/upper"):
+        load.load(path)
+
+
+def test_file_of_another_experiment(tmp_path: Path) -> None:
+    file = ResultFile("one")
+    file.case("naive", "x")
+    file.write(tmp_path).rename(tmp_path / "two.h5")
+    with pytest.raises(load.ResultError, match=r"two\.h5: holds the experiment 'one', not 'two'"):
+        load.load(tmp_path / "two.h5")
+
+
+def test_no_cases(tmp_path: Path) -> None:
+    with pytest.raises(load.ResultError, match="holds no cases"):
+        load.load(ResultFile("empty").write(tmp_path))
+
+
+def test_paper_numbers_are_all_there() -> None:
+    names = sorted(path.stem for path in load.REFERENCE.glob("*.toml"))
+    assert {"zhang2017_table3", "sacht2024_table2"} <= set(names)
+    for name in names:
+        numbers = load.paper_numbers(name)
+        assert {"paper", "table", "section", "unit", "machine", "row"} <= set(numbers), name
+        values = [value for row in numbers["row"] for value in row.values() if isinstance(value, (int, float))]
+        assert values and min(values) > 0, name

@@ -1,0 +1,198 @@
+"""Each stem, from a file with known numbers to its table's cells and its figures."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+import synthetic
+from synthetic import ResultFile, spread
+
+from analysis import command, error_vs_time, load, style, zhang2017_table3
+from analysis.statistics import median
+
+ROOT = Path(__file__).resolve().parents[2]
+STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
+         "error_vs_time": synthetic.error_vs_time}
+Make = Callable[[ResultFile], tuple[list[dict[str, str]], dict[str, list[list[str]]], str]]
+
+
+@pytest.fixture()
+def make(tmp_path: Path) -> Make:
+    """Runs the stem of a file; returns the CSV, the Markdown rows by their first cell, and the whole Markdown."""
+    def run(file: ResultFile) -> tuple[list[dict[str, str]], dict[str, list[list[str]]], str]:
+        file.write(tmp_path)
+        module = importlib.import_module(f"analysis.{file.stem}")
+        assert command.main(file.stem, module.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+        for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
+            path = tmp_path / "figures" / f"{file.stem}.{suffix}"
+            assert path.read_bytes().startswith(magic) and path.stat().st_size > 5000
+        text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+        tex = (tmp_path / "tables" / f"{file.stem}.tex").read_text(encoding="utf-8")
+        assert tex.isascii() and tex.count("{") == tex.count("}")
+        rows: dict[str, list[list[str]]] = {}
+        for line in text.splitlines():
+            if line.startswith("| "):
+                cells = re.split(r"(?<!\\)\|", line)[1:-1]
+                rows.setdefault(cells[0].strip(), []).append([cell.strip() for cell in cells[1:]])
+        with (tmp_path / "tables" / f"{file.stem}.csv").open(encoding="utf-8") as opened:
+            return list(csv.DictReader(opened)), rows, text
+    return run
+
+
+def test_table3_cells(make: Make) -> None:
+    records, rows, text = make(synthetic.zhang2017_table3())
+    header, pears = rows["scene"][0], rows["(a) pears"][0]
+    # Nine times, 1.9 to 2.1 in steps of 0.025: the interval runs from the second to the eighth.
+    assert pears[header.index("NAIVEHDD")] == "2.00 [1.93, 2.08]"
+    # Ten seeds whose medians are all 0.5.
+    assert pears[header.index("EARLYBREAK")] == "0.500 [0.500, 0.500]"
+    assert pears[header.index("NAIVEHDD / EARLYBREAK")] == "4.00 [3.80, 4.20]"
+    assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 and 0.02 of preparation
+    assert pears[1] == "1,075 / 1,076"
+    paper = rows[""][0]
+    assert paper[:6] == ["paper", "10,754 / 10,754", "47.282", "3.107", "0.226", "0.225"]
+    assert paper[-2:] == ["—", "209"]
+    assert "(a) pears: neverball orange_sculpted.obj" in text and "Test CPU" in text and "profile quick" in text
+    record = next(r for r in records if r["scene"] == "a_pears" and r["solver"] == "naive")
+    assert float(record["median_seconds"]) == pytest.approx(2.0) and float(record["paper_seconds"]) == 47.282
+    assert record["point_distances"] == "1000000" and float(record["solve_cpu_median_seconds"]) == pytest.approx(1.8)
+
+
+def test_table3_failures_and_absences(make: Make) -> None:
+    _, rows, _ = make(synthetic.zhang2017_table3())
+    header = rows["scene"][0]
+    assert rows["(b) cow, hippo"][0][header.index("EARLYBREAK")] == "timeout (1 of 10)"
+    assert rows["(b) cow, hippo"][0][header.index("NAIVEHDD / EARLYBREAK")] == "—"
+    assert rows["(c) rabbits"][0][header.index("INC")] == "crashed"
+    assert rows["(f) singular"][0][header.index("NOHD/OHD framework")] == "—"
+
+
+def test_table3_takes_milliseconds_where_times_are_short(make: Make) -> None:
+    file = ResultFile("zhang2017_table3")
+    file.case("naive", "a_pears", spread(0.05, 9), lower=1.0, upper=1.0)
+    file.case("earlybreak", "a_pears", spread(0.05, 9), lower=1.0, upper=1.0)
+    _, rows, text = make(file)
+    header, cells = rows["scene"][0], rows["(a) pears"][0]
+    assert cells[header.index("NAIVEHDD")] == "50.0 [48.1, 51.9]" and "solve, ms" in text
+    assert cells[header.index("NAIVEHDD / EARLYBREAK")].endswith("(not separated)")
+    assert rows[""][0][2] == "47282"
+
+
+def test_table3_pairs_rounds_where_there_are_enough(make: Make) -> None:
+    file = ResultFile("zhang2017_table3")
+    slow = [2.0 * (i + 1) for i in range(8)]  # ever slower: only pairs tell the two apart
+    file.case("naive", "a_pears", slow, rounds=8, lower=1.0, upper=1.0)
+    file.case("earlybreak", "a_pears", [x / 1.25 for x in slow], rounds=8, lower=1.0, upper=1.0)
+    _, rows, _ = make(file)
+    assert rows["(a) pears"][0][-1] == "1.25 [1.25, 1.25]"
+
+
+def test_table3_refuses_to_pool_variants(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = ResultFile("zhang2017_table3")
+    for depth in (5, 6):
+        file.case("nohd", "a_pears", [1.0], options={"depth": depth}, lower=1.0, upper=1.0)
+    file.write(tmp_path)
+    arguments = ["--results", str(tmp_path), "--out", str(tmp_path)]
+    assert command.main("zhang2017_table3", zhang2017_table3.make, arguments) == 2
+    assert "'nohd'" in capsys.readouterr().err
+
+
+def test_fig13_means_over_all_pairs_only(make: Make) -> None:
+    records, rows, text = make(synthetic.sacht2024_fig13())
+    # Preparation 20 ms and a step of 10 ms a decade, times 1, 2, 3, 4: mean 2.5 (20 + 10 j).
+    assert rows["Sacht 2024"][0] == ["75.0", "100", "125", "150", "175", "200", "225", "250", "242"]
+    assert rows["CGAL"][0] == ["125", "175", "225", "275", "325", "375", "425", "475", "—"]  # a case a tolerance
+    assert rows["Zheng 2022"][0][5:] == ["532", "3 of 4", "3 of 4", "1288"]
+    assert rows["Kang 2018"][0][-1] == "762"
+    assert "Zheng 2022 at 1e-8: ramesses: timeout." in text and "1.05 times as long" in text
+    stuck = next(r for r in records if (r["solver"], r["scene"], r["tolerance"]) == ("zheng", "ramesses", "1e-07"))
+    assert stuck["seconds"] == "" and stuck["read_from"] == "timeout" and stuck["mean_seconds"] == ""
+
+
+def test_fig13_where_all_or_nothing_was_reached(make: Make) -> None:
+    for status in ("ok", "timeout"):
+        file = ResultFile("sacht2024_fig13")
+        trace = [(0.1, 0.0, 1.0), (0.2, 0.0, 0.0)] if status == "ok" else ()
+        file.case("cover", "crown", [0.2] if trace else (), trace, tolerance=1e-8, status=status, prepare_seconds=0.05)
+        _, rows, _ = make(file)
+        assert rows["cover (ours)"][0][:8] == (["250"] * 8 if trace else ["0 of 1"] * 8)
+
+
+def test_fig13_never_reads_an_unsound_row(make: Make) -> None:
+    file = ResultFile("sacht2024_fig13")
+    file.case("kang", "crown", [0.2], [(0.1, 0.0, 0.0)], tolerance=1e-8, status="unsound")
+    _, rows, text = make(file)
+    assert rows["Kang 2018"][0][:8] == ["0 of 1"] * 8 and "crown: unsound" in text
+
+
+def test_error_vs_time_table(make: Make) -> None:
+    records, rows, _ = make(synthetic.error_vs_time())
+    cells = {row[0]: row[1:] for row in rows["gauss overlap"]}
+    assert cells["NAIVEHDD"][2:4] == ["0", "0"] and cells["NAIVEHDD"][4] == "4,000,000"  # exact zeros stay
+    # The reference has width 0 at 0.5; INC's lower bound is 4 half-widths of 2e-16 below it, its gap twice that.
+    assert cells["INC"][2:4] == ["1.6e-15", "7.8e-16"]
+    assert {row[0]: row[5:] for row in rows["gauss overlap"]}["k-d tree (nanoflann)"] == ["20,000", ""]
+    failed = {row[0]: row[6] for row in rows["armadillo scan"]}
+    assert failed["Guthe 2005"] == "2 timeout" and failed["Kang 2018"] == "1 unsound" and failed["Zheng 2022"] == ""
+    unsound = next(r for r in records if r["status"] == "unsound")
+    assert unsound["relative_gap"] == "" and unsound["n"] == "0"
+    identical = [r for r in records if (r["scene"], r["solver"], r["tolerance"]) == ("same_mesh", "cover", "1e-08")]
+    assert [(r["relative_gap"], r["relative_error"]) for r in identical] == [("0.0", "0.0")]
+
+
+def test_error_vs_time_draws_zeros_failures_and_no_unsound_point(tmp_path: Path) -> None:
+    results = load.load(synthetic.error_vs_time().write(tmp_path))
+    times = {case: median(results.total_seconds(case))
+             for case in range(len(results.cases)) if results.is_bounded(case)}
+    panels = [(scene, 0) for scene in results.in_order("scene")]
+    labels = style.order(zip(results.cases.solver, results.cases.label))
+    figure = error_vs_time.draw(results, panels, labels, times)
+    gap_of = {ax.get_title(): ax for ax in figure.axes if ax.get_title()}
+    assert len(figure.axes) == 12 and set(gap_of) >= {"same mesh", "grid noise"}
+    ticks = [label.get_text() for label in gap_of["same mesh"].get_yticklabels()]
+    assert "0" in ticks and len(ticks) > 2
+    assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M", "S", "T2", "U"]
+    assert sorted(text.get_text() for text in gap_of["grid noise"].texts) == ["T", "U"]
+    points = [line for line in gap_of["grid noise"].lines if line.get_marker() not in ("None", "", None)
+              and line.get_clip_on()]
+    assert len(points) == 7  # eight solvers and a variant, less the timeout and the unsound row
+    plt.close(figure)
+
+
+def test_error_vs_time_where_everything_failed(make: Make) -> None:
+    file = ResultFile("error_vs_time")
+    file.case("cover", "x", status="out_of_memory", reason="4 GiB")
+    file.case("cgal", "x", status="not_built", reason="no CGAL")
+    _, rows, _ = make(file)
+    assert [row[1:] for row in rows["x"]] == [["—"] * 5 + ["1 out of memory"], ["—"] * 5 + ["1 not built"]]
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_command_line(stem: str, tmp_path: Path) -> None:
+    """As make calls it; and the results are opened read-only."""
+    path = STEMS[stem]().write(tmp_path)
+    before = path.read_bytes()
+    path.chmod(0o444)
+    done = subprocess.run([sys.executable, "-m", f"analysis.{stem}", "--results", str(tmp_path),
+                           "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == ""
+    written = [Path(line) for line in done.stdout.splitlines()]
+    assert [output.suffix for output in written] == [".csv", ".md", ".tex", ".pdf", ".png"]
+    assert all(output.stat().st_size for output in written)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_command_line_without_results(stem: str, tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-m", f"analysis.{stem}", "--results", str(tmp_path)], cwd=ROOT,
+                          capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr == f"{tmp_path / stem}.h5: no such file: measure it with 'make {stem}'\n"
