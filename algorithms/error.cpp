@@ -1,5 +1,7 @@
 #include "error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -41,15 +43,12 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
     // A third of the letters may differ (but two in a short word); beyond that it is another word, not a slip.
     const std::size_t length = std::max(wrong.size(), nearest->size());
     const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
-    if (least <= allowed) return " (did you mean '" + *nearest + "'?)";
+    if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);
 
-    std::string known = " (known: ";
-    for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i) {
-        if (i > 0) known += ", ";
-        known += candidates[i];
-    }
-    if (candidates.size() > names_shown) known += " and " + std::to_string(candidates.size() - names_shown) + " more";
-    return known + ")";
+    std::string known;
+    for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i) known += (i > 0 ? ", " : "") + candidates[i];
+    if (candidates.size() > names_shown) known += fmt::format(" and {} more", candidates.size() - names_shown);
+    return fmt::format(" (known: {})", known);
 }
 
 }  // namespace hausbench

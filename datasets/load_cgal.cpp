@@ -1,12 +1,11 @@
 #include "error.h"
 #include "readers.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Simple_cartesian.h>
 #include <CGAL/IO/OBJ.h>
 #include <CGAL/IO/OFF.h>
 #include <CGAL/IO/PLY.h>
 #include <CGAL/IO/STL.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <fmt/format.h>
 
 #include <new>
@@ -15,7 +14,8 @@
 namespace hausbench::readers {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+// Reading only: the input and output package is LGPL, the processing of meshes would be GPL.
+using Kernel = CGAL::Simple_cartesian<double>;
 using CgalPoint = Kernel::Point_3;
 
 // The first line that a reader cannot have liked: coordinates that are not numbers, or an OFF face that names no vertex.
@@ -97,40 +97,6 @@ Soup read_with_cgal(const std::string& name, std::string bytes, const std::strin
     soup.point_lines = std::move(mended.point_lines);
     soup.face_lines = std::move(mended.face_lines);
     return soup;
-}
-
-std::vector<std::vector<std::size_t>> triangulate(const std::vector<Vec3>& corners) {
-    const std::size_t n = corners.size();
-    std::vector<std::vector<std::size_t>> fan;
-    for (std::size_t i = 1; i + 1 < n; ++i) fan.push_back({0, i, i + 1});
-    if (n == 3) return fan;
-
-    Vec3 normal = Vec3::Zero();
-    for (const auto& t : fan) normal += (corners[t[1]] - corners[0]).cross(corners[t[2]] - corners[0]);
-    bool convex = true;
-    for (std::size_t i = 0; i < n && convex; ++i) {
-        const Vec3 before = corners[(i + 1) % n] - corners[i], after = corners[(i + 2) % n] - corners[(i + 1) % n];
-        convex = before.cross(after).dot(normal) >= 0;
-    }
-    if (convex) return fan;
-
-    std::vector<CgalPoint> border;
-    for (const Vec3& p : corners) border.emplace_back(p.x(), p.y(), p.z());
-    struct Triple {
-        std::size_t a, b, c;
-        Triple(int i, int j, int k)
-            : a(static_cast<std::size_t>(i)), b(static_cast<std::size_t>(j)), c(static_cast<std::size_t>(k)) {}
-    };
-    std::vector<Triple> patch;
-    try {
-        CGAL::Polygon_mesh_processing::triangulate_hole_polyline(border, std::back_inserter(patch));
-    } catch (const std::exception&) {
-        return fan;  // coinciding or collinear corners
-    }
-    if (patch.size() != n - 2) return fan;
-    std::vector<std::vector<std::size_t>> triangles;
-    for (const Triple& t : patch) triangles.push_back({t.a, t.b, t.c});
-    return triangles;
 }
 
 }  // namespace hausbench::readers

@@ -174,6 +174,8 @@ Mended mend_binary_stl(const std::string& name, std::string bytes) {
     const std::uint64_t expected = stl_header + std::uint64_t{stl_facet} * facets;
     if (bytes.size() < expected)
         refuse(name, fmt::format("is truncated, or no STL file: {} facets take {} bytes, {} bytes found", facets, expected, bytes.size()));
+    if (bytes.size() > expected)  // mostly one that was once copied as text: its coordinates are garbage
+        refuse(name, fmt::format("is damaged, or no STL file: {} facets take {} bytes, {} bytes found", facets, expected, bytes.size()));
     for (std::size_t f = 0; f < facets; ++f)
         for (std::size_t k = 0; k < 9; ++k) {  // before CGAL sorts them, which NaN would upset
             float value = 0;

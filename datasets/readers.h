@@ -3,6 +3,7 @@
 
 #include "load.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -42,8 +43,8 @@ Mended mend_ply(const std::string& name, std::string bytes);  // mend_ply.cpp
 // `format` is obj, off, stl or ply.
 Soup read_with_cgal(const std::string& name, std::string bytes, const std::string& format);
 
-// Triples of positions 0..n-1 in the polygon: a fan where it is convex, else as CGAL fills a hole with this border.
-std::vector<std::vector<std::size_t>> triangulate(const std::vector<Vec3>& corners);
+// Triples of positions 0..n-1 in the polygon: a fan where it is convex, else by ear clipping in its mean plane. n >= 3.
+std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners);
 
 // `format`: empty for the one that the file's extension names.
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format);

@@ -1,0 +1,234 @@
+#include "generate.h"
+
+#include "derive.h"
+#include "error.h"
+#include "random.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+struct Circle {
+    double cosine, sine;
+};
+
+// The point at k/n of a turn: by the series, after reduction to an eighth of a turn in whole numbers.
+Circle circle_point(std::int64_t k, std::int64_t n) {
+    const std::int64_t eighth = 8 * k / n;       // 0..7
+    const std::int64_t rest = 8 * k - eighth * n;  // of n, in the eighth
+    const bool mirrored = eighth % 2 == 1;       // odd eighths run backwards from the next quarter
+    const double part = static_cast<double>(mirrored ? n - rest : rest) / static_cast<double>(n);
+    const double angle = part * 0.78539816339744830961;
+    double cosine = 1, sine = angle, term_c = 1, term_s = angle;
+    for (int i = 1; i <= 10; ++i) {
+        term_c = -term_c * angle * angle / ((2 * i - 1) * (2 * i));
+        term_s = -term_s * angle * angle / ((2 * i) * (2 * i + 1));
+        cosine += term_c;
+        sine += term_s;
+    }
+    if (mirrored) std::swap(cosine, sine);
+    for (std::int64_t quarter = eighth / 2; quarter > 0; --quarter) {
+        const double old = cosine;
+        cosine = -sine;
+        sine = old;
+    }
+    return {cosine + 0.0, sine + 0.0};
+}
+
+class MeshBuilder {
+public:
+    Index vertex(double x, double y, double z) {
+        points_.push_back({x, y, z});
+        return static_cast<Index>(points_.size() - 1);
+    }
+    void triangle(Index a, Index b, Index c) { triangles_.push_back({a, b, c}); }
+    void square(Index a, Index b, Index c, Index d) {  // in turn; split from a to c
+        triangle(a, b, c);
+        triangle(a, c, d);
+    }
+    TriangleMesh mesh() const {
+        return {Eigen::Map<const Points>(points_.front().data(), static_cast<Eigen::Index>(points_.size()), 3),
+                Eigen::Map<const Triangles>(triangles_.front().data(), static_cast<Eigen::Index>(triangles_.size()), 3)};
+    }
+
+private:
+    std::vector<std::array<double, 3>> points_;
+    std::vector<std::array<Index, 3>> triangles_;
+};
+
+void move_to_unit_sphere(Points& points) {
+    for (Eigen::Index v = 0; v < points.rows(); ++v) {
+        const double x = points(v, 0), y = points(v, 1), z = points(v, 2);
+        const double length = std::sqrt(x * x + y * y + z * z);
+        points.row(v) << x / length, y / length, z / length;
+    }
+}
+
+TriangleMesh icosphere(int level, double radius) {
+    const double golden = (1 + std::sqrt(5.0)) / 2;
+    std::vector<Vec3> corners;
+    for (const double a : {-1.0, 1.0})
+        for (const double b : {-golden, golden}) {
+            corners.emplace_back(0, a, b);
+            corners.emplace_back(a, b, 0);
+            corners.emplace_back(b, 0, a);
+        }
+    // The faces are the triples of corners at the length of an edge, 2; the next distance is 3.2.
+    const auto joined = [&](std::size_t i, std::size_t j) { return (corners[i] - corners[j]).squaredNorm() < 5; };
+    MeshBuilder builder;
+    for (const Vec3& p : corners) builder.vertex(p.x(), p.y(), p.z());
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        for (std::size_t j = i + 1; j < corners.size(); ++j)
+            for (std::size_t k = j + 1; k < corners.size(); ++k) {
+                if (!joined(i, j) || !joined(j, k) || !joined(k, i)) continue;
+                const bool outward = (corners[j] - corners[i]).cross(corners[k] - corners[i]).dot(corners[i]) > 0;
+                builder.triangle(static_cast<Index>(i), static_cast<Index>(outward ? j : k), static_cast<Index>(outward ? k : j));
+            }
+    TriangleMesh mesh = builder.mesh();
+    move_to_unit_sphere(mesh.vertices);
+    for (int i = 0; i < level; ++i) {
+        mesh = subdivide(mesh);
+        move_to_unit_sphere(mesh.vertices);
+    }
+    mesh.vertices *= radius;
+    return mesh;
+}
+
+TriangleMesh cube(int n) {
+    MeshBuilder builder;
+    std::map<std::array<int, 3>, Index> numbers;
+    const auto at = [&](std::array<int, 3> place) {
+        const auto [found, fresh] = numbers.try_emplace(place, 0);
+        const auto coordinate = [&](int i) { return static_cast<double>(i) / n - 0.5; };
+        if (fresh) found->second = builder.vertex(coordinate(place[0]), coordinate(place[1]), coordinate(place[2]));
+        return found->second;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const int side : {0, n})
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j) {
+                    const auto corner = [&](int di, int dj) {
+                        std::array<int, 3> place{};
+                        place[axis] = side;
+                        place[(axis + 1) % 3] = i + di;
+                        place[(axis + 2) % 3] = j + dj;
+                        return at(place);
+                    };
+                    const Index a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                    if (side == 0)
+                        builder.square(a, d, c, b);
+                    else
+                        builder.square(a, b, c, d);
+                }
+    return builder.mesh();
+}
+
+TriangleMesh torus(int rings, int sides, double major, double minor) {
+    MeshBuilder builder;
+    for (int i = 0; i < rings; ++i) {
+        const Circle around = circle_point(i, rings);
+        for (int j = 0; j < sides; ++j) {
+            const Circle tube = circle_point(j, sides);
+            const double distance = major + minor * tube.cosine;
+            builder.vertex(distance * around.cosine, distance * around.sine, minor * tube.sine);
+        }
+    }
+    for (int i = 0; i < rings; ++i)
+        for (int j = 0; j < sides; ++j) {
+            const int i1 = (i + 1) % rings, j1 = (j + 1) % sides;
+            builder.square(i * sides + j, i1 * sides + j, i1 * sides + j1, i * sides + j1);
+        }
+    return builder.mesh();
+}
+
+TriangleMesh plane(int n, double z) {
+    MeshBuilder builder;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) builder.vertex(static_cast<double>(i) / n - 0.5, static_cast<double>(j) / n - 0.5, z);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const Index a = i * (n + 1) + j, b = a + n + 1;
+            builder.square(a, b, b + 1, a + 1);
+        }
+    return builder.mesh();
+}
+
+PointSet gaussian_points(Index count, std::uint64_t seed, double sigma, const Vec3& centre) {
+    const Random random(seed);
+    PointSet set{Points(count, 3)};
+    std::uint64_t counter = 0;
+    for (Index i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k) {
+            double sum = 0;
+            for (int j = 0; j < 12; ++j) sum += random.uniform(counter++);
+            set.points(i, k) = centre(k) + sigma * (sum - 6);
+        }
+    return set;
+}
+
+PointSet uniform_points(Index count, std::uint64_t seed) {
+    const Random random(seed);
+    PointSet set{Points(count, 3)};
+    for (Index i = 0; i < count; ++i)
+        for (int k = 0; k < 3; ++k) set.points(i, k) = random.uniform(3 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(k));
+    return set;
+}
+
+}  // namespace
+
+const std::vector<Recipe>& recipes() {
+    static const NumberSpec count{"count", true, 1, 1e8}, seed{"seed", true, 0, 0x1p53};
+    static const std::vector<Recipe> list = {
+        {"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
+        {"cube", {{"subdivisions", true, 1, 4096}}},
+        {"torus", {{"rings", true, 3, 16384}, {"sides", true, 3, 16384}, {"major", false, 1e-100, 1e100}, {"minor", false, 1e-100, 1e100}}},
+        {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
+        {"gaussian_points",
+         {count, seed, {"sigma", false, 0, 1e100}, {"x", false, -1e100, 1e100}, {"y", false, -1e100, 1e100}, {"z", false, -1e100, 1e100}}},
+        {"uniform_points", {count, seed}}};
+    return list;
+}
+
+void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers) {
+    std::vector<std::string> known;
+    for (const NumberSpec& spec : recipe.numbers) known.push_back(spec.name);
+    for (const auto& [name, value] : numbers)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw InputError(fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
+    for (const NumberSpec& spec : recipe.numbers) {
+        const auto found = numbers.find(spec.name);
+        if (found == numbers.end()) {
+            if (spec.required) throw InputError(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
+            continue;
+        }
+        const double value = found->second;
+        if (!(value >= spec.least && value <= spec.most))
+            throw InputError(fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));
+        if (spec.whole && value != std::floor(value))
+            throw InputError(fmt::format("{}: {} is {}, but must be a whole number", where, spec.name, value));
+    }
+}
+
+Shape generate(const std::string& recipe, const Numbers& numbers) {
+    const auto real = [&](const char* name) { return numbers.at(name); };
+    const auto whole = [&](const char* name) { return static_cast<int>(numbers.at(name)); };
+    const auto seed = [&] { return static_cast<std::uint64_t>(numbers.at("seed")); };
+    if (recipe == "icosphere") return icosphere(whole("level"), real("radius"));
+    if (recipe == "cube") return cube(whole("subdivisions"));
+    if (recipe == "torus") return torus(whole("rings"), whole("sides"), real("major"), real("minor"));
+    if (recipe == "plane") return plane(whole("n"), real("z"));
+    if (recipe == "gaussian_points")
+        return gaussian_points(whole("count"), seed(), real("sigma"), {real("x"), real("y"), real("z")});
+    if (recipe == "uniform_points") return uniform_points(whole("count"), seed());
+    std::vector<std::string> known;
+    for (const Recipe& r : recipes()) known.push_back(r.name);
+    throw InputError("no recipe '" + recipe + "'" + nearest_hint(recipe, known));
+}
+
+}  // namespace hausbench

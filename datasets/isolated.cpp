@@ -1,0 +1,137 @@
+#include "isolated.h"
+
+#include "error.h"
+#include "shape_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+// An empty folder that is gone at the end of the scope.
+class TemporaryFolder {
+public:
+    TemporaryFolder() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "hausbench-load-XXXXXX").string();
+        if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": " + std::strerror(errno));
+        path_ = pattern;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+struct Outcome {
+    int status = 0;        // as waitpid gives it
+    bool timed_out = false;
+    std::string errors;    // the end of what it wrote on standard error
+};
+
+constexpr std::size_t errors_kept = 16384;
+
+Outcome run(std::vector<std::string> words, double seconds_limit) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
+    const pid_t child = ::fork();
+    if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
+    if (child == 0) {  // only calls that are safe after a fork of a program with threads
+        const int nothing = ::open("/dev/null", O_RDWR);
+        ::dup2(nothing, STDIN_FILENO);
+        ::dup2(nothing, STDOUT_FILENO);
+        ::dup2(pipe[1], STDERR_FILENO);
+        ::execv(arguments[0], arguments.data());
+        ::_exit(127);
+    }
+    ::close(pipe[1]);
+
+    using Clock = std::chrono::steady_clock;
+    const auto deadline = Clock::now() + std::chrono::duration<double>(seconds_limit);
+    Outcome outcome;
+    bool open = true;
+    const auto listen = [&](int milliseconds) {  // true where something came
+        if (!open) {
+            ::poll(nullptr, 0, std::min(milliseconds, 5));
+            return false;
+        }
+        pollfd watched{pipe[0], POLLIN, 0};
+        if (::poll(&watched, 1, milliseconds) <= 0) return false;
+        std::array<char, 4096> buffer{};
+        const ssize_t count = ::read(pipe[0], buffer.data(), buffer.size());
+        if (count <= 0) {
+            open = false;
+            return false;
+        }
+        outcome.errors.append(buffer.data(), static_cast<std::size_t>(count));
+        if (outcome.errors.size() > errors_kept) outcome.errors.erase(0, outcome.errors.size() - errors_kept);
+        return true;
+    };
+    for (;;) {
+        if (!outcome.timed_out && Clock::now() >= deadline) {
+            outcome.timed_out = true;
+            ::kill(child, SIGKILL);
+        }
+        listen(20);
+        const pid_t done = ::waitpid(child, &outcome.status, WNOHANG);
+        if (done == child || (done < 0 && errno != EINTR)) break;
+    }
+    while (listen(0)) {}  // what it wrote last; not to the end of the pipe, which a grandchild may hold open
+    ::close(pipe[0]);
+    return outcome;
+}
+
+std::string last_line(std::string text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    const std::size_t newline = text.rfind('\n');
+    text = newline == std::string::npos ? text : text.substr(newline + 1);
+    constexpr std::string_view prefix = "hausbench: ";  // the program puts it before its messages
+    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+}
+
+}  // namespace
+
+LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file, const std::string& format,
+                          double seconds_limit) {
+    const TemporaryFolder folder;
+    const std::filesystem::path out = folder.path() / "shape.h5";
+    std::vector<std::string> words = {program.string(), "load", file.string(), out.string()};
+    if (!format.empty()) words.insert(words.end(), {"--format", format});
+    const Outcome outcome = run(words, seconds_limit);
+    if (outcome.timed_out) throw InputError(fmt::format("{}: the reader did not finish within {} s", file.string(), seconds_limit));
+    const std::string said = last_line(outcome.errors);
+    if (WIFSIGNALED(outcome.status)) {
+        const int number = WTERMSIG(outcome.status);
+        throw InputError(fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or is one that its reader "
+                                     "cannot take", file.string(), number, ::strsignal(number)));
+    }
+    const int code = WEXITSTATUS(outcome.status);
+    if (code == 127) throw InputError(program.string() + ": cannot be started");
+    if (code == 2 && !said.empty()) throw InputError(said);
+    if (code != 0) throw InputError(fmt::format("{}: the reader failed with exit code {}: {}", file.string(), code, said));
+    return read_shape(out);
+}
+
+}  // namespace hausbench

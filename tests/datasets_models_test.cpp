@@ -1,0 +1,386 @@
+// Models by name: generated shapes with pinned bits, operations on shapes, the manifest and its errors.
+#include "catalogue.h"
+#include "derive.h"
+#include "error.h"
+#include "hash.h"
+#include "shape_file.h"
+#include "temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace hausbench {
+namespace {
+
+const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
+
+double area(const TriangleMesh& mesh) {
+    double sum = 0;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        const auto corner = [&](int k) -> Vec3 { return mesh.vertices.row(mesh.triangles(t, k)).transpose(); };
+        sum += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
+    }
+    return sum;
+}
+
+// The volume within a closed, outward oriented mesh.
+double volume(const TriangleMesh& mesh) {
+    double sum = 0;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        const auto corner = [&](int k) -> Vec3 { return mesh.vertices.row(mesh.triangles(t, k)).transpose(); };
+        sum += corner(0).dot(corner(1).cross(corner(2))) / 6;
+    }
+    return sum;
+}
+
+// Every edge has two triangles, which run through it in opposite directions.
+bool closed(const TriangleMesh& mesh) {
+    std::map<std::pair<Index, Index>, int> edges;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) ++edges[{mesh.triangles(t, k), mesh.triangles(t, (k + 1) % 3)}];
+    for (const auto& [edge, count] : edges)
+        if (count != 1 || edges.count({edge.second, edge.first}) != 1) return false;
+    return true;
+}
+
+Shape sphere(int level, double radius = 1) {
+    return generate("icosphere", {{"level", static_cast<double>(level)}, {"radius", radius}});
+}
+
+LoadedShape derived(const std::string& operation, const Numbers& numbers, const Shape& origin) {
+    const LoadedShape made = derive(operation, numbers, {origin, {}});
+    EXPECT_EQ(shape_problem(made.shape), "") << operation;
+    EXPECT_EQ(content_hash(made.shape), content_hash(derive(operation, numbers, {origin, {}}).shape)) << operation << " changes its mind";
+    return made;
+}
+
+TEST(Generate, BitsArePinned) {
+    struct Pinned {
+        std::string recipe;
+        Numbers numbers;
+        std::string hash;
+    };
+    const std::vector<Pinned> all = {
+        {"icosphere", {{"level", 3}, {"radius", 1.25}},
+         "7e449d2d680301a72fde348a43c2e3ad0027278c6ef48ad3dd3656e4e738abc8"},
+        {"cube", {{"subdivisions", 7}},
+         "fee5fb891cc5a452f044e4d7594302eda1011fd1cd4fe4917c149887b245fef6"},
+        {"torus", {{"rings", 37}, {"sides", 11}, {"major", 1}, {"minor", 0.4}},
+         "ff64326f10031412468b2ac859726a0ad66909e0310c6753a02777f45e11a377"},
+        {"plane", {{"n", 5}, {"z", 0.25}},
+         "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
+        {"gaussian_points", {{"count", 1000}, {"seed", 7}, {"sigma", 1.5}, {"x", 1}, {"y", 2}, {"z", 3}},
+         "872538c9e23cc346ce866ff544bac770446f1865ca3b355bbe17bcb7b8b4da66"},
+        {"uniform_points", {{"count", 1000}, {"seed", 7}},
+         "591e11844960276c2de20cdf70a23c573a82908403f981f0df863fff9ca2a080"},
+    };
+    for (const Pinned& one : all) EXPECT_EQ(content_hash(generate(one.recipe, one.numbers)), one.hash) << one.recipe;
+}
+
+TEST(Generate, MeshesAreWhatTheySay) {
+    const Shape ball = sphere(4, 2.0);
+    EXPECT_EQ(element_count(ball), 20 * 256);
+    EXPECT_TRUE(closed(mesh_of(ball)));
+    for (Eigen::Index v = 0; v < mesh_of(ball).vertices.rows(); ++v) EXPECT_NEAR(mesh_of(ball).vertices.row(v).norm(), 2, 1e-15);
+    EXPECT_NEAR(volume(mesh_of(ball)), 4.0 / 3 * M_PI * 8, 0.3);
+
+    const Shape cube = generate("cube", {{"subdivisions", 3}});
+    EXPECT_EQ(element_count(cube), 12 * 9);
+    EXPECT_EQ(mesh_of(cube).vertices.rows(), 56);
+    EXPECT_TRUE(closed(mesh_of(cube)));
+    EXPECT_NEAR(volume(mesh_of(cube)), 1, 1e-13);
+    EXPECT_NEAR(area(mesh_of(cube)), 6, 1e-13);
+
+    const Shape torus = generate("torus", {{"rings", 50}, {"sides", 12}, {"major", 2}, {"minor", 0.5}});
+    EXPECT_EQ(element_count(torus), 2 * 50 * 12);
+    EXPECT_TRUE(closed(mesh_of(torus)));
+    EXPECT_GT(volume(mesh_of(torus)), 0);
+    for (int i = 0; i < 50; ++i) {  // against libm, which the recipe may not use
+        const double angle = 2 * M_PI * i / 50;
+        EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 0), 2.5 * std::cos(angle), 4e-15);
+        EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 1), 2.5 * std::sin(angle), 4e-15);
+    }
+
+    const Shape plane = generate("plane", {{"n", 4}, {"z", 0.25}});
+    EXPECT_EQ(element_count(plane), 32);
+    EXPECT_NEAR(area(mesh_of(plane)), 1, 1e-14);
+    EXPECT_TRUE((mesh_of(plane).vertices.col(2).array() == 0.25).all());
+    for (const Shape& shape : {ball, cube, torus, plane}) EXPECT_EQ(shape_problem(shape), "");
+}
+
+TEST(Generate, PointsHaveTheirDistribution) {
+    const Points uniform = points_of(generate("uniform_points", {{"count", 20000}, {"seed", 1}}));
+    EXPECT_GE(uniform.minCoeff(), 0);
+    EXPECT_LT(uniform.maxCoeff(), 1);
+    const Points normal = points_of(generate("gaussian_points", {{"count", 20000}, {"seed", 1}, {"sigma", 2}, {"x", 5}, {"y", 0}, {"z", -5}}));
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(uniform.col(k).mean(), 0.5, 0.01);
+        EXPECT_NEAR((uniform.col(k).array() - 0.5).square().mean(), 1.0 / 12, 0.002);
+        EXPECT_NEAR(normal.col(k).mean(), 5 - 5 * k, 0.06);
+        EXPECT_NEAR((normal.col(k).array() - normal.col(k).mean()).square().mean(), 4, 0.15);
+    }
+    EXPECT_NEAR((uniform.col(0).array() * uniform.col(1).array()).mean(), 0.25, 0.01);
+    EXPECT_NE(content_hash(generate("uniform_points", {{"count", 10}, {"seed", 1}})),
+              content_hash(generate("uniform_points", {{"count", 10}, {"seed", 2}})));
+}
+
+TEST(Derive, VerticesAndWeld) {
+    TriangleMesh soup;  // two triangles that share an edge by coordinates only
+    soup.vertices.resize(6, 3);
+    soup.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, -0.0, 1, 1, 0, -0.0, 1, 0;
+    soup.triangles.resize(2, 3);
+    soup.triangles << 0, 1, 2, 3, 4, 5;
+    const LoadedShape welded = derived("weld", {}, soup);
+    EXPECT_EQ(points_of(welded.shape).rows(), 4);
+    EXPECT_EQ(mesh_of(welded.shape).triangles, (Triangles(2, 3) << 0, 1, 2, 1, 3, 2).finished());
+    EXPECT_EQ(kind_of(derived("vertices", {}, soup).shape), ShapeKind::points);
+    EXPECT_EQ(points_of(derived("weld", {}, derived("vertices", {}, soup).shape).shape).rows(), 4);
+}
+
+TEST(Derive, SampleSpreadsByArea) {
+    TriangleMesh mesh;  // a large triangle at z = 0, one of a ninth of its area at z = 1, one of none
+    mesh.vertices.resize(6, 3);
+    mesh.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1;
+    mesh.triangles.resize(3, 3);
+    mesh.triangles << 0, 0, 1, 0, 1, 2, 3, 4, 5;
+    const Points points = points_of(derived("sample", {{"count", 10000}, {"seed", 5}}, mesh).shape);
+    EXPECT_EQ(points.rows(), 10000);
+    EXPECT_NEAR(points.col(2).sum(), 1000, 100);  // those on the small one
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+        EXPECT_GE(points.row(i).minCoeff(), 0);
+        EXPECT_LE(points(i, 0) + points(i, 1), points(i, 2) == 0 ? 3 + 1e-14 : 1 + 1e-14);
+    }
+    EXPECT_NEAR(points.col(0).mean(), 0.9 * 1 + 0.1 / 3, 0.03);
+
+    const Shape cloud = generate("uniform_points", {{"count", 100}, {"seed", 1}});
+    EXPECT_EQ(element_count(derived("sample", {{"count", 30}, {"seed", 1}}, cloud).shape), 30);
+    EXPECT_EQ(points_of(derived("sample", {{"count", 100}, {"seed", 1}}, cloud).shape), points_of(cloud));
+    EXPECT_THROW(derive("sample", {{"count", 101}, {"seed", 1}}, {cloud, {}}), InputError);
+    mesh.triangles.conservativeResize(1, 3);
+    EXPECT_THROW(derive("sample", {{"count", 1}, {"seed", 1}}, {mesh, {}}), InputError);
+}
+
+TEST(Derive, SubdivideKeepsTheSurface) {
+    const Shape ball = sphere(1);
+    const LoadedShape fine = derived("subdivide", {{"levels", 2}}, ball);
+    EXPECT_EQ(element_count(fine.shape), 16 * 80);
+    EXPECT_TRUE(closed(mesh_of(fine.shape)));
+    EXPECT_NEAR(area(mesh_of(fine.shape)), area(mesh_of(ball)), 1e-12);
+    EXPECT_EQ(points_of(fine.shape).topRows(42), points_of(ball));
+    EXPECT_EQ(content_hash(derived("subdivide", {{"levels", 0}}, ball).shape), content_hash(ball));
+}
+
+TEST(Derive, MovesAndScales) {
+    const Shape ball = sphere(2, 3);
+    const Points& before = points_of(ball);
+    const double length = diagonal(before);
+    EXPECT_EQ(points_of(derived("scale", {{"factor", 2}}, ball).shape), 2 * before);
+    const Points moved = points_of(derived("translate", {{"x", 1}, {"y", 0}, {"z", -0.5}}, ball).shape);
+    EXPECT_NEAR((moved.rowwise() - Eigen::RowVector3d(length, 0, -0.5 * length) - before).cwiseAbs().maxCoeff(), 0, 1e-14);
+    const Points unit = points_of(derived("normalise", {}, derived("translate", {{"x", 7}, {"y", 8}, {"z", 9}}, ball).shape).shape);
+    EXPECT_NEAR(diagonal(unit), 1, 1e-15);
+    EXPECT_NEAR((unit.colwise().maxCoeff() + unit.colwise().minCoeff()).cwiseAbs().maxCoeff(), 0, 1e-15);
+    const double half = std::tan(0.35);
+    const Points turned = points_of(derived("rotate", {{"x", 0}, {"y", 0}, {"z", 2}, {"t", half}}, ball).shape);
+    EXPECT_NEAR((turned.col(0) - (std::cos(0.7) * before.col(0) - std::sin(0.7) * before.col(1))).cwiseAbs().maxCoeff(), 0, 1e-14);
+    EXPECT_NEAR((turned.col(1) - (std::sin(0.7) * before.col(0) + std::cos(0.7) * before.col(1))).cwiseAbs().maxCoeff(), 0, 1e-14);
+    const Points noisy = points_of(derived("noise", {{"amplitude", 0.01}, {"seed", 3}}, ball).shape);
+    const double most = (noisy - before).cwiseAbs().maxCoeff();
+    EXPECT_LE(most, 0.01 * length);
+    EXPECT_GT(most, 0.0095 * length);
+    EXPECT_THROW(derive("rotate", {{"x", 0}, {"y", 0}, {"z", 0}, {"t", 1}}, {ball, {}}), InputError);
+    EXPECT_THROW(derive("normalise", {}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
+    EXPECT_THROW(derive("subdivide", {{"levels", 1}}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
+    EXPECT_THROW(derive("fold", {}, {ball, {}}), InputError);
+}
+
+bool built_with_cgal_gpl() {
+    try {
+        simplify(mesh_of(sphere(1)), 40);
+    } catch (const InputError& error) {
+        return std::string(error.what()).find("built without") == std::string::npos;
+    }
+    return true;
+}
+
+TEST(Derive, SimplifyAndRemesh) {
+    if (!built_with_cgal_gpl()) GTEST_SKIP() << "built without CGAL's GPL parts";
+    const Shape ball = sphere(4);
+    const LoadedShape half = derived("simplify", {{"ratio", 0.5}}, ball);
+    EXPECT_NEAR(element_count(half.shape), 2560, 2);
+    EXPECT_LE(element_count(half.shape), 2560);
+    EXPECT_TRUE(closed(mesh_of(half.shape)));
+    EXPECT_NEAR(volume(mesh_of(half.shape)), volume(mesh_of(ball)), 0.01);
+    EXPECT_LE(element_count(derived("simplify", {{"triangles", 101}}, ball).shape), 101);
+
+    const LoadedShape even = derived("remesh", {{"edge", 0.03}}, ball);
+    EXPECT_TRUE(closed(mesh_of(even.shape)));
+    EXPECT_NEAR(volume(mesh_of(even.shape)), volume(mesh_of(ball)), 0.05);
+    EXPECT_NEAR(diagonal(points_of(even.shape)), diagonal(points_of(ball)), 0.1);
+
+    // A soup: no two triangles share a vertex, one is there twice, one stands on an edge, one has no area.
+    const TriangleMesh& shared = mesh_of(ball);
+    TriangleMesh soup;
+    soup.vertices.resize(3 * shared.triangles.rows() + 1, 3);
+    soup.triangles.resize(shared.triangles.rows() + 3, 3);
+    for (Eigen::Index t = 0; t < shared.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            soup.vertices.row(3 * t + k) = shared.vertices.row(shared.triangles(t, k));
+            soup.triangles(t, k) = static_cast<Index>(3 * t + k);
+        }
+    const auto last = static_cast<Index>(soup.vertices.rows() - 1);
+    soup.vertices.row(last) << 0, 0, 3;
+    soup.triangles.bottomRows(3) << 0, 1, 2, 0, 1, last, 4, 4, 5;
+    EXPECT_LE(element_count(derived("simplify", {{"ratio", 0.25}}, soup).shape), 1.1 * 0.25 * 5123);
+    derived("remesh", {{"edge", 0.05}}, soup);
+}
+
+class Manifest : public ::testing::Test {
+protected:
+    Catalogue catalogue(const std::string& text, const std::string& program = "") const {
+        std::ofstream(folder_.path() / "manifest.toml") << text;
+        return Catalogue(folder_.path() / "manifest.toml", folder_.path() / "cache", program);
+    }
+    std::string error(const std::string& text) const {
+        try {
+            catalogue(text);
+        } catch (const InputError& problem) {
+            const std::string message = problem.what();
+            EXPECT_TRUE(message.starts_with((folder_.path() / "manifest.toml").string())) << message;
+            return message;
+        }
+        return "no error";
+    }
+    void expect(const std::string& text, const std::vector<std::string>& parts) const {
+        const std::string message = error(text);
+        for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+    }
+    std::string fetch(const std::string& name, const std::string& bytes, const std::string& as_hash = "") const {
+        const std::string hash = as_hash.empty() ? Sha256().add(bytes.data(), bytes.size()).hex() : as_hash;
+        std::filesystem::create_directories(folder_.path() / "cache" / "raw" / hash);
+        std::ofstream(folder_.path() / "cache" / "raw" / hash / name, std::ios::binary) << bytes;
+        return hash;
+    }
+    // A stand-in for the reading program: gives the same shape whatever the file, and notes each call.
+    std::string reader() const {
+        write_shape(folder_.path() / "read.h5", {sphere(0), {}});
+        const std::filesystem::path script = folder_.path() / "reader";
+        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\ncp {0}/read.h5 \"$3\"\n", folder_.path().string());
+        std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+        return script.string();
+    }
+    std::size_t calls() const {
+        std::ifstream in(folder_.path() / "calls");
+        std::size_t count = 0;
+        for (std::string line; std::getline(in, line);) ++count;
+        return count;
+    }
+
+    TemporaryFolder folder_;
+};
+
+const std::string ball = "[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 1.0\n";
+const std::string half = "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\nnote = 'n'\n";
+
+std::string package(const std::string& hash) {
+    return fmt::format("[model.bunny]\nsource = 'debian'\npackage = 'glmark2-data'\nversion = '1'\npath = 'a.tar.gz!models/bunny.obj'\n"
+                       "sha256 = '{}'\nlicence = 'GPL-3+'\ntriangles = 20\nnote = 'a bunny'\n", hash);
+}
+
+TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
+    expect("[model.x\n", {"line 1"});
+    expect("[modle.x]\nsource = 'file'\n", {"line 1", "modle"});
+    expect("[model.ball]\nsource = 'generatd'\n", {"line 2", "'ball'", "did you mean 'generated'"});
+    expect(ball + "raduis = 2\n", {"line 6", "unknown key 'raduis'", "did you mean 'radius'"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosfere'\n", {"line 3", "did you mean 'icosphere'"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nradius = 1\n", {"needs the number 'level'"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1.5\nradius = 1\n", {"whole number"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 99\nradius = 1\n", {"level is 99"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n", {"line 4", "must be a number"});
+    expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
+    expect(package("12"), {"line 6", "64 digits"});
+    expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});
+    expect("[model.bunny]\nsource = 3\n", {"line 2", "must be a text"});
+    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'bal'\noperation = 'weld'\n", {"'half'", "'bal'", "did you mean 'ball'"});
+    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\n", {"one of 'ratio' and 'triangles'"});
+    expect("[model.a]\nsource = 'derived'\nfrom = 'b'\noperation = 'weld'\n[model.b]\nsource = 'derived'\nfrom = 'a'\noperation = 'weld'\n",
+           {"derived from itself"});
+    EXPECT_THROW(Catalogue(folder_.path() / "absent.toml", "", ""), InputError);
+    const Catalogue good = catalogue(ball + half);
+    EXPECT_EQ(good.models().size(), 2u);
+    EXPECT_EQ(good.find("half").recipe, "scale");
+    EXPECT_EQ(good.find("half").note, "n");
+    EXPECT_THROW(good.find("bal"), InputError);
+}
+
+TEST_F(Manifest, GeneratedAndDerivedShapesAreCachedByContent) {
+    const Catalogue all = catalogue(ball + half);
+    const auto resolved = std::get<ResolvedModel>(all.resolve("half"));
+    EXPECT_EQ(resolved.elements, 80);
+    EXPECT_EQ(resolved.vertices, 42);
+    EXPECT_EQ(resolved.kind, ShapeKind::mesh);
+    const LoadedShape shape = read_shape(resolved.shape_file);
+    EXPECT_EQ(points_of(shape.shape), 0.5 * points_of(sphere(1)));
+    EXPECT_EQ(resolved.content_hash, content_hash(shape.shape));
+    EXPECT_EQ(resolved.diagonal, diagonal(points_of(shape.shape)));
+
+    const auto written = std::filesystem::last_write_time(resolved.shape_file);
+    EXPECT_EQ(std::get<ResolvedModel>(all.resolve("half")).shape_file, resolved.shape_file);
+    EXPECT_EQ(std::filesystem::last_write_time(resolved.shape_file), written);
+
+    std::string edited = ball;  // another origin, another key: never a stale shape
+    edited.replace(edited.find("1.0"), 3, "4.0");
+    const auto anew = std::get<ResolvedModel>(catalogue(edited + half).resolve("half"));
+    EXPECT_NE(anew.shape_file, resolved.shape_file);
+    EXPECT_NEAR(anew.diagonal, 4 * resolved.diagonal, 1e-12);
+}
+
+TEST_F(Manifest, FetchedFilesAreCheckedAndReadOnce) {
+    const std::string hash = fetch("bunny.obj", "what the reader is given");
+    const Catalogue all = catalogue(package(hash) + "[model.points]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'vertices'\n", reader());
+    EXPECT_EQ(std::get<ResolvedModel>(all.resolve("bunny")).elements, 20);
+    EXPECT_EQ(std::get<ResolvedModel>(all.resolve("points")).kind, ShapeKind::points);
+    EXPECT_EQ(calls(), 1u);
+
+    fetch("bunny.obj", "other bytes", hash);
+    try {
+        all.resolve("points");
+        FAIL();
+    } catch (const InputError& problem) {
+        const std::string message = problem.what();
+        EXPECT_NE(message.find("'bunny'"), std::string::npos) << message;
+        EXPECT_NE(message.find(hash), std::string::npos) << message;
+        EXPECT_NE(message.find(Sha256().add("other bytes", 11).hex()), std::string::npos) << message;
+    }
+}
+
+TEST_F(Manifest, WhatIsNotThereIsMissingWithItsReason) {
+    const Catalogue all = catalogue(package(std::string(64, 'a')) +
+                                    "[model.half]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'weld'\n"
+                                    "[model.mine]\nsource = 'file'\npath = 'mine.obj'\n", reader());
+    EXPECT_EQ(std::get<MissingModel>(all.resolve("bunny")).reason, "package glmark2-data was not fetched: run `make datasets`");
+    EXPECT_NE(std::get<MissingModel>(all.resolve("half")).reason.find("glmark2-data"), std::string::npos);
+    EXPECT_NE(std::get<MissingModel>(all.resolve("mine")).reason.find("mine.obj"), std::string::npos);
+    std::ofstream(folder_.path() / "mine.obj") << "beside the manifest";
+    EXPECT_EQ(std::get<ResolvedModel>(all.resolve("mine")).elements, 20);
+}
+
+TEST_F(Manifest, AReaderThatFailsIsToldWithTheModel) {
+    const std::string hash = fetch("bunny.obj", "x");
+    const std::filesystem::path script = folder_.path() / "broken";
+    std::ofstream(script) << "#!/bin/sh\nkill -ABRT $$\n";
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    try {
+        catalogue(package(hash), script.string()).resolve("bunny");
+        FAIL();
+    } catch (const InputError& problem) {
+        EXPECT_NE(std::string(problem.what()).find("model 'bunny'"), std::string::npos);
+        EXPECT_NE(std::string(problem.what()).find("signal 6"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace hausbench
