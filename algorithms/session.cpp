@@ -153,7 +153,7 @@ Result Session::solve(const Query& query, Trace& trace) const {
         }
     }
 
-    trace.start();
+    trace.start(exponent_);
     Result result = solver_->solve(scaled, trace);
 
     if (const double wider = widening(query.pose); wider > 0) {

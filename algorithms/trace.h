@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -23,9 +24,12 @@ public:
 
     bool on() const { return on_; }
 
-    void start() {
+    // Samples will be offered in units of 2^-exponent of those of the marks.
+    void start(int exponent = 0) {
         samples_.clear();
         next_mark_ = 0;
+        scaled_marks_ = marks_;
+        for (double& mark : scaled_marks_) mark = std::ldexp(mark, exponent);
         begin_ = std::chrono::steady_clock::now();
     }
 
@@ -35,7 +39,7 @@ public:
         if (!on_) return;
         const double gap = upper - lower;
         bool marked = false;
-        for (; next_mark_ < marks_.size() && gap <= marks_[next_mark_]; ++next_mark_) marked = true;
+        for (; next_mark_ < scaled_marks_.size() && gap <= scaled_marks_[next_mark_]; ++next_mark_) marked = true;
         if (!marked && !samples_.empty() && !(gap <= 0.97 * (samples_.back().upper - samples_.back().lower))) return;
         keep(lower, upper);
     }
@@ -55,7 +59,7 @@ private:
     }
 
     bool on_;
-    std::vector<double> marks_;
+    std::vector<double> marks_, scaled_marks_;
     std::size_t next_mark_ = 0;
     std::chrono::steady_clock::time_point begin_{};
     std::vector<TraceSample> samples_;
