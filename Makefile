@@ -137,10 +137,11 @@ test: build/release/build.ninja types
 	$(call compile,release,all)
 	ctest --preset release -j $(JOBS)
 	$(call walk,smoke)
-	$(PYTHON) -m pytest -q --import-mode=importlib tests
+	$(PYTHON) -m pytest -q tests
 
 types: $(DEPS)
-	$(PYTHON) -m mypy --config-file analysis/mypy.ini analysis datasets/fetch.py tests/analysis tests/datasets_py
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis datasets/fetch.py tests/analysis tests/datasets_py
+	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 
 asan: build/asan/build.ninja
 	$(call compile,asan,all)
