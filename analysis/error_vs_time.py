@@ -27,21 +27,43 @@ def make(results: Results, out: Path) -> list[Path]:
 
     table = tables.Table(
         "Time to prepare and solve, gap and error of the finest answer of each solver, relative to the diagonal of A.",
-        ["scene", "solver", "asked", "time, ms", "gap", "error", "distances", "rows without bounds"], left=2)
+        ["scene", "solver", "asked", "time, ms", "gap", "error", "distances", "rows not ok"], left=2)
     for panel in panels:
         table.rules.add(len(table.rows))
         for solver, label in labels:
-            rows = [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1], label=label)]
+            rows = [r for r in run_rows(results, panel) if results.cases.label[r] == label]
             if rows:
                 table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
                                    *finest(results, rows, times)])
-    table.notes = [
+    table.notes = left_out(results, panels, labels) + [
         tables.coverage_note(times.values()) + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as all solvers together know it. "
         "Distances: point to point and point to triangle, of one solve.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
-    figure = draw(results, panels, labels, times)
+    figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
     return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+
+
+def run_rows(results: Results, panel: Panel) -> list[int]:
+    """Rows of the solvers that were run on this scene: not those that do not take its shapes, or were not built."""
+    cases, rows = results.cases, [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
+    run = {cases.label[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
+    return [r for r in rows if cases.label[r] in run]
+
+
+def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]]) -> list[str]:
+    """Who was not run, and on what, in one note."""
+    cases = results.cases
+    where: dict[str, list[str]] = {}
+    for panel in panels:
+        run = {cases.label[r] for r in run_rows(results, panel)}
+        asked = {cases.label[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
+        for solver, label in labels:
+            if label in asked - run:
+                where.setdefault(panel_title(results, panel, panels), []).append(style.look(solver, label).title)
+    parts = [f"{title}: {', '.join(names)}" for title, names in where.items()]
+    why = "they do not take the shapes, were not built, or a model is missing"
+    return [f"Not run ({why}): {'; '.join(parts)}."] if parts else []
 
 
 def panel_title(results: Results, panel: Panel, panels: list[Panel]) -> str:
@@ -63,7 +85,7 @@ def distances(results: Results, case: int) -> int:
 
 def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> list[str]:
     """Cells of the printed table: of the row with the least tolerance that has bounds."""
-    failed = Counter(str(results.cases.status[r]) for r in rows if r not in times)
+    failed = Counter(str(results.cases.status[r]) for r in rows if results.cases.status[r] != "ok")
     why = ", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in failed.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
@@ -107,13 +129,13 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
                                          wide / style.DOUBLE_COLUMN, tall / height])
                         for y in (floor, floor + tall + 0.08))
         upper.sharex(lower)
-        rows = [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
+        rows = run_rows(results, panel)
         for ax, what in ((upper, 0), (lower, 1)):
             shown |= draw_panel(ax, results, rows, times, what)
         upper.tick_params(labelbottom=False)
         upper.set_title(panel_title(results, panel, panels), pad=3)
         failed = Counter((results.cases.solver[r], results.cases.label[r], results.cases.status[r])
-                         for r in rows if r not in times)
+                         for r in rows if results.cases.status[r] != "ok")
         marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
                  for pair in labels for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
         style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
@@ -132,7 +154,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
     notes = ["Thin lines: one traced run. Bars: interval of the median. Open markers: bounds that hold, but the "
              "tolerance was not reached."]
     if key:
-        notes.append(f"Right of a frame, rows without bounds (and how many, if several): {key}.")
+        notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")
     figure.text(0.5, 0.03 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
     return figure
 
@@ -152,7 +174,6 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
             lines[case] = trace_line(results, case, what)
     axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
     ax.set_xscale("log")
-    ax.minorticks_off()
     for case, (x, y) in lines.items():
         looks = style.look(cases.solver[case], cases.label[case])
         ax.plot(x, axis.place(y), color=looks.colour, linestyle=looks.line, linewidth=0.7, alpha=0.75, zorder=2,
@@ -164,6 +185,7 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
             ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
+    style.log_ticks(ax.xaxis)
     return {(cases.solver[case], cases.label[case]) for case in [*points, *lines]}
 
 

@@ -23,10 +23,6 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Counters = dict[str, npt.NDArray[np.uint64]]
 
-# Statuses whose bounds hold: the others have none, or (unsound) must never become a data point.
-BOUNDED = ("ok", "floor", "budget")
-
-
 class ResultError(Exception):
     """A result file that cannot be used: one line with its name and the remedy."""
 
@@ -203,9 +199,9 @@ class Results:
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
     def is_bounded(self, case: int) -> bool:
-        """The row has bounds that hold."""
-        return (self.cases.status[case] in BOUNDED and np.isfinite(self.cases.lower[case])
-                and not np.isnan(self.cases.upper[case]))
+        """The row has bounds that hold, whether or not it got as far as it was asked to. An unsound row never does."""
+        return bool(self.cases.status[case] != "unsound" and np.isfinite(self.cases.lower[case])
+                    and np.isfinite(self.cases.upper[case]))
 
     @cached_property
     def _references(self) -> dict[tuple[str, str, bytes], Interval]:
@@ -323,7 +319,7 @@ def machine_line(results: Results) -> str:
     """Where and with what the rows were measured, for a caption."""
     meta = results.meta
     gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
-    dirty = " with changes" if meta.get("dirty") in (1, True, "true", "1") else ""
+    dirty = " with changes" if meta.get("dirty") in (1, True, "true", "yes") else ""
     line = (f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
             f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
             f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")

@@ -92,14 +92,19 @@ def make(results: Results, out: Path) -> list[Path]:
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: dict[tuple[str, str, float], Reach]) -> str:
-    """Why pairs are missing at the finest tolerance, by solver."""
+    """Why pairs are missing: 'CGAL: crown timeout (1e-7, 1e-8).'"""
     parts = []
     for solver, label in labels:
-        last = [(scene, found[label, scene, TOLERANCES[-1]]) for scene in scenes]
-        why = [f"{scene}: {style.STATUS_WORDS.get(r.read_from, r.read_from)}"
-               for scene, r in last if np.isnan(r.seconds)]
+        why: dict[str, list[str]] = {}
+        for scene in scenes:
+            for k, t in enumerate(TOLERANCES, start=1):
+                reached = found[label, scene, t]
+                if np.isnan(reached.seconds):
+                    word = style.STATUS_WORDS.get(reached.read_from, reached.read_from)
+                    why.setdefault(f"{scene} {word}", []).append(f"1e-{k}")
         if why:
-            parts.append(f"{style.look(solver, label).title} at 1e-8: {', '.join(why)}.")
+            each = "; ".join(f"{what} ({', '.join(where)})" for what, where in why.items())
+            parts.append(f"{style.look(solver, label).title}: {each}.")
     return " ".join(parts)
 
 
@@ -149,8 +154,14 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
         ax.set_ylim(1, 1e4)
     ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
-    ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*[f"$10^{{-{k}}}$" for k in range(1, 9)], "paper"])
-    ax.axvline(TOLERANCES[-1] / 3.2, color=style.GREY, linewidth=0.5, linestyle=(0, (2, 2)))
+    style.log_ticks(ax.yaxis)
+    powers = [f"$10^{{-{k}}}$" for k in range(1, 9)]
+    if any(label in paper for _, label in labels):
+        ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper"])
+        ax.axvline(TOLERANCES[-1] / 3.2, color=style.GREY, linewidth=0.5, linestyle=(0, (2, 2)))
+    else:
+        ax.set_xticks(TOLERANCES, powers)
+        ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 3.5)
     ax.set_xlabel("tolerance of the gap / diagonal of A")
     ax.set_ylabel(f"prepare + solve, mean of {pairs} pairs (ms)")
     style.legend_above(figure, style.handles(labels))

@@ -115,7 +115,7 @@ class LogAxis:
         high = int(np.ceil(np.log10(positive.max()))) if len(positive) else 0
         high = max(high, low + 1)
         self.has_zeros = bool((x <= 0).any())
-        room = 0.075 * (high - low + 1)  # decades, above and below the centre of the band
+        room = 0.075 * (high - low + 1)  # in decades: half of the band, and what else is kept free
         self._zero = 10.0 ** (low - 2.6 * room)
         ax.set_yscale("log")
         ax.minorticks_off()
@@ -127,7 +127,7 @@ class LogAxis:
         step = max(1, -(-(high - low) // (most_ticks - 1)))
         decades = list(range(high, low - 1, -step))[::-1]
         ticks, labels = [10.0**d for d in decades], [f"$10^{{{d}}}$" for d in decades]
-        bottom = 10.0 ** (low - 0.4 * room)
+        bottom = 10.0 ** (low - 0.7 * room)
         if self.has_zeros:
             ticks, labels, bottom = [self._zero] + ticks, ["0"] + labels, 10.0 ** (low - 3.9 * room)
             edge = 10.0 ** (low - 1.3 * room)
@@ -137,11 +137,21 @@ class LogAxis:
                 ax.plot([-0.02, 0.02], [y, y], transform=ax.get_yaxis_transform(), color="black", linewidth=0.6,
                         clip_on=False, zorder=5)
         ax.set_yticks(ticks, labels)
-        ax.set_ylim(bottom, 10.0 ** (high + 0.4 * room))
+        ax.set_ylim(bottom, 10.0 ** (high + 0.7 * room))
 
     def place(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         x = np.asarray(values, dtype=np.float64)
         return np.where(x <= 0, self._zero, np.maximum(x, self.LEAST))
+
+
+def log_ticks(axis: Any) -> None:
+    """Powers of ten, without minor ticks; where fewer than two would be seen, also 2 and 5 times them, written out."""
+    low, high = np.log10(sorted(axis.get_view_interval()))
+    few = np.floor(high) - np.ceil(low) < 1
+    axis.set_minor_locator(matplotlib.ticker.NullLocator())
+    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5) if few else (1,), numticks=6))
+    if few:
+        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}"))
 
 
 def margin_marks(ax: Any, marks: Sequence[tuple[Look, str]], height: float, pitch: float = 8.5) -> None:

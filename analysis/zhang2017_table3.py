@@ -119,12 +119,12 @@ def make(results: Results, out: Path) -> list[Path]:
                     "(trees) is included, loading is not.",
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
-    figure = draw(scenes, labels, cells, papers)
+    figure = draw(scenes, labels, cells, papers, f"here, {results.meta.get('profile', '')} sizes")
     return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell],
-         papers: dict[str, dict[str, Any]]) -> Any:
+         papers: dict[str, dict[str, Any]], here: str) -> Any:
     """One band a scene, one line a solver in it: filled = here, open = the paper, bar = interval of the median."""
     present = [pair for pair in labels if any((scene, pair[1]) in cells for scene in scenes)]
     pitch = len(present) + 1.0
@@ -160,7 +160,7 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     ax.set_xlabel("time to prepare and solve (s)")
     grey = style.Look("", style.GREY, "o")
     style.legend_above(figure, [*style.handles(present, lines=False),
-                                plt.Line2D([], [], label="here", **style.filled_marker(grey)),
+                                plt.Line2D([], [], label=here, **style.filled_marker(grey)),
                                 plt.Line2D([], [], label="the paper", **style.open_marker(grey))])
     return figure
 

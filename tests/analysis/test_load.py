@@ -48,10 +48,10 @@ def small(tmp_path: Path) -> load.Results:
     file.case("naive", "x", [3.0, 1.0, 2.0], lower=1.0, upper=1.0, prepare_seconds=0.5, options={"seed": 3},
               counters={"point_distances": 2**63 + 1})
     file.case("cover", "x", [0.1], [(0.0, 0.0, np.inf), (0.1, 0.9, 1.25)], lower=0.9, upper=1.25, tolerance=0.1)
-    file.case("kang", "x", status="timeout", reason="zu spät", lower=0.0, upper=0.5)
+    file.case("kang", "x", status="timeout", reason="zu spät")
     file.case("zheng", "x", status="unsound", lower=1.1, upper=1.1)
     file.case("tang", "y", [1.0], lower=0.5, upper=0.75)
-    file.case("sacht", "y", [1.0], lower=0.625, upper=1.0)
+    file.case("sacht", "y", [1.0], lower=0.625, upper=1.0, status="timeout", reason="the bounds hold")
     file.case("sacht", "y", [1.0], lower=5.0, upper=6.0, pose_index=1, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0])
     file.case("adaptive", "z", status="failed")
     file.ledger.append({"kind": "not_run", "subject": "naive y", "what": "case", "reason": "points only", "count": 2})
@@ -100,7 +100,7 @@ def test_trace(small: load.Results) -> None:
 
 
 def test_reference_is_the_tightest_of_all_rows_with_bounds(small: load.Results) -> None:
-    assert small.reference("x") == (1.0, 1.0)  # neither the timeout nor the unsound row counts
+    assert small.reference("x") == (1.0, 1.0)  # neither the timeout without bounds nor the unsound row counts
     assert small.reference("y") == (0.625, 0.75)
     assert small.reference("y", 1) == (5.0, 6.0)
     assert np.isnan(small.reference("z")).all() and np.isnan(small.reference("nowhere")).all()

@@ -112,7 +112,7 @@ def test_fig13_means_over_all_pairs_only(make: Make) -> None:
     assert rows["CGAL"][0] == ["125", "175", "225", "275", "325", "375", "425", "475", "—"]  # a case a tolerance
     assert rows["Zheng 2022"][0][5:] == ["532", "3 of 4", "3 of 4", "1288"]
     assert rows["Kang 2018"][0][-1] == "762"
-    assert "Zheng 2022 at 1e-8: ramesses: timeout." in text and "1.05 times as long" in text
+    assert "Zheng 2022: ramesses timeout (1e-7, 1e-8)." in text and "1.05 times as long" in text
     stuck = next(r for r in records if (r["solver"], r["scene"], r["tolerance"]) == ("zheng", "ramesses", "1e-07"))
     assert stuck["seconds"] == "" and stuck["read_from"] == "timeout" and stuck["mean_seconds"] == ""
 
@@ -130,18 +130,20 @@ def test_fig13_never_reads_an_unsound_row(make: Make) -> None:
     file = ResultFile("sacht2024_fig13")
     file.case("kang", "crown", [0.2], [(0.1, 0.0, 0.0)], tolerance=1e-8, status="unsound")
     _, rows, text = make(file)
-    assert rows["Kang 2018"][0][:8] == ["0 of 1"] * 8 and "crown: unsound" in text
+    assert rows["Kang 2018"][0][:8] == ["0 of 1"] * 8 and "crown unsound (1e-1," in text
 
 
 def test_error_vs_time_table(make: Make) -> None:
-    records, rows, _ = make(synthetic.error_vs_time())
+    records, rows, text = make(synthetic.error_vs_time())
     cells = {row[0]: row[1:] for row in rows["gauss overlap"]}
     assert cells["NAIVEHDD"][2:4] == ["0", "0"] and cells["NAIVEHDD"][4] == "4,000,000"  # exact zeros stay
     # The reference has width 0 at 0.5; INC's lower bound is 4 half-widths of 2e-16 below it, its gap twice that.
     assert cells["INC"][2:4] == ["1.6e-15", "7.8e-16"]
     assert {row[0]: row[5:] for row in rows["gauss overlap"]}["k-d tree (nanoflann)"] == ["20,000", ""]
     failed = {row[0]: row[6] for row in rows["armadillo scan"]}
-    assert failed["Guthe 2005"] == "2 timeout" and failed["Kang 2018"] == "1 unsound" and failed["Zheng 2022"] == ""
+    assert failed["Guthe 2005"] == "2 timeout" and failed["Kang 2018"] == "1 unsound"
+    assert failed["Zheng 2022"] == "1 precision floor"
+    assert "k-d tree (nanoflann)" not in failed and "armadillo scan: k-d tree (nanoflann)" in text
     unsound = next(r for r in records if r["status"] == "unsound")
     assert unsound["relative_gap"] == "" and unsound["n"] == "0"
     identical = [r for r in records if (r["scene"], r["solver"], r["tolerance"]) == ("same_mesh", "cover", "1e-08")]
@@ -159,7 +161,7 @@ def test_error_vs_time_draws_zeros_failures_and_no_unsound_point(tmp_path: Path)
     assert len(figure.axes) == 12 and set(gap_of) >= {"same mesh", "grid noise"}
     ticks = [label.get_text() for label in gap_of["same mesh"].get_yticklabels()]
     assert "0" in ticks and len(ticks) > 2
-    assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M", "S", "T2", "U"]
+    assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M", "P", "T2", "U"]
     assert sorted(text.get_text() for text in gap_of["grid noise"].texts) == ["T", "U"]
     points = [line for line in gap_of["grid noise"].lines if line.get_marker() not in ("None", "", None)
               and line.get_clip_on()]
@@ -170,9 +172,19 @@ def test_error_vs_time_draws_zeros_failures_and_no_unsound_point(tmp_path: Path)
 def test_error_vs_time_where_everything_failed(make: Make) -> None:
     file = ResultFile("error_vs_time")
     file.case("cover", "x", status="out_of_memory", reason="4 GiB")
+    file.case("tang", "x", [5.0], status="timeout", lower=0.0, upper=0.125, tolerance=1e-3)
     file.case("cgal", "x", status="not_built", reason="no CGAL")
-    _, rows, _ = make(file)
-    assert [row[1:] for row in rows["x"]] == [["—"] * 5 + ["1 out of memory"], ["—"] * 5 + ["1 not built"]]
+    _, rows, text = make(file)
+    assert [row[1:] for row in rows["x"]] == [["0.001", "5000", "0.12", "0.12", "0", "1 timeout"],
+                                              ["—"] * 5 + ["1 out of memory"]]
+    assert "x: CGAL." in text
+
+
+def test_error_vs_time_where_nothing_was_run(make: Make) -> None:
+    file = ResultFile("error_vs_time")
+    file.case("cover", "x", status="skipped", reason="model 'x' is missing")
+    _, rows, text = make(file)
+    assert "x" not in rows and "x: cover (ours)." in text
 
 
 @pytest.mark.parametrize("stem", STEMS)
