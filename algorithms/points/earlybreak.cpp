@@ -1,7 +1,7 @@
 // EARLYBREAK: a point of A is given up as soon as some point of B is closer than the largest distance so far.
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
-// given by Zhang, He, Wu, Wang, 2017, Algorithm 2, with cmin <- 0 before the break (the first print lacks it and may
+// given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print lacks it and may
 // return a stale minimum). The exclusion of common points is h(A, B) = h(A \ B, B): the inner set stays the whole of B.
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
 #include "kernel/deadline.h"

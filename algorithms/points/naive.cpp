@@ -1,7 +1,7 @@
 // NAIVEHDD: every point of A against every point of B.
 //
-// Source: Zhang, He, Wu, Wang: An efficient algorithm for calculating the exact Hausdorff distance, 2017, Algorithm 1
-// (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
+// Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
+// Algorithm 1 (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
 #include "kernel/deadline.h"
 #include "points/exact.h"
 #include "solver.h"

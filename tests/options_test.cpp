@@ -1,0 +1,89 @@
+#include "error.h"
+#include "options.h"
+#include "registry.h"
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+std::vector<ParameterSpec> specs() {
+    return {
+        {.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "6", .description = "d", .choices = {},
+         .least = 1, .most = 20},
+        {.name = "ratio", .default_value = 0.5, .unit = "", .paper_value = "", .description = "r", .choices = {}, .least = 0,
+         .most = 1},
+        {.name = "shuffle", .default_value = true, .unit = "", .paper_value = "", .description = "s", .choices = {}},
+        {.name = "rule", .default_value = std::string("exact"), .unit = "", .paper_value = "", .description = "u",
+         .choices = {"exact", "as_printed"}},
+    };
+}
+
+std::string error_of(const ParameterMap& given) {
+    try {
+        Options("s", specs(), given);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Options, DefaultsAndGivenValues) {
+    const Options options("s", specs(), {{"depth", std::int64_t{3}}, {"rule", std::string("as_printed")}});
+    EXPECT_EQ(options.integer("depth"), 3);
+    EXPECT_EQ(options.real("ratio"), 0.5);
+    EXPECT_TRUE(options.flag("shuffle"));
+    EXPECT_EQ(options.text("rule"), "as_printed");
+    EXPECT_TRUE(options.unread().empty());
+}
+
+TEST(Options, WholeNumberServesAsRealOne) {
+    EXPECT_EQ(Options("s", specs(), {{"ratio", std::int64_t{1}}}).real("ratio"), 1.0);
+}
+
+TEST(Options, UnreadNamesWhatNobodyRead) {
+    const Options options("s", specs(), {});
+    (void)options.integer("depth");
+    EXPECT_EQ(options.unread(), (std::vector<std::string>{"ratio", "rule", "shuffle"}));
+}
+
+TEST(Options, WrongInputIsNamed) {
+    EXPECT_NE(error_of({{"dept", std::int64_t{3}}}).find("depth"), std::string::npos);
+    EXPECT_NE(error_of({{"depth", 0.5}}).find("'depth'"), std::string::npos);
+    EXPECT_NE(error_of({{"depth", std::int64_t{21}}}).find("21"), std::string::npos);
+    EXPECT_NE(error_of({{"ratio", std::numeric_limits<double>::quiet_NaN()}}).find("'ratio'"), std::string::npos);
+    EXPECT_NE(error_of({{"rule", std::string("wrong")}}).find("as_printed"), std::string::npos);
+    EXPECT_NE(error_of({{"shuffle", std::int64_t{1}}}).find("'shuffle'"), std::string::npos);
+    EXPECT_EQ(error_of({{"depth", std::int64_t{20}}, {"ratio", 0.0}}), "");
+}
+
+TEST(Options, ReadingWhatIsNotDeclaredIsABug) {
+    const Options options("s", specs(), {});
+    EXPECT_THROW((void)options.integer("missing"), std::logic_error);
+    EXPECT_THROW((void)options.integer("ratio"), std::logic_error);
+}
+
+TEST(Registry, UnknownSolverNamesTheNearest) {
+    try {
+        (void)find_solver("naiv");
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("naive"), std::string::npos);
+    }
+}
+
+TEST(Registry, NamesAreUniqueAndParametersReadable) {
+    std::set<std::string> names;
+    for (const SolverEntry& entry : solvers()) {
+        EXPECT_TRUE(names.insert(entry.info.name).second) << entry.info.name;
+        EXPECT_FALSE(entry.info.title.empty());
+        EXPECT_FALSE(entry.info.paper.empty());
+        const Options options(entry.info.name, entry.info.parameters, {});
+        (void)entry.make(options);
+        EXPECT_TRUE(options.unread().empty()) << entry.info.name;
+    }
+    for (const NotBuilt& missing : solvers_not_built()) EXPECT_FALSE(names.contains(missing.name));
+}
+
+}  // namespace
+}  // namespace hausbench

@@ -1,0 +1,431 @@
+// What every solver in the registry promises, tried on every small scene whose shapes it takes.
+//
+// A certified solver's bounds enclose the exact answer, whatever the status. One that is not certified (a peer) must come
+// within 1e-10 of the largest coordinate of enclosing it, except where it is listed in `exceptions` with the reason.
+#include "error.h"
+#include "kernel/rounding.h"
+#include "reference.h"
+#include "registry.h"
+#include "scenes.h"
+#include "session.h"
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+using Real = long double;
+
+struct Exception {
+    std::string solver, scene, reason;
+};
+
+// Checked not to be stale: each must be seen to break the promise.
+const std::vector<Exception>& exceptions() {
+    static const std::vector<Exception> list = [] {
+        std::vector<Exception> all;
+        for (const char* base : {"random soups", "bumpy sheets"}) {
+            for (const char* scale : {", scale -160", ", scale -80", ", scale 78", ", scale 150"}) {
+                all.push_back({"cgal", std::string(base) + scale, "products of four lengths under- or overflow in double"});
+            }
+        }
+        return all;
+    }();
+    return list;
+}
+
+bool excepted(const std::string& solver, const std::string& scene) {
+    for (const Exception& e : exceptions()) {
+        if (e.solver == solver && e.scene == scene) return true;
+    }
+    return false;
+}
+
+// What is known of one scene at one pose.
+struct Truth {
+    Points posed_source;
+    Real low, high;         // of h
+    exact::Rational squared;  // of h, for point sets
+    double magnitude;       // largest |coordinate|
+    double tolerance;       // a millionth of the extent
+};
+
+Truth truth_of(const Scene& scene, const Pose& pose) {
+    Truth truth;
+    truth.posed_source = posed(points_of(scene.source), pose);
+    const Points& target = points_of(scene.target);
+    truth.magnitude = std::max(truth.posed_source.cwiseAbs().maxCoeff(), target.cwiseAbs().maxCoeff());
+    Real extent = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Real high = std::max(truth.posed_source.col(k).maxCoeff(), target.col(k).maxCoeff());
+        extent = std::max(extent, high - std::min(truth.posed_source.col(k).minCoeff(), target.col(k).minCoeff()));
+    }
+    truth.tolerance = extent > 0 ? static_cast<double>(1e-6L * extent) : 1e-6;
+    if (kind_of(scene.source) == ShapeKind::points) {
+        truth.squared = exact_squared_hausdorff(truth.posed_source, target);
+        return truth;
+    }
+    const MeshReference reference(std::get<TriangleMesh>(scene.target));
+    const auto& mesh = std::get<TriangleMesh>(scene.source);
+    std::tie(truth.low, truth.high) = reference.hausdorff(truth.posed_source, mesh.triangles, 1e-7L * extent);
+    const Real error = 0x1p-58L * truth.magnitude;  // of the reference's own arithmetic
+    truth.low -= error;
+    truth.high += error;
+    return truth;
+}
+
+struct Case {
+    TestScene test;
+    std::vector<Truth> truths;  // one a pose
+};
+
+const std::vector<Case>& cases() {
+    static const std::vector<Case> list = [] {
+        std::vector<Case> all;
+        for (auto scenes : {point_scenes(), mesh_scenes()}) {
+            for (TestScene& test : scenes) {
+                std::vector<Truth> truths;
+                for (const Pose& pose : test.poses) truths.push_back(truth_of(test.scene, pose));
+                all.push_back({std::move(test), std::move(truths)});
+            }
+        }
+        return all;
+    }();
+    return list;
+}
+
+bool encloses(const Bounds& bounds, const Truth& truth, bool points, double slack) {
+    if (!points) return bounds.lower - slack <= truth.high && bounds.upper + slack >= truth.low;
+    const exact::Rational low = bounds.lower;
+    const bool below = low * low <= truth.squared;
+    if (std::isinf(bounds.upper)) return below;
+    const exact::Rational high = bounds.upper;
+    return below && high * high >= truth.squared;
+}
+
+Query query_of(const Pose& pose, const Truth& truth) {
+    Query query;
+    query.pose = pose;
+    query.tolerance = {Tolerance::Of::absolute, truth.tolerance};
+    return query;
+}
+
+Options defaults(const SolverEntry& entry) { return {entry.info.name, entry.info.parameters, {}}; }
+
+Session session_of(const SolverEntry& entry, const TestScene& test, Leave leave = Leave::out_what_is_not_needed,
+                   const ParameterMap& given = {}) {
+    QuerySet queries;
+    queries.moves = test.poses.size() > 1;
+    queries.count = test.poses.size();
+    return Session(entry, Options(entry.info.name, entry.info.parameters, given), test.scene, queries, leave);
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) { return a == b || (a.array().isNaN().all() && b.array().isNaN().all()); }
+
+void expect_same_answer(const Result& a, const Result& b, const std::string& where) {
+    EXPECT_EQ(a.status, b.status) << where;
+    EXPECT_EQ(a.bounds.lower, b.bounds.lower) << where;
+    EXPECT_EQ(a.bounds.upper, b.bounds.upper) << where;
+    EXPECT_TRUE(same_bits(a.witness.source_point, b.witness.source_point)) << where;
+    EXPECT_TRUE(same_bits(a.witness.target_point, b.witness.target_point)) << where;
+    EXPECT_EQ(a.witness.source_element, b.witness.source_element) << where;
+    EXPECT_EQ(a.witness.target_element, b.witness.target_element) << where;
+    EXPECT_EQ(a.extras, b.extras) << where;
+}
+
+// Calls f(entry, case, "solver on scene") for all that fit.
+template <class F> void for_each_fitting(F&& f) {
+    for (const SolverEntry& entry : solvers()) {
+        int tried = 0;
+        for (const Case& c : cases()) {
+            if (!refusal(entry.info, kind_of(c.test.scene.source), kind_of(c.test.scene.target)).empty()) continue;
+            ++tried;
+            f(entry, c, entry.info.name + " on " + c.test.name);
+        }
+        EXPECT_GE(tried, 12) << entry.info.name;
+    }
+}
+
+bool points_case(const Case& c) { return kind_of(c.test.scene.source) == ShapeKind::points; }
+
+void check_bounds(const SolverEntry& entry, const Case& c, const Truth& truth, const Result& result, const std::string& where) {
+    EXPECT_GE(result.bounds.lower, 0) << where;
+    EXPECT_LE(result.bounds.lower, result.bounds.upper) << where;
+    const double slack = entry.info.certified ? 0 : 1e-10 * truth.magnitude;
+    EXPECT_TRUE(encloses(result.bounds, truth, points_case(c), slack))
+        << where << ": [" << result.bounds.lower << ", " << result.bounds.upper << "] against [" << truth.low << ", " << truth.high << "]";
+}
+
+void check_witness(const Case& c, const Truth& truth, const Result& result, const std::string& where) {
+    const Witness& w = result.witness;
+    if (w.source_element < 0) return;
+    const Scene& scene = c.test.scene;
+    ASSERT_LT(w.source_element, element_count(scene.source)) << where;
+    ASSERT_GE(w.target_element, 0) << where;
+    ASSERT_LT(w.target_element, element_count(scene.target)) << where;
+    if (points_case(c)) {
+        EXPECT_EQ(w.source_point, Vec3(truth.posed_source.row(w.source_element))) << where;
+        EXPECT_EQ(w.target_point, Vec3(points_of(scene.target).row(w.target_element))) << where;
+        Points alone(1, 3);
+        alone.row(0) = w.source_point;
+        const exact::Rational low = result.bounds.lower;
+        const exact::Rational nearest = exact_squared_hausdorff(alone, points_of(scene.target));
+        EXPECT_TRUE(nearest >= low * low) << where;
+        EXPECT_TRUE(exact::squared_distance(exact::vector(w.source_point), exact::vector(w.target_point)) == nearest) << where;
+        return;
+    }
+    const Real slack = 1e-13L * truth.magnitude;
+    const auto& target = std::get<TriangleMesh>(scene.target);
+    const auto one = [](const Points& vertices, const Triangles& triangles, Index i) {
+        return MeshReference(TriangleMesh{vertices, triangles.row(i)});
+    };
+    const auto source_point = MeshReference::vector(w.source_point), target_point = MeshReference::vector(w.target_point);
+    const auto& source_triangles = std::get<TriangleMesh>(scene.source).triangles;
+    EXPECT_LE(one(truth.posed_source, source_triangles, w.source_element).distance(source_point), slack) << where;
+    EXPECT_LE(one(target.vertices, target.triangles, w.target_element).distance(target_point), slack) << where;
+    const Real nearest = MeshReference(target).distance(source_point);
+    EXPECT_GE(nearest, result.bounds.lower - slack) << where;
+    Real squared = 0;
+    for (std::size_t k = 0; k < 3; ++k) squared += (source_point[k] - target_point[k]) * (source_point[k] - target_point[k]);
+    EXPECT_LE(std::abs(std::sqrt(squared) - nearest), slack) << where;
+}
+
+TEST(SolverContract, ReferenceIsRight) {
+    const auto find = [](const std::string& name, bool points) -> const Truth& {
+        for (const Case& c : cases()) {
+            if (c.test.name == name && points_case(c) == points) return c.truths[0];
+        }
+        throw std::logic_error(name);
+    };
+    EXPECT_NEAR(static_cast<double>(find("nested cubes", false).low), 1, 2e-7);
+    EXPECT_NEAR(static_cast<double>(find("parallel planes", false).low), std::sqrt(0.125 * 0.125), 1e-6);
+    EXPECT_LE(static_cast<double>(find("identical", false).high), 1e-6);
+    EXPECT_NEAR(static_cast<double>(find("duplicate faces", false).high), std::sqrt(3) / 4, 1e-6);
+    EXPECT_TRUE(find("parallel planes", true).squared == exact::Rational(0.125) * exact::Rational(0.125));
+    EXPECT_TRUE(find("permuted", true).squared == 0);
+}
+
+TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
+    std::set<std::pair<std::string, std::string>> broken;
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        const Session session = session_of(entry, c.test);
+        for (std::size_t i = 0; i < c.truths.size(); ++i) {
+            const Truth& truth = c.truths[i];
+            const std::string at = where + ", pose " + std::to_string(i);
+            Trace trace(entry.info.traces ? Trace::Mode::on : Trace::Mode::off);
+            const Query query = query_of(c.test.poses[i], truth);
+            const Result result = session.solve(query, trace);
+            if (excepted(entry.info.name, c.test.name)) {
+                if (!encloses(result.bounds, truth, points_case(c), 1e-10 * truth.magnitude)) broken.insert({entry.info.name, c.test.name});
+                continue;
+            }
+            check_bounds(entry, c, truth, result, at);
+            check_witness(c, truth, result, at);
+
+            const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+            EXPECT_EQ(result.status == Status::converged, close) << at;
+            // Double precision holds a thousandth of the tolerance easily, but not near the ends of its range.
+            const bool easy = truth.tolerance > 1e3 * unit_roundoff * truth.magnitude && truth.magnitude > 1e-300 && truth.magnitude < 1e300;
+            if (entry.info.certified && easy) {
+                EXPECT_EQ(to_string(result.status), to_string(Status::converged)) << at;
+            }
+
+            Bounds last;
+            for (const TraceSample& sample : trace.samples()) {
+                check_bounds(entry, c, truth, {.status = {}, .bounds = {sample.lower, sample.upper}, .witness = {}, .counters = {}, .extras = {}},
+                             at + ", trace");
+                last = {sample.lower, sample.upper};
+            }
+            EXPECT_EQ(trace.samples().empty(), !entry.info.traces) << at;
+            if (entry.info.traces) {
+                EXPECT_EQ(last.lower, result.bounds.lower) << at;
+            }
+            if (entry.info.traces) {
+                EXPECT_EQ(last.upper, result.bounds.upper) << at;
+            }
+        }
+    });
+    for (const Exception& e : exceptions()) {
+        const bool built = std::any_of(solvers().begin(), solvers().end(), [&](const auto& s) { return s.info.name == e.solver; });
+        if (built) {
+            EXPECT_TRUE(broken.contains({e.solver, e.scene})) << "stale exception: " << e.solver << " on " << e.scene;
+        }
+    }
+}
+
+TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        if (excepted(entry.info.name, c.test.name)) return;
+        const Session session = session_of(entry, c.test);
+        const Truth& truth = c.truths[0];
+        const auto solve = [&](auto&& change, const std::string& what) {
+            Query query = query_of(c.test.poses[0], truth);
+            change(query);
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            check_bounds(entry, c, truth, result, where + ", " + what);
+            check_witness(c, truth, result, where + ", " + what);
+            if (result.status == Status::cutoff_passed) {
+                EXPECT_TRUE(result.bounds.lower > query.cutoff || result.bounds.upper <= query.cutoff) << where << ", " << what;
+            }
+            return result;
+        };
+        for (const std::uint64_t budget : {0, 1, 3}) {
+            solve([&](Query& q) { q.budget = budget; }, "budget " + std::to_string(budget));
+        }
+        solve([](Query& q) { q.time_limit = 0; }, "no time");
+        const Real h = points_case(c) ? exact::root(truth.squared) : truth.low;
+        if (!(h > 1e-300L && h < 1e300L)) return;
+        for (const double factor : {0.25, 0.5, 2.0}) {
+            const double cutoff = factor * static_cast<double>(h);
+            const Result result = solve([&](Query& q) { q.cutoff = cutoff; }, "cutoff " + std::to_string(factor));
+            const bool floor = truth.magnitude * unit_roundoff * 1e3 > h;
+            if (entry.info.certified && !floor) {
+                EXPECT_TRUE(factor < 1 ? result.bounds.lower > cutoff : result.bounds.upper <= cutoff) << where << ", cutoff " << factor;
+            }
+        }
+        if (!entry.info.certified || h < 1e9 * unit_roundoff * truth.magnitude) return;
+        const Result relative = solve([](Query& q) { q.tolerance = {Tolerance::Of::lower, 1e-3}; }, "relative");
+        EXPECT_EQ(to_string(relative.status), to_string(Status::converged)) << where;
+        EXPECT_LE(relative.bounds.gap(), 1e-3 * relative.bounds.lower) << where;
+    });
+}
+
+TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        const Session one = session_of(entry, c.test), two = session_of(entry, c.test);
+        const std::size_t n = c.truths.size();
+        std::vector<Result> forward(n), backward(n);
+        Trace trace;
+        for (std::size_t i = 0; i < n; ++i) forward[i] = one.solve(query_of(c.test.poses[i], c.truths[i]), trace);
+        for (std::size_t i = n; i-- > 0;) backward[i] = two.solve(query_of(c.test.poses[i], c.truths[i]), trace);
+        for (std::size_t i = 0; i < n; ++i) {
+            expect_same_answer(forward[i], backward[i], where);
+            EXPECT_EQ(forward[i].counters, backward[i].counters) << where;
+        }
+    });
+}
+
+TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
+    std::map<std::string, std::set<Need>> asked;
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        const Session lean = session_of(entry, c.test), full = session_of(entry, c.test, Leave::nothing_out);
+        Trace trace;
+        for (std::size_t i = 0; i < c.truths.size(); ++i) {
+            const Query query = query_of(c.test.poses[i], c.truths[i]);
+            expect_same_answer(lean.solve(query, trace), full.solve(query, trace), where);
+        }
+        for (const Need& need : lean.needs()) {
+            EXPECT_TRUE(lean.prepared().uses().contains(need)) << where << " declares a " << to_string(need) << " and never uses it";
+            asked[entry.info.name].insert(need);
+        }
+        EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
+        for (const Need& need : full.needs()) EXPECT_TRUE(full.prepared().has(need.structure, need.side)) << where;
+    });
+    for (const SolverEntry& entry : solvers()) {
+        for (const Need& need : entry.info.may_need) {
+            EXPECT_TRUE(asked[entry.info.name].contains(need)) << entry.info.name << " never asks for its " << to_string(need);
+        }
+    }
+}
+
+TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
+    int tried = 0;
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        if (entry.info.original_coordinates) return;
+        for (const int k : {7, -300, 400}) {
+            TestScene scaled = c.test;
+            bool exact = true;
+            for (Shape* shape : {&scaled.scene.source, &scaled.scene.target}) {
+                Points& points = points_of(*shape);
+                points = points.unaryExpr([&](double x) {
+                    const double y = std::ldexp(x, k);
+                    exact = exact && (x == 0 || (std::abs(x) > 1e-200 && std::abs(x) < 1e150 && std::abs(y) > 1e-200 && std::abs(y) < 1e150));
+                    return y;
+                }).eval();
+            }
+            if (!exact) continue;
+            ++tried;
+            const Session before = session_of(entry, c.test), after = session_of(entry, scaled);
+            Trace trace;
+            for (std::size_t i = 0; i < c.truths.size(); ++i) {
+                Query query = query_of(c.test.poses[i], c.truths[i]);
+                Result expected = before.solve(query, trace);
+                query.tolerance.value = std::ldexp(query.tolerance.value, k);
+                for (double& t : query.pose.translation) t = std::ldexp(t, k);
+                const Result result = after.solve(query, trace);
+                expected.bounds = {std::ldexp(expected.bounds.lower, k), std::ldexp(expected.bounds.upper, k)};
+                for (double& x : expected.witness.source_point) x = std::ldexp(x, k);
+                for (double& x : expected.witness.target_point) x = std::ldexp(x, k);
+                expect_same_answer(expected, result, where + ", times 2^" + std::to_string(k));
+                EXPECT_EQ(expected.counters, result.counters) << where;
+            }
+        }
+    });
+    EXPECT_GT(tried, 60);
+}
+
+TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
+    const std::vector<std::pair<std::string, ParameterMap>> variants = {
+        {"earlybreak", {{"shuffle", false}}},      {"earlybreak", {{"seed", std::int64_t{7}}}},
+        {"earlybreak", {{"exclude_common", true}}}, {"kdtree", {{"samples", std::int64_t{0}}}},
+        {"kdtree", {{"leaf_size", std::int64_t{1}}}}, {"cgal", {{"match_faces", false}}}};
+    for (const auto& [name, given] : variants) {
+        for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+            if (entry.info.name != name || excepted(name, c.test.name)) return;
+            const Session session = session_of(entry, c.test, Leave::out_what_is_not_needed, given);
+            Trace trace;
+            const Result result = session.solve(query_of(c.test.poses[0], c.truths[0]), trace);
+            check_bounds(entry, c, c.truths[0], result, where + ", " + given.begin()->first);
+            check_witness(c, c.truths[0], result, where + ", " + given.begin()->first);
+        });
+    }
+}
+
+TEST(Session, RefusesWhatCannotBeAnswered) {
+    const SolverEntry& naive = find_solver("naive");
+    const Case& c = cases().front();
+    const Session session = session_of(naive, c.test);
+    Trace trace;
+    const auto refused = [&](auto&& change) {
+        Query query = query_of(c.test.poses[0], c.truths[0]);
+        change(query);
+        EXPECT_THROW((void)session.solve(query, trace), InputError);
+    };
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    for (const double bad : {0.0, -1.0, nan, infinity}) refused([&](Query& q) { q.tolerance.value = bad; });
+    for (const double bad : {-1.0, nan}) refused([&](Query& q) { q.cutoff = bad; });
+    for (const double bad : {-1.0, nan}) refused([&](Query& q) { q.time_limit = bad; });
+    refused([&](Query& q) { q.pose.rotation(1, 1) = nan; });
+    refused([&](Query& q) { q.pose.translation[2] = infinity; });
+
+    const Scene mixed{c.test.scene.source, cube(1)};
+    EXPECT_THROW(Session(naive, defaults(naive), mixed, {}), InputError);
+    EXPECT_NE(refusal(naive.info, ShapeKind::mesh, ShapeKind::points).find("naive"), std::string::npos);
+}
+
+TEST(Session, FindsParametersThatNobodyReads) {
+    SolverEntry careless = find_solver("naive");
+    careless.info.parameters = {{.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "", .description = "", .choices = {}}};
+    EXPECT_THROW(Session(careless, defaults(careless), cases().front().test.scene, {}), std::logic_error);
+}
+
+TEST(Session, KeepsTheTimesOfWhatItPrepares) {
+    for (const Case& c : cases()) {
+        if (c.test.name != "bumpy sheets") continue;
+        const Session session = session_of(find_solver("guthe"), c.test);
+        ASSERT_EQ(session.preparation().size(), 2u);
+        EXPECT_EQ(session.preparation()[0].name, "target octree");
+        EXPECT_EQ(session.preparation()[1].name, "solver");
+        EXPECT_GT(session.prepare_bytes(), 50u * 72u);
+        EXPECT_GT(session.prepare_seconds(), 0);
+        return;
+    }
+    FAIL() << "the scene is gone";
+}
+
+}  // namespace
+}  // namespace hausbench
