@@ -66,6 +66,7 @@ class Cases:
     tolerance_of: Texts
     tolerance_absolute: Floats
     case_seconds_limit: Floats
+    prepare_seconds_limit: Floats
     memory_limit_bytes: Ints
     status: Texts
     reason: Texts
