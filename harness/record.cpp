@@ -43,6 +43,13 @@ json options_json(const ParameterMap& options) {
     return out;
 }
 
+ParameterValue parameter_of(const json& value) {
+    if (value.is_boolean()) return value.get<bool>();
+    if (value.is_number_integer()) return value.get<std::int64_t>();
+    if (value.is_number()) return value.get<double>();
+    return value.get<std::string>();
+}
+
 std::string identify(const Case& asked) {
     Sha256 hash;
     hash.add("case 1").add(asked.source_hash).add(asked.target_hash).add(asked.solver).add(options_json(asked.options).dump());

@@ -85,6 +85,7 @@ std::string row_status(Status status);
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);
 
+ParameterValue parameter_of(const nlohmann::json& value);
 nlohmann::json options_json(const ParameterMap& options);
 
 // JSON has no NaN or infinity: these become texts.

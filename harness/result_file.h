@@ -1,9 +1,11 @@
-// Writes the HDF5 file that results/README.md documents.
+// Writes and reads the HDF5 file that results/README.md documents.
 #pragma once
 
 #include "plan.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,12 +13,31 @@ namespace hausbench {
 
 inline constexpr int result_schema = 1;
 
-struct ResultMeta {
-    std::string started, finished;
+// One row of /models.
+struct ModelRecord {
+    std::string name, sha256, kind, precision, source, licence, note;
+    std::int64_t elements = 0, vertices = 0, unreferenced = -1;
+    double diagonal = 0;
 };
 
+// Everything in a result file.
+struct ResultFile {
+    std::map<std::string, std::string> texts;      // attributes of /meta
+    std::map<std::string, std::int64_t> integers;  // likewise
+    std::vector<ModelRecord> models;
+    std::vector<Row> rows;
+    std::vector<LedgerEntry> ledger;
+};
+
+// What is known before any case ran: the experiment, the build, the machine.
+void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started, const std::string& finished);
+
+ModelRecord record_of(const ModelRow& model);
+
 // Whole or not at all: by a temporary file and rename. Throws InputError where it cannot be written.
-void write_result(const std::filesystem::path& file, const Experiment& experiment, const ResultMeta& meta,
-                  const std::vector<Row>& rows, const std::vector<ModelRow>& models, const std::vector<LedgerEntry>& ledger);
+void write_result(const std::filesystem::path& file, const ResultFile& result);
+
+// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of a newer schema.
+ResultFile read_result(const std::filesystem::path& file);
 
 }  // namespace hausbench

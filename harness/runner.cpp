@@ -309,15 +309,15 @@ private:
     }
 
     RunSummary finish() {
-        std::vector<Row> rows;
+        ResultFile result;
         RunSummary summary;
         for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
             const auto from = plan_.traced.find(i);
-            rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
+            result.rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
         }
         progress_.doing("verifying");
         std::map<std::string, Shape> shapes;
-        verify_rows(rows, [&](const std::string& name) -> const Shape* {
+        verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
             for (const ModelRow& model : plan_.models) {
                 if (model.info->name != name) continue;
                 const auto at = shapes.find(name);
@@ -325,12 +325,14 @@ private:
             }
             return nullptr;
         });
-        for (const Row& row : rows) ++summary.statuses[row.outcome.status];
-        auto ledger = plan_.ledger;
-        ledger.insert(ledger.end(), ledger_.begin(), ledger_.end());
+        for (const Row& row : result.rows) ++summary.statuses[row.outcome.status];
+        for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
+        result.ledger = plan_.ledger;
+        result.ledger.insert(result.ledger.end(), ledger_.begin(), ledger_.end());
         summary.file = options_.results / (plan_.experiment.stem + ".h5");
         summary.interrupted = interrupted != 0;
-        write_result(summary.file, plan_.experiment, {journal_.started(), utc_now()}, rows, plan_.models, ledger);
+        describe_run(result, plan_.experiment, journal_.started(), utc_now());
+        write_result(summary.file, result);
         return summary;
     }
 

@@ -153,12 +153,7 @@ private:
 
 ParameterMap parameters_of(const json& object) {
     ParameterMap out;
-    for (const auto& [name, value] : object.items()) {
-        if (value.is_boolean()) out[name] = value.get<bool>();
-        else if (value.is_number_integer()) out[name] = value.get<std::int64_t>();
-        else if (value.is_number()) out[name] = value.get<double>();
-        else out[name] = value.get<std::string>();
-    }
+    for (const auto& [name, value] : object.items()) out[name] = parameter_of(value);
     return out;
 }
 

@@ -294,6 +294,39 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
     });
 }
 
+// Many random pairs, at a tolerance near the floor, where a bound that is off by a rounding would show.
+TEST(SolverContract, BoundsHoldOnRandomPairs) {
+    Random random(21);
+    for (int i = 0; i < 150; ++i) {
+        const double size = std::pow(10.0, -random.below(4)), apart = std::pow(10.0, -random.below(12));
+        const Index na = 1 + random.below(8), nb = 1 + random.below(45);
+        const bool mesh = i % 3 != 0;
+        Points b = cloud(random, mesh ? 3 * nb : nb, size);
+        Points a = cloud(random, mesh ? 3 * na : na, size);
+        // Often close to B: some vertices are B's, moved a little.
+        for (Index v = 0; v < a.rows(); ++v) {
+            if (random.below(2) != 0) a.row(v) = Vec3(b.row(random.below(static_cast<Index>(b.rows())))) + random.vector(apart);
+        }
+        Scene scene{PointSet{a}, PointSet{b}};
+        if (mesh) scene = {soup(a), soup(b)};
+        Pose pose;
+        if (random.below(2) != 0) pose = turned(0.6, 0.8, random.vector());
+        Truth truth = truth_of(scene, pose);
+        truth.tolerance = 1e-5 * size;
+        const Case c{{"random pair " + std::to_string(i), scene, {Pose{}, pose}}, {truth, truth}};
+        for (const SolverEntry& entry : solvers()) {
+            if (!entry.info.certified || !refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) continue;
+            const std::string where = entry.info.name + " on " + c.test.name;
+            const Session session = session_of(entry, c.test);
+            Trace trace;
+            const Result result = session.solve(query_of(pose, truth), trace);
+            EXPECT_EQ(to_string(result.status), to_string(Status::converged)) << where;
+            check_bounds(entry, c, truth, result, where);
+            check_witness(c, truth, result, where);
+        }
+    }
+}
+
 TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
         const Session one = session_of(entry, c.test), two = session_of(entry, c.test);

@@ -65,7 +65,7 @@ BAD_EXPERIMENTS = {
     "[profile.quick]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
     "[[solver]]\nname = 'guhte'": ("guhte", "guthe"),
     "[[solver]]\nname = 'earlybreak'\nparameters = { sede = 1 }": ("sede", "seed"),
-    "[[solver]]\nname = 'earlybreak'\nparameters = { seed = 'one' }": ("seed", "integer"),
+    "[[solver]]\nname = 'earlybreak'\nparameters = { seed = 'one' }": ("seed", "whole number"),
     "[[solver]]\nname = 'cgal'\nscenes = ['sphere']": ("unknown scene 'sphere'", "spheres"),
     "[[scene]]\nname = 'x'\nsource = 'sphree1'\ntarget = 'sphere1'": ("sphree1", "sphere1"),
     "[[scene]]\nname = 'spheres'\nsource = 'sphere1'\ntarget = 'sphere1'": ("two scenes named 'spheres'", "rename"),
