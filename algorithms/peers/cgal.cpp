@@ -3,9 +3,10 @@
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
 // subdivision). Its own structures are built inside every call, so they are part of solve, not of prepare.
 // It returns one number, v with |v - h| <= error_bound, and starts its search at error_bound: where it answers just that,
-// h lies in [0, 2 error_bound], and no more is known (`stalled`); else in [v, v + error_bound]. No rounding is accounted
-// for: not certified. No pair of points is told (NaN, elements -1). One run a tolerance, which is error_bound; a tolerance
-// relative to the lower bound is met by halving error_bound until it is. Limits of time and work are not looked at.
+// h lies in [0, 2 error_bound], and no more is known; else in [v, v + error_bound]. No rounding is accounted for: not
+// certified. No pair of points is told (NaN, elements -1). One run a tolerance, which is error_bound; where h is so small
+// that it answers the bound itself, a second run with half of it, whose [0, tolerance] is close enough. A tolerance
+// relative to the lower bound is met by lessening error_bound until it is. Limits of time and work are not looked at.
 //
 // The soup becomes a Surface_mesh that shares vertices where that makes a polygon mesh; otherwise each triangle gets its
 // own three, which is valid for this function: it looks at faces one by one, and only its matching of equal faces of A and
@@ -83,6 +84,7 @@ public:
             const SurfaceMesh source = surface_mesh(posed(source_->vertices, query.pose), source_faces_, source_shared_);
             if (query.tolerance.of == Tolerance::Of::absolute) {
                 result.bounds = bounds(source, query.tolerance.value);
+                if (result.bounds.gap() > query.tolerance.value) result.bounds = bounds(source, query.tolerance.value / 2);
             } else {
                 // The diagonal of the source is where a search for the scale of h may start.
                 double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
