@@ -133,10 +133,11 @@ figures: $(DEPS)
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 
-test: build/release/build.ninja types
+test: build/release/build.ninja
 	$(call compile,release,all)
 	ctest --preset release -j $(JOBS)
 	$(call walk,smoke)
+	@$(MAKE) --no-print-directory types
 	$(PYTHON) -m pytest -q tests
 
 types: $(DEPS)
