@@ -15,7 +15,8 @@
 namespace hausbench {
 namespace {
 
-// Goes into every key of the shape cache. Raise it whenever a reader, a recipe or an operation makes other bits than before.
+// Goes into every key of the shape cache. Raise it whenever a reader, a recipe or an operation makes other bits than
+// before.
 constexpr std::string_view shapes_version = "1";
 
 template <class List> std::vector<std::string> names_of(const List& list) {
@@ -52,7 +53,8 @@ public:
             return "";
         }
         const auto value = node->value_exact<std::string>();
-        if (!value || (required && value->empty())) throw InputError(fmt::format("{}: '{}' must be a text", where(key), key));
+        if (!value || (required && value->empty()))
+            throw InputError(fmt::format("{}: '{}' must be a text", where(key), key));
         return *value;
     }
 
@@ -62,7 +64,8 @@ public:
             known_.push_back(spec.name);
             const toml::node* node = table_.get(spec.name);
             if (!node) continue;
-            if (!node->is_number()) throw InputError(fmt::format("{}: '{}' must be a number", where(spec.name), spec.name));
+            if (!node->is_number())
+                throw InputError(fmt::format("{}: '{}' must be a number", where(spec.name), spec.name));
             values[spec.name] = *node->value<double>();
         }
         return values;
@@ -74,7 +77,8 @@ public:
         for (const auto& [key, node] : table_) {
             const std::string name(key.str());
             if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                throw InputError(fmt::format("{}: unknown key '{}'{}", where(node.source()), name, nearest_hint(name, known_)));
+                throw InputError(
+                    fmt::format("{}: unknown key '{}'{}", where(node.source()), name, nearest_hint(name, known_)));
         }
     }
 
@@ -105,7 +109,8 @@ ModelInfo read_model(const std::filesystem::path& manifest, const std::string& n
         model.sha256 = table.text("sha256", package);
         model.format = table.text("format", false);
         table.allow("triangles");  // for people who read the manifest
-        if (!model.sha256.empty() && (model.sha256.size() != 64 || model.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
+        if (!model.sha256.empty() &&
+            (model.sha256.size() != 64 || model.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
             throw InputError(table.where("sha256") + ": sha256 must be 64 digits of 0-9 and a-f");
     } else if (model.source == "generated") {
         model.recipe = table.text("recipe");
@@ -143,15 +148,18 @@ Catalogue::Catalogue(std::filesystem::path manifest, std::filesystem::path cache
     try {
         root = toml::parse_file(manifest.string());
     } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}: line {}: {}", manifest.string(), error.source().begin.line, error.description()));
+        throw InputError(
+            fmt::format("{}: line {}: {}", manifest.string(), error.source().begin.line, error.description()));
     }
     for (const auto& [key, node] : root)
         if (key.str() != "model" || !node.is_table())
-            throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(), node.source().begin.line, key.str()));
+            throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
+                                         node.source().begin.line, key.str()));
     if (const toml::table* tables = root["model"].as_table())
         for (const auto& [key, node] : *tables) {
             if (!node.is_table())
-                throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(), node.source().begin.line, key.str()));
+                throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
+                                             node.source().begin.line, key.str()));
             models_.push_back(read_model(manifest, std::string(key.str()), *node.as_table()));
             ModelInfo& model = models_.back();
             if (model.source == "file") model.path = (manifest.parent_path() / model.path).string();
@@ -161,10 +169,12 @@ Catalogue::Catalogue(std::filesystem::path manifest, std::filesystem::path cache
         for (const ModelInfo* at = &model; at->source == "derived";) {
             if (!seen.insert(at->name).second)
                 throw InputError(fmt::format("{}: model '{}' is derived from itself", manifest.string(), at->name));
-            const auto origin = std::find_if(models_.begin(), models_.end(), [&](const ModelInfo& m) { return m.name == at->from; });
+            const auto origin =
+                std::find_if(models_.begin(), models_.end(), [&](const ModelInfo& m) { return m.name == at->from; });
             if (origin == models_.end())
-                throw InputError(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}", manifest.string(), at->name,
-                                             at->from, nearest_hint(at->from, names_of(models_))));
+                throw InputError(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}",
+                                             manifest.string(), at->name, at->from,
+                                             nearest_hint(at->from, names_of(models_))));
             at = &*origin;
         }
     }
@@ -195,8 +205,9 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
                                       : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
         input = sha256_of_file(file);
         if (!model.sha256.empty() && input != model.sha256)
-            throw InputError(fmt::format("model '{}': {} has SHA-256 {}, the manifest says {}: delete it and fetch it again", name,
-                                         file.string(), input, model.sha256));
+            throw InputError(
+                fmt::format("model '{}': {} has SHA-256 {}, the manifest says {}: delete it and fetch it again", name,
+                            file.string(), input, model.sha256));
         input += file.filename().string();  // the extension chooses the reader
     }
 

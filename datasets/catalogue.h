@@ -46,9 +46,10 @@ public:
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
 
-    // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their SHA-256
-    // is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in CACHE/shapes/<key>.h5
-    // where key is a hash of the recipe, the operation and all inputs' bytes, so an edited manifest never meets a stale shape.
+    // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their
+    // SHA-256 is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in
+    // CACHE/shapes/<key>.h5 where key is a hash of the recipe, the operation and all inputs' bytes, so an edited
+    // manifest never meets a stale shape.
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:

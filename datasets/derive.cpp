@@ -67,7 +67,9 @@ PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
 PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t seed) {
     std::vector<double> area_up_to;
     double area = 0;
-    const auto corner = [&](Eigen::Index t, int k) -> Vec3 { return mesh.vertices.row(mesh.triangles(t, k)).transpose(); };
+    const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
+        return mesh.vertices.row(mesh.triangles(t, k)).transpose();
+    };
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
         area += (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
         area_up_to.push_back(area);
@@ -153,12 +155,14 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     fine.vertices.resize(mesh.vertices.rows() + static_cast<Eigen::Index>(edges.size()), 3);
     fine.vertices.topRows(old_count) = mesh.vertices;
     for (std::size_t e = 0; e < edges.size(); ++e)  // halves first: no overflow, and exact but for the smallest numbers
-        fine.vertices.row(old_count + static_cast<Eigen::Index>(e)) = mesh.vertices.row(edges[e][0]) / 2 + mesh.vertices.row(edges[e][1]) / 2;
+        fine.vertices.row(old_count + static_cast<Eigen::Index>(e)) =
+            mesh.vertices.row(edges[e][0]) / 2 + mesh.vertices.row(edges[e][1]) / 2;
     return fine;
 }
 
 const std::vector<Recipe>& operations() {
-    static const NumberSpec seed{"seed", true, 0, 0x1p53}, x{"x", false, -1e100, 1e100}, y{"y", false, -1e100, 1e100}, z{"z", false, -1e100, 1e100};
+    static const NumberSpec seed{"seed", true, 0, 0x1p53}, x{"x", false, -1e100, 1e100}, y{"y", false, -1e100, 1e100},
+        z{"z", false, -1e100, 1e100};
     static const std::vector<Recipe> list = {
         {"vertices", {}},
         {"weld", {}},
@@ -191,20 +195,32 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
     made.report.polygons = 0;
     made.report.unreferenced = 0;
     Points& points = points_of(made.shape);
-    if (operation == "vertices") made.shape = PointSet{points_of(origin.shape)};
-    else if (operation == "weld") made.shape = as_mesh ? Shape(weld(*as_mesh)) : Shape(weld_points(points));
-    else if (operation == "sample") made.shape = as_mesh ? sample_surface(*as_mesh, index("count"), seed()) : choose_points(points_of(origin.shape), index("count"), seed());
+    if (operation == "vertices")
+        made.shape = PointSet{points_of(origin.shape)};
+    else if (operation == "weld")
+        made.shape = as_mesh ? Shape(weld(*as_mesh)) : Shape(weld_points(points));
+    else if (operation == "sample")
+        made.shape = as_mesh ? sample_surface(*as_mesh, index("count"), seed())
+                             : choose_points(points_of(origin.shape), index("count"), seed());
     else if (operation == "simplify") {
-        const double wanted = numbers.contains("ratio") ? std::floor(real("ratio") * static_cast<double>(mesh().triangles.rows())) : real("triangles");
+        const double wanted = numbers.contains("ratio")
+                                  ? std::floor(real("ratio") * static_cast<double>(mesh().triangles.rows()))
+                                  : real("triangles");
         made.shape = simplify(mesh(), static_cast<Index>(wanted));
-    }
-    else if (operation == "remesh") made.shape = remesh(mesh(), real("edge") * diagonal(points));
-    else if (operation == "noise") add_noise(points, real("amplitude") * diagonal(points), seed());
-    else if (operation == "subdivide") for (Index i = 0; i < index("levels"); ++i) made.shape = subdivide(mesh_of(made.shape, operation));
-    else if (operation == "scale") points *= real("factor");
-    else if (operation == "normalise") normalise(points);
-    else if (operation == "translate") points.rowwise() += diagonal(points) * Eigen::RowVector3d(real("x"), real("y"), real("z"));
-    else if (operation == "rotate") points = posed(points, {rotation({real("x"), real("y"), real("z")}, real("t")), Vec3::Zero()});
+    } else if (operation == "remesh")
+        made.shape = remesh(mesh(), real("edge") * diagonal(points));
+    else if (operation == "noise")
+        add_noise(points, real("amplitude") * diagonal(points), seed());
+    else if (operation == "subdivide")
+        for (Index i = 0; i < index("levels"); ++i) made.shape = subdivide(mesh_of(made.shape, operation));
+    else if (operation == "scale")
+        points *= real("factor");
+    else if (operation == "normalise")
+        normalise(points);
+    else if (operation == "translate")
+        points.rowwise() += diagonal(points) * Eigen::RowVector3d(real("x"), real("y"), real("z"));
+    else if (operation == "rotate")
+        points = posed(points, {rotation({real("x"), real("y"), real("z")}, real("t")), Vec3::Zero()});
     else {
         std::vector<std::string> known;
         for (const Recipe& o : operations()) known.push_back(o.name);

@@ -22,11 +22,12 @@ const std::vector<Recipe>& operations();
 // As check_numbers(), and that simplify has one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);
 
-// Throws InputError for a shape that the operation does not take, or that it cannot do (simplify, remesh of a soup that no
-// manifold can be made from; a program built without CGAL's GPL parts).
+// Throws InputError for a shape that the operation does not take, or that it cannot do (simplify, remesh of a soup
+// that no manifold can be made from; a program built without CGAL's GPL parts).
 LoadedShape derive(const std::string& operation, const Numbers& numbers, const LoadedShape& origin);
 
-// Each triangle in four. New vertices come after the old ones; an edge of several triangles has one midpoint. O(n) expected.
+// Each triangle in four. New vertices come after the old ones; an edge of several triangles has one midpoint. O(n)
+// expected.
 TriangleMesh subdivide(const TriangleMesh& mesh);
 
 // Vertices with equal coordinates (-0 = +0) become the first of them.

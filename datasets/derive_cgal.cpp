@@ -56,7 +56,8 @@ TriangleMesh soup(const SurfaceMesh& mesh) {
     result.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
     for (std::size_t t = 0; t < faces.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k)
-            result.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<Index>(faces[t][k]);
+            result.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) =
+                static_cast<Index>(faces[t][k]);
     return result;
 }
 
@@ -79,7 +80,8 @@ TriangleMesh simplify(const TriangleMesh& mesh, Index triangles) {
     surface.collect_garbage();
     const std::size_t reached = surface.number_of_faces();
     if (reached == 0 || static_cast<double>(reached) > 1.1 * static_cast<double>(wanted))
-        throw InputError(fmt::format("simplify: came to {} triangles, not {}: no further edge can be collapsed", reached, wanted));
+        throw InputError(
+            fmt::format("simplify: came to {} triangles, not {}: no further edge can be collapsed", reached, wanted));
     return soup(surface);
 }
 

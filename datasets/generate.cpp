@@ -20,9 +20,9 @@ struct Circle {
 
 // The point at k/n of a turn: by the series, after reduction to an eighth of a turn in whole numbers.
 Circle circle_point(std::int64_t k, std::int64_t n) {
-    const std::int64_t eighth = 8 * k / n;       // 0..7
+    const std::int64_t eighth = 8 * k / n;         // 0..7
     const std::int64_t rest = 8 * k - eighth * n;  // of n, in the eighth
-    const bool mirrored = eighth % 2 == 1;       // odd eighths run backwards from the next quarter
+    const bool mirrored = eighth % 2 == 1;         // odd eighths run backwards from the next quarter
     const double part = static_cast<double>(mirrored ? n - rest : rest) / static_cast<double>(n);
     const double angle = part * 0.78539816339744830961;
     double cosine = 1, sine = angle, term_c = 1, term_s = angle;
@@ -53,8 +53,9 @@ public:
         triangle(a, c, d);
     }
     TriangleMesh mesh() const {
-        return {Eigen::Map<const Points>(points_.front().data(), static_cast<Eigen::Index>(points_.size()), 3),
-                Eigen::Map<const Triangles>(triangles_.front().data(), static_cast<Eigen::Index>(triangles_.size()), 3)};
+        return {
+            Eigen::Map<const Points>(points_.front().data(), static_cast<Eigen::Index>(points_.size()), 3),
+            Eigen::Map<const Triangles>(triangles_.front().data(), static_cast<Eigen::Index>(triangles_.size()), 3)};
     }
 
 private:
@@ -88,7 +89,8 @@ TriangleMesh icosphere(int level, double radius) {
             for (std::size_t k = j + 1; k < corners.size(); ++k) {
                 if (!joined(i, j) || !joined(j, k) || !joined(k, i)) continue;
                 const bool outward = (corners[j] - corners[i]).cross(corners[k] - corners[i]).dot(corners[i]) > 0;
-                builder.triangle(static_cast<Index>(i), static_cast<Index>(outward ? j : k), static_cast<Index>(outward ? k : j));
+                builder.triangle(static_cast<Index>(i), static_cast<Index>(outward ? j : k),
+                                 static_cast<Index>(outward ? k : j));
             }
     TriangleMesh mesh = builder.mesh();
     move_to_unit_sphere(mesh.vertices);
@@ -150,7 +152,8 @@ TriangleMesh torus(int rings, int sides, double major, double minor) {
 TriangleMesh plane(int n, double z) {
     MeshBuilder builder;
     for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n; ++j) builder.vertex(static_cast<double>(i) / n - 0.5, static_cast<double>(j) / n - 0.5, z);
+        for (int j = 0; j <= n; ++j)
+            builder.vertex(static_cast<double>(i) / n - 0.5, static_cast<double>(j) / n - 0.5, z);
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
             const Index a = i * (n + 1) + j, b = a + n + 1;
@@ -176,7 +179,8 @@ PointSet uniform_points(Index count, std::uint64_t seed) {
     const Random random(seed);
     PointSet set{Points(count, 3)};
     for (Index i = 0; i < count; ++i)
-        for (int k = 0; k < 3; ++k) set.points(i, k) = random.uniform(3 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(k));
+        for (int k = 0; k < 3; ++k)
+            set.points(i, k) = random.uniform(3 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(k));
     return set;
 }
 
@@ -184,14 +188,22 @@ PointSet uniform_points(Index count, std::uint64_t seed) {
 
 const std::vector<Recipe>& recipes() {
     static const NumberSpec count{"count", true, 1, 1e8}, seed{"seed", true, 0, 0x1p53};
-    static const std::vector<Recipe> list = {
-        {"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
-        {"cube", {{"subdivisions", true, 1, 4096}}},
-        {"torus", {{"rings", true, 3, 16384}, {"sides", true, 3, 16384}, {"major", false, 1e-100, 1e100}, {"minor", false, 1e-100, 1e100}}},
-        {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
-        {"gaussian_points",
-         {count, seed, {"sigma", false, 0, 1e100}, {"x", false, -1e100, 1e100}, {"y", false, -1e100, 1e100}, {"z", false, -1e100, 1e100}}},
-        {"uniform_points", {count, seed}}};
+    static const std::vector<Recipe> list = {{"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
+                                             {"cube", {{"subdivisions", true, 1, 4096}}},
+                                             {"torus",
+                                              {{"rings", true, 3, 16384},
+                                               {"sides", true, 3, 16384},
+                                               {"major", false, 1e-100, 1e100},
+                                               {"minor", false, 1e-100, 1e100}}},
+                                             {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
+                                             {"gaussian_points",
+                                              {count,
+                                               seed,
+                                               {"sigma", false, 0, 1e100},
+                                               {"x", false, -1e100, 1e100},
+                                               {"y", false, -1e100, 1e100},
+                                               {"z", false, -1e100, 1e100}}},
+                                             {"uniform_points", {count, seed}}};
     return list;
 }
 
@@ -200,16 +212,19 @@ void check_numbers(const std::string& where, const Recipe& recipe, const Numbers
     for (const NumberSpec& spec : recipe.numbers) known.push_back(spec.name);
     for (const auto& [name, value] : numbers)
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw InputError(fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
+            throw InputError(
+                fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
     for (const NumberSpec& spec : recipe.numbers) {
         const auto found = numbers.find(spec.name);
         if (found == numbers.end()) {
-            if (spec.required) throw InputError(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
+            if (spec.required)
+                throw InputError(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
             continue;
         }
         const double value = found->second;
         if (!(value >= spec.least && value <= spec.most))
-            throw InputError(fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));
+            throw InputError(
+                fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));
         if (spec.whole && value != std::floor(value))
             throw InputError(fmt::format("{}: {} is {}, but must be a whole number", where, spec.name, value));
     }

@@ -1,4 +1,5 @@
-// Shapes made by recipe. Only + - x / and sqrt are used, so that every x86-64 makes the same bits; a test pins the hashes.
+// Shapes made by recipe. Only + - x / and sqrt are used, so that every x86-64 makes the same bits; a test pins the
+// hashes.
 #pragma once
 
 #include "scene.h"
@@ -24,17 +25,18 @@ struct Recipe {
     std::vector<NumberSpec> numbers;
 };
 
-// icosphere        level, radius: an icosahedron split 1 to 4 `level` times, vertices moved to the sphere; 20 * 4^level triangles
+// icosphere        level, radius: an icosahedron split 1 to 4 `level` times, vertices moved to the sphere;
+//                  20 * 4^level triangles
 // cube             subdivisions n: edge 1 around the origin, n x n squares a side; 12 n^2 triangles
 // torus            rings, sides, major, minor: around the z axis; 2 rings sides triangles
 // plane            n, z: edge 1 around the z axis at height z, n x n squares; 2 n^2 triangles
-// gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12 uniform numbers
-//                  less 6), which has variance 1 and is close to normal but never beyond 6 sigma
+// gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
+//                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma
 // uniform_points   count, seed: in the cube [0, 1)^3
 const std::vector<Recipe>& recipes();
 
-// `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction where a
-// whole number is wanted, or a number out of range.
+// `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction
+// where a whole number is wanted, or a number out of range.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
 // Numbers as check_numbers() wants them. Throws InputError.

@@ -89,7 +89,8 @@ void write_dataset(hid_t file, const std::filesystem::path& path, const std::str
     check(H5Pset_create_intermediate_group(links, 1), path, name);
     const Id creation(check(H5Pcreate(H5P_DATASET_CREATE), path, name), H5Pclose);
     check(H5Pset_obj_track_times(creation, 0), path, name);  // the same contents, the same bytes
-    const Id dataset(check(H5Dcreate2(file, name.c_str(), type, space, links, creation, H5P_DEFAULT), path, name), H5Dclose);
+    const Id dataset(check(H5Dcreate2(file, name.c_str(), type, space, links, creation, H5P_DEFAULT), path, name),
+                     H5Dclose);
     if (count > 0) check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), path, name);
 }
 
@@ -107,8 +108,7 @@ void expect_class(hid_t type, H5T_class_t wanted, const char* words, const std::
     if (H5Tget_class(type) != wanted) fail(path, name, std::string("does not hold ") + words);
 }
 
-template <class T>
-std::vector<T> read_raw(hid_t dataset, const std::filesystem::path& path, const std::string& name) {
+template <class T> std::vector<T> read_raw(hid_t dataset, const std::filesystem::path& path, const std::string& name) {
     std::vector<T> values(count_of(dataset, path, name));
     if (!values.empty()) check(H5Dread(dataset, native<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, name);
     return values;
@@ -163,7 +163,8 @@ void write_attribute(hid_t file, const std::filesystem::path& path, const std::s
     const Id opened = open_group(file, path, group);
     if (H5Aexists(opened, name.c_str()) > 0) check(H5Adelete(opened, name.c_str()), path, object);
     const Id space(check(H5Screate(H5S_SCALAR), path, object), H5Sclose);
-    const Id attribute(check(H5Acreate2(opened, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), path, object), H5Aclose);
+    const Id attribute(check(H5Acreate2(opened, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), path, object),
+                       H5Aclose);
     check(H5Awrite(attribute, type, value), path, object);
 }
 

@@ -21,7 +21,8 @@ public:
     // Flushes to disk (fsync) and closes; the destructor closes without it.
     void close();
 
-    // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix, row-major.
+    // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix,
+    // row-major.
     void write(const std::string& name, const std::vector<double>& values, std::size_t columns = 1);
     void write(const std::string& name, const std::vector<std::int64_t>& values, std::size_t columns = 1);
     void write(const std::string& name, const std::vector<std::uint64_t>& values, std::size_t columns = 1);

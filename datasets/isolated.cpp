@@ -43,9 +43,9 @@ private:
 };
 
 struct Outcome {
-    int status = 0;        // as waitpid gives it
+    int status = 0;  // as waitpid gives it
     bool timed_out = false;
-    std::string errors;    // the end of what it wrote on standard error
+    std::string errors;  // the end of what it wrote on standard error
 };
 
 constexpr std::size_t errors_kept = 16384;
@@ -98,7 +98,8 @@ Outcome run(std::vector<std::string> words, double seconds_limit) {
         const pid_t done = ::waitpid(child, &outcome.status, WNOHANG);
         if (done == child || (done < 0 && errno != EINTR)) break;
     }
-    while (listen(0)) {}  // what it wrote last; not to the end of the pipe, which a grandchild may hold open
+    while (listen(0)) {
+    }  // what it wrote last; not to the end of the pipe, which a grandchild may hold open
     ::close(pipe[0]);
     return outcome;
 }
@@ -113,24 +114,28 @@ std::string last_line(std::string text) {
 
 }  // namespace
 
-LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file, const std::string& format,
-                          double seconds_limit) {
+LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
+                          const std::string& format, double seconds_limit) {
     const TemporaryFolder folder;
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "load", file.string(), out.string()};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
     const Outcome outcome = run(words, seconds_limit);
-    if (outcome.timed_out) throw InputError(fmt::format("{}: the reader did not finish within {} s", file.string(), seconds_limit));
+    if (outcome.timed_out)
+        throw InputError(fmt::format("{}: the reader did not finish within {} s", file.string(), seconds_limit));
     const std::string said = last_line(outcome.errors);
     if (WIFSIGNALED(outcome.status)) {
         const int number = WTERMSIG(outcome.status);
-        throw InputError(fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or is one that its reader "
-                                     "cannot take", file.string(), number, ::strsignal(number)));
+        throw InputError(
+            fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or is one that its reader "
+                        "cannot take",
+                        file.string(), number, ::strsignal(number)));
     }
     const int code = WEXITSTATUS(outcome.status);
     if (code == 127) throw InputError(program.string() + ": cannot be started");
     if (code == 2 && !said.empty()) throw InputError(said);
-    if (code != 0) throw InputError(fmt::format("{}: the reader failed with exit code {}: {}", file.string(), code, said));
+    if (code != 0)
+        throw InputError(fmt::format("{}: the reader failed with exit code {}: {}", file.string(), code, said));
     return read_shape(out);
 }
 

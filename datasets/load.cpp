@@ -61,7 +61,8 @@ std::string line_of(const std::vector<std::uint32_t>& lines, std::size_t i) {
 void check(const std::string& name, const Soup& soup) {
     if (soup.points.empty()) throw InputError(name + ": holds no vertices");
     if (soup.points.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-        throw InputError(fmt::format("{}: holds {} vertices, more than {}", name, soup.points.size(), std::numeric_limits<Index>::max()));
+        throw InputError(fmt::format("{}: holds {} vertices, more than {}", name, soup.points.size(),
+                                     std::numeric_limits<Index>::max()));
     for (std::size_t v = 0; v < soup.points.size(); ++v) {
         const Vec3& p = soup.points[v];
         if (!p.allFinite())
@@ -72,7 +73,8 @@ void check(const std::string& name, const Soup& soup) {
         for (const std::size_t v : soup.faces[f])
             if (v >= soup.points.size())
                 throw InputError(fmt::format("{}: {}face {} (from 0) names vertex {} (from 0), but there are {}", name,
-                                             line_of(soup.face_lines, f), f, static_cast<std::int64_t>(v), soup.points.size()));
+                                             line_of(soup.face_lines, f), f, static_cast<std::int64_t>(v),
+                                             soup.points.size()));
 }
 
 // Corners without those equal to their predecessor, as far as more than three are left.
@@ -125,7 +127,8 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
         }
     if (report.unreferenced) report.unreferenced = static_cast<std::int64_t>(soup.points.size() - used.size());
     for (Index& v : corners) v = becomes[static_cast<std::size_t>(v)];
-    const Triangles triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+    const Triangles triangles =
+        Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
     return {TriangleMesh{as_points(used), triangles}, report};
 }
 
@@ -134,7 +137,8 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
 namespace {
 
 std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     return text;
 }
 
@@ -172,10 +176,12 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     const auto status = std::filesystem::status(file, error);
     if (!std::filesystem::exists(status)) throw InputError(name + ": no such file");
     if (std::filesystem::is_directory(status)) throw InputError(name + ": is a directory, not a file");
-    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0) throw InputError(name + ": is empty");
+    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
+        throw InputError(name + ": is empty");
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty()) throw InputError(name + ": has no extension: say its format");
-    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off") return readers::load_with_assimp(file, format);
+    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off")
+        return readers::load_with_assimp(file, format);
 
     std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty");

@@ -45,7 +45,8 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
         // Every node's transformation goes into the vertices of a mesh of its own.
-        if (tally.meshes > 0) scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
+        if (tally.meshes > 0)
+            scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
     }
     if (!scene) {
         std::string why = importer.GetErrorString();

@@ -1,11 +1,11 @@
 #include "error.h"
 #include "readers.h"
 
-#include <CGAL/Simple_cartesian.h>
 #include <CGAL/IO/OBJ.h>
 #include <CGAL/IO/OFF.h>
 #include <CGAL/IO/PLY.h>
 #include <CGAL/IO/STL.h>
+#include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include <new>
@@ -18,7 +18,8 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using CgalPoint = Kernel::Point_3;
 
-// The first line that a reader cannot have liked: coordinates that are not numbers, or an OFF face that names no vertex.
+// The first line that a reader cannot have liked: coordinates that are not numbers, or an OFF face that names no
+// vertex.
 std::string first_bad_line(const Mended& mended, const std::string& format) {
     std::istringstream in(mended.bytes);
     std::string line;
@@ -34,7 +35,8 @@ std::string first_bad_line(const Mended& mended, const std::string& format) {
         if (format != "off") words >> keyword;
         if (keyword == "v" || keyword == "vertex" || (format == "off" && vertex < mended.points)) {
             double x = 0, y = 0, z = 0;
-            if (!(words >> x >> y >> z)) return at(fmt::format("vertex {} (from 0) does not have three finite coordinates", vertex));
+            if (!(words >> x >> y >> z))
+                return at(fmt::format("vertex {} (from 0) does not have three finite coordinates", vertex));
             ++vertex;
             ++corners;
         } else if (format == "off") {
@@ -42,7 +44,8 @@ std::string first_bad_line(const Mended& mended, const std::string& format) {
             words >> count;
             for (long long k = 0; k < count; ++k)
                 if (!(words >> index) || index < 0 || static_cast<std::size_t>(index) >= mended.points)
-                    return at(fmt::format("face {} (from 0) does not name {} of the {} vertices", face, count, mended.points));
+                    return at(fmt::format("face {} (from 0) does not name {} of the {} vertices", face, count,
+                                          mended.points));
             if (count < 0) return at(fmt::format("face {} (from 0) cannot be read", face));
             ++face;
         } else if (keyword == "facet") {
@@ -78,15 +81,19 @@ Soup read_with_cgal(const std::string& name, std::string bytes, const std::strin
     } catch (const std::exception& error) {
         trouble = error.what();
     }
-    // STL lists points by facet, so their number is not known beforehand. Of OBJ all lines are read first; what CGAL then
-    // says against a file without faces, or of a number out of range, finish() says better.
+    // STL lists points by facet, so their number is not known beforehand. Of OBJ all lines are read first; what CGAL
+    // then says against a file without faces, or of a number out of range, finish() says better.
     const bool complete = faces.size() == mended.faces && (format == "stl" || points.size() == mended.points);
     if (!complete || !(read || format == "obj") || !trouble.empty()) {
         std::string why = format == "ply" ? "" : first_bad_line(mended, format);
         if (why.empty() && format == "ply")
-            why = fmt::format("is truncated or damaged after {} of {} vertices and {} of {} faces (a coordinate that is no finite "
-                              "number ends the reading too)", points.size(), mended.points, faces.size(), mended.faces);
-        if (why.empty()) why = "cannot be read as " + format + (trouble.empty() ? "" : " (" + trouble.substr(0, trouble.find('\n')) + ")");
+            why = fmt::format(
+                "is truncated or damaged after {} of {} vertices and {} of {} faces (a coordinate that is no finite "
+                "number ends the reading too)",
+                points.size(), mended.points, faces.size(), mended.faces);
+        if (why.empty())
+            why = "cannot be read as " + format +
+                  (trouble.empty() ? "" : " (" + trouble.substr(0, trouble.find('\n')) + ")");
         throw InputError(name + ": " + why);
     }
     Soup soup;

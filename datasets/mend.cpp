@@ -63,7 +63,8 @@ void join_continued(std::string& bytes) {
             std::size_t end = i + 1;
             while (end < bytes.size() && bytes[end] == '\r') ++end;
             if (end < bytes.size() && bytes[end] == '\n') {
-                std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(i), bytes.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
+                std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(i),
+                          bytes.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
                 ++owed;
             }
         } else if (bytes[i] == '\n' && owed > 0) {
@@ -99,7 +100,9 @@ Mended mend_obj(const std::string& name, std::string bytes) {
                 int index = 0;
                 const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
                 if (error != std::errc() || end != digits.data() + digits.size() || index == 0)
-                    refuse(name, fmt::format("line {}: '{}' is no vertex number (they begin with 1, or -1 from the end)", number, word));
+                    refuse(name,
+                           fmt::format("line {}: '{}' is no vertex number (they begin with 1, or -1 from the end)",
+                                       number, word));
                 face.append(" ").append(digits);
             }
             put_line(mended, face, number);
@@ -124,7 +127,8 @@ Mended mend_off(const std::string& name, const std::string& bytes) {
         std::from_chars(words[which].data(), words[which].data() + words[which].size(), value);
         // The shortest line of either kind has two characters; a header that promises more is a lie that costs memory.
         if (value < 0 || static_cast<unsigned long long>(value) > bytes.size() / 2)
-            refuse(name, fmt::format("the header announces {} {}, which a file of {} bytes cannot hold", words[which], what, bytes.size()));
+            refuse(name, fmt::format("the header announces {} {}, which a file of {} bytes cannot hold", words[which],
+                                     what, bytes.size()));
         return static_cast<std::size_t>(value);
     };
     each_line(bytes, [&](std::string_view line, std::uint32_t number) {
@@ -135,7 +139,10 @@ Mended mend_off(const std::string& name, const std::string& bytes) {
                 if (words.empty() && keyword == "OFF" && std::isalpha(static_cast<unsigned char>(word.back()))) {
                     const bool four = word.find('4') != std::string_view::npos;
                     if (!word.ends_with("OFF") || word.find('n') != std::string_view::npos)
-                        refuse(name, fmt::format("line {}: '{}' is no OFF header that is read (OFF, with ST, C, N or 4 before it)", number, word));
+                        refuse(name,
+                               fmt::format(
+                                   "line {}: '{}' is no OFF header that is read (OFF, with ST, C, N or 4 before it)",
+                                   number, word));
                     keyword = four ? "4OFF" : "OFF ";
                     continue;
                 }
@@ -173,15 +180,18 @@ Mended mend_binary_stl(const std::string& name, std::string bytes) {
     std::memcpy(&facets, bytes.data() + 80, sizeof facets);
     const std::uint64_t expected = stl_header + std::uint64_t{stl_facet} * facets;
     if (bytes.size() < expected)
-        refuse(name, fmt::format("is truncated, or no STL file: {} facets take {} bytes, {} bytes found", facets, expected, bytes.size()));
+        refuse(name, fmt::format("is truncated, or no STL file: {} facets take {} bytes, {} bytes found", facets,
+                                 expected, bytes.size()));
     if (bytes.size() > expected)  // mostly one that was once copied as text: its coordinates are garbage
-        refuse(name, fmt::format("is damaged, or no STL file: {} facets take {} bytes, {} bytes found", facets, expected, bytes.size()));
+        refuse(name, fmt::format("is damaged, or no STL file: {} facets take {} bytes, {} bytes found", facets,
+                                 expected, bytes.size()));
     for (std::size_t f = 0; f < facets; ++f)
         for (std::size_t k = 0; k < 9; ++k) {  // before CGAL sorts them, which NaN would upset
             float value = 0;
             std::memcpy(&value, bytes.data() + stl_header + f * stl_facet + 12 + 4 * k, sizeof value);
             if (!std::isfinite(value))
-                refuse(name, fmt::format("vertex {} of facet {} (both from 0) has a coordinate that is not finite", k / 3, f));
+                refuse(name, fmt::format("vertex {} of facet {} (both from 0) has a coordinate that is not finite",
+                                         k / 3, f));
         }
     std::fill_n(bytes.begin(), 80, 'x');
     Mended mended;
@@ -198,7 +208,8 @@ Mended mend_stl(const std::string& name, std::string bytes) {
     const bool exact = bytes.size() >= stl_header && bytes.size() == stl_header + std::uint64_t{stl_facet} * facets;
     const auto lower = [](std::string_view word) {
         std::string text(word);
-        std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+        std::transform(text.begin(), text.end(), text.begin(),
+                       [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
         return text;
     };
     std::string_view start(bytes);

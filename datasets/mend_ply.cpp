@@ -23,12 +23,15 @@ struct Element {
     bool is_faces() const { return name == "face" || name == "faces"; }
 };
 
-const std::map<std::string, std::uint64_t> sizes = {
-    {"char", 1}, {"int8", 1},   {"uchar", 1}, {"uint8", 1},  {"short", 2}, {"int16", 2},   {"ushort", 2}, {"uint16", 2},
-    {"int", 4},  {"int32", 4},  {"uint", 4},  {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+const std::map<std::string, std::uint64_t> sizes = {{"char", 1},  {"int8", 1},    {"uchar", 1},  {"uint8", 1},
+                                                    {"short", 2}, {"int16", 2},   {"ushort", 2}, {"uint16", 2},
+                                                    {"int", 4},   {"int32", 4},   {"uint", 4},   {"uint32", 4},
+                                                    {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
 
 bool is_real(const std::string& type) { return type.starts_with("float") || type.starts_with("double"); }
-bool is_index(const std::string& type) { return type == "int" || type == "int32" || type == "uint" || type == "uint32"; }
+bool is_index(const std::string& type) {
+    return type == "int" || type == "int32" || type == "uint" || type == "uint32";
+}
 
 struct Header {
     std::string format;
@@ -92,17 +95,20 @@ Mended mend_ply(const std::string& name, std::string bytes) {
         for (Property& property : element.properties) {
             const bool list = !property.count_type.empty();
             least += text ? 2 : sizes.at(list ? property.count_type : property.type);
-            if (element.is_vertices() && !list && (property.name == "x" || property.name == "y" || property.name == "z")) {
+            if (element.is_vertices() && !list &&
+                (property.name == "x" || property.name == "y" || property.name == "z")) {
                 ++coordinates;
                 if (text && !is_real(property.type)) property.type = "double";
                 if (!is_real(property.type))
-                    throw InputError(fmt::format("{}: coordinates of type {} in a binary PLY are not read: write double", name, property.type));
+                    throw InputError(fmt::format(
+                        "{}: coordinates of type {} in a binary PLY are not read: write double", name, property.type));
             }
             if (element.is_faces() && list && (property.name == "vertex_index" || property.name == "vertex_indices")) {
                 ++corners;
                 if (text && !is_index(property.type)) property.type = "int";
                 if (!is_index(property.type))
-                    throw InputError(fmt::format("{}: vertex numbers of type {} in a binary PLY are not read: write int", name, property.type));
+                    throw InputError(fmt::format(
+                        "{}: vertex numbers of type {} in a binary PLY are not read: write int", name, property.type));
             }
         }
         if (element.count > bytes.size()) least = std::max<std::uint64_t>(least, 1);
@@ -120,16 +126,19 @@ Mended mend_ply(const std::string& name, std::string bytes) {
     if (!vertices || mended.points == 0) throw InputError(name + ": holds no vertices");
     const std::size_t found = bytes.size() - header.end;
     if (found + (text ? 1 : 0) < least_bytes)
-        throw InputError(fmt::format("{}: is truncated: the header announces {} vertices and {} faces, at least {} bytes; {} bytes found after it",
-                                     name, mended.points, mended.faces, least_bytes, found));
+        throw InputError(
+            fmt::format("{}: is truncated: the header announces {} vertices and {} faces, at least {} bytes; {} bytes "
+                        "found after it",
+                        name, mended.points, mended.faces, least_bytes, found));
 
     mended.bytes = "ply\nformat " + header.format + " 1.0\n";
     for (const Element& element : header.elements) {
         if (element.count == 0) continue;
         mended.bytes += fmt::format("element {} {}\n", element.name, element.count);
         for (const Property& p : element.properties)
-            mended.bytes += p.count_type.empty() ? fmt::format("property {} {}\n", p.type, p.name)
-                                                 : fmt::format("property list {} {} {}\n", p.count_type, p.type, p.name);
+            mended.bytes += p.count_type.empty()
+                                ? fmt::format("property {} {}\n", p.type, p.name)
+                                : fmt::format("property list {} {} {}\n", p.count_type, p.type, p.name);
     }
     mended.bytes += "end_header\n";
     mended.bytes.append(bytes, header.end, std::string::npos);

@@ -1,5 +1,5 @@
-// Random numbers that are the same on every machine: a hash of the seed and a counter (splitmix64, Steele, Lea and Flood,
-// "Fast splittable pseudorandom number generators", OOPSLA 2014), never a std:: distribution.
+// Random numbers that are the same on every machine: a hash of the seed and a counter (splitmix64, Steele, Lea and
+// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014), never a std:: distribution.
 #pragma once
 
 #include <cstdint>

@@ -30,9 +30,10 @@ struct Mended {
 };
 
 // Each throws InputError that begins with `name`.
-//   OBJ: only `v` and `f` statements are kept (CGAL refuses a file for an unknown one), faces without texture and normal
-//     numbers (CGAL loses the corner after a tab); continued lines joined, UTF-16 read.
-//   OFF: a header is put where there is none; colours, normals and textures are left out (CGAL reads beyond short lines).
+//   OBJ: only `v` and `f` statements are kept (CGAL refuses a file for an unknown one), faces without texture and
+//     normal numbers (CGAL loses the corner after a tab); continued lines joined, UTF-16 read.
+//   OFF: a header is put where there is none; colours, normals and textures are left out (CGAL reads beyond short
+//     lines).
 //   STL: binary by its size, not by the word "solid" (CGAL keeps points of a first try as text); letters of any case.
 //   PLY: comments dropped, in text integer coordinates become double (CGAL would read through a null pointer).
 Mended mend_obj(const std::string& name, std::string bytes);

@@ -6,11 +6,14 @@ namespace hausbench::readers {
 namespace {
 
 // Twice the area of the corner, seen along the normal: positive where the polygon turns left.
-double turn(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) { return (b - a).cross(c - a).dot(normal); }
+double turn(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
+    return (b - a).cross(c - a).dot(normal);
+}
 
 }  // namespace
 
-// Ear clipping (Meisters, "Polygons have ears", 1975), O(n^3) at worst; a polygon that crosses itself loses corners in order.
+// Ear clipping (Meisters, "Polygons have ears", 1975), O(n^3) at worst; a polygon that crosses itself loses corners in
+// order.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners) {
     const std::size_t n = corners.size();
     std::vector<std::array<std::size_t, 3>> triangles;

@@ -53,7 +53,8 @@ Shape sphere(int level, double radius = 1) {
 LoadedShape derived(const std::string& operation, const Numbers& numbers, const Shape& origin) {
     const LoadedShape made = derive(operation, numbers, {origin, {}});
     EXPECT_EQ(shape_problem(made.shape), "") << operation;
-    EXPECT_EQ(content_hash(made.shape), content_hash(derive(operation, numbers, {origin, {}}).shape)) << operation << " changes its mind";
+    EXPECT_EQ(content_hash(made.shape), content_hash(derive(operation, numbers, {origin, {}}).shape))
+        << operation << " changes its mind";
     return made;
 }
 
@@ -64,17 +65,19 @@ TEST(Generate, BitsArePinned) {
         std::string hash;
     };
     const std::vector<Pinned> all = {
-        {"icosphere", {{"level", 3}, {"radius", 1.25}},
+        {"icosphere",
+         {{"level", 3}, {"radius", 1.25}},
          "7e449d2d680301a72fde348a43c2e3ad0027278c6ef48ad3dd3656e4e738abc8"},
-        {"cube", {{"subdivisions", 7}},
-         "fee5fb891cc5a452f044e4d7594302eda1011fd1cd4fe4917c149887b245fef6"},
-        {"torus", {{"rings", 37}, {"sides", 11}, {"major", 1}, {"minor", 0.4}},
+        {"cube", {{"subdivisions", 7}}, "fee5fb891cc5a452f044e4d7594302eda1011fd1cd4fe4917c149887b245fef6"},
+        {"torus",
+         {{"rings", 37}, {"sides", 11}, {"major", 1}, {"minor", 0.4}},
          "ff64326f10031412468b2ac859726a0ad66909e0310c6753a02777f45e11a377"},
-        {"plane", {{"n", 5}, {"z", 0.25}},
-         "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
-        {"gaussian_points", {{"count", 1000}, {"seed", 7}, {"sigma", 1.5}, {"x", 1}, {"y", 2}, {"z", 3}},
+        {"plane", {{"n", 5}, {"z", 0.25}}, "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
+        {"gaussian_points",
+         {{"count", 1000}, {"seed", 7}, {"sigma", 1.5}, {"x", 1}, {"y", 2}, {"z", 3}},
          "872538c9e23cc346ce866ff544bac770446f1865ca3b355bbe17bcb7b8b4da66"},
-        {"uniform_points", {{"count", 1000}, {"seed", 7}},
+        {"uniform_points",
+         {{"count", 1000}, {"seed", 7}},
          "591e11844960276c2de20cdf70a23c573a82908403f981f0df863fff9ca2a080"},
     };
     for (const Pinned& one : all) EXPECT_EQ(content_hash(generate(one.recipe, one.numbers)), one.hash) << one.recipe;
@@ -84,7 +87,8 @@ TEST(Generate, MeshesAreWhatTheySay) {
     const Shape ball = sphere(4, 2.0);
     EXPECT_EQ(element_count(ball), 20 * 256);
     EXPECT_TRUE(closed(mesh_of(ball)));
-    for (Eigen::Index v = 0; v < mesh_of(ball).vertices.rows(); ++v) EXPECT_NEAR(mesh_of(ball).vertices.row(v).norm(), 2, 1e-15);
+    for (Eigen::Index v = 0; v < mesh_of(ball).vertices.rows(); ++v)
+        EXPECT_NEAR(mesh_of(ball).vertices.row(v).norm(), 2, 1e-15);
     EXPECT_NEAR(volume(mesh_of(ball)), 4.0 / 3 * M_PI * 8, 0.3);
 
     const Shape cube = generate("cube", {{"subdivisions", 3}});
@@ -115,7 +119,8 @@ TEST(Generate, PointsHaveTheirDistribution) {
     const Points uniform = points_of(generate("uniform_points", {{"count", 20000}, {"seed", 1}}));
     EXPECT_GE(uniform.minCoeff(), 0);
     EXPECT_LT(uniform.maxCoeff(), 1);
-    const Points normal = points_of(generate("gaussian_points", {{"count", 20000}, {"seed", 1}, {"sigma", 2}, {"x", 5}, {"y", 0}, {"z", -5}}));
+    const Points normal = points_of(
+        generate("gaussian_points", {{"count", 20000}, {"seed", 1}, {"sigma", 2}, {"x", 5}, {"y", 0}, {"z", -5}}));
     for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(uniform.col(k).mean(), 0.5, 0.01);
         EXPECT_NEAR((uniform.col(k).array() - 0.5).square().mean(), 1.0 / 12, 0.002);
@@ -179,14 +184,18 @@ TEST(Derive, MovesAndScales) {
     const double length = diagonal(before);
     EXPECT_EQ(points_of(derived("scale", {{"factor", 2}}, ball).shape), 2 * before);
     const Points moved = points_of(derived("translate", {{"x", 1}, {"y", 0}, {"z", -0.5}}, ball).shape);
-    EXPECT_NEAR((moved.rowwise() - Eigen::RowVector3d(length, 0, -0.5 * length) - before).cwiseAbs().maxCoeff(), 0, 1e-14);
-    const Points unit = points_of(derived("normalise", {}, derived("translate", {{"x", 7}, {"y", 8}, {"z", 9}}, ball).shape).shape);
+    EXPECT_NEAR((moved.rowwise() - Eigen::RowVector3d(length, 0, -0.5 * length) - before).cwiseAbs().maxCoeff(), 0,
+                1e-14);
+    const Points unit =
+        points_of(derived("normalise", {}, derived("translate", {{"x", 7}, {"y", 8}, {"z", 9}}, ball).shape).shape);
     EXPECT_NEAR(diagonal(unit), 1, 1e-15);
     EXPECT_NEAR((unit.colwise().maxCoeff() + unit.colwise().minCoeff()).cwiseAbs().maxCoeff(), 0, 1e-15);
     const double half = std::tan(0.35);
     const Points turned = points_of(derived("rotate", {{"x", 0}, {"y", 0}, {"z", 2}, {"t", half}}, ball).shape);
-    EXPECT_NEAR((turned.col(0) - (std::cos(0.7) * before.col(0) - std::sin(0.7) * before.col(1))).cwiseAbs().maxCoeff(), 0, 1e-14);
-    EXPECT_NEAR((turned.col(1) - (std::sin(0.7) * before.col(0) + std::cos(0.7) * before.col(1))).cwiseAbs().maxCoeff(), 0, 1e-14);
+    EXPECT_NEAR((turned.col(0) - (std::cos(0.7) * before.col(0) - std::sin(0.7) * before.col(1))).cwiseAbs().maxCoeff(),
+                0, 1e-14);
+    EXPECT_NEAR((turned.col(1) - (std::sin(0.7) * before.col(0) + std::cos(0.7) * before.col(1))).cwiseAbs().maxCoeff(),
+                0, 1e-14);
     const Points noisy = points_of(derived("noise", {{"amplitude", 0.01}, {"seed", 3}}, ball).shape);
     const double most = (noisy - before).cwiseAbs().maxCoeff();
     EXPECT_LE(most, 0.01 * length);
@@ -256,7 +265,8 @@ protected:
     }
     void expect(const std::string& text, const std::vector<std::string>& parts) const {
         const std::string message = error(text);
-        for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+        for (const std::string& part : parts)
+            EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
     }
     std::string fetch(const std::string& name, const std::string& bytes, const std::string& as_hash = "") const {
         const std::string hash = as_hash.empty() ? Sha256().add(bytes.data(), bytes.size()).hex() : as_hash;
@@ -268,7 +278,8 @@ protected:
     std::string reader() const {
         write_shape(folder_.path() / "read.h5", {sphere(0), {}});
         const std::filesystem::path script = folder_.path() / "reader";
-        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\ncp {0}/read.h5 \"$3\"\n", folder_.path().string());
+        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\ncp {0}/read.h5 \"$3\"\n",
+                                             folder_.path().string());
         std::filesystem::permissions(script, std::filesystem::perms::owner_all);
         return script.string();
     }
@@ -283,11 +294,15 @@ protected:
 };
 
 const std::string ball = "[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 1.0\n";
-const std::string half = "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\nnote = 'n'\n";
+const std::string half =
+    "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\nnote = 'n'\n";
 
 std::string package(const std::string& hash) {
-    return fmt::format("[model.bunny]\nsource = 'debian'\npackage = 'glmark2-data'\nversion = '1'\npath = 'a.tar.gz!models/bunny.obj'\n"
-                       "sha256 = '{}'\nlicence = 'GPL-3+'\ntriangles = 20\nnote = 'a bunny'\n", hash);
+    return fmt::format(
+        "[model.bunny]\nsource = 'debian'\npackage = 'glmark2-data'\nversion = '1'\npath = "
+        "'a.tar.gz!models/bunny.obj'\n"
+        "sha256 = '{}'\nlicence = 'GPL-3+'\ntriangles = 20\nnote = 'a bunny'\n",
+        hash);
 }
 
 TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
@@ -299,15 +314,20 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nradius = 1\n", {"needs the number 'level'"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1.5\nradius = 1\n", {"whole number"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 99\nradius = 1\n", {"level is 99"});
-    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n", {"line 4", "must be a number"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
+           {"line 4", "must be a number"});
     expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
     expect(package("12"), {"line 6", "64 digits"});
     expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});
     expect("[model.bunny]\nsource = 3\n", {"line 2", "must be a text"});
-    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'bal'\noperation = 'weld'\n", {"'half'", "'bal'", "did you mean 'ball'"});
-    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\n", {"one of 'ratio' and 'triangles'"});
-    expect("[model.a]\nsource = 'derived'\nfrom = 'b'\noperation = 'weld'\n[model.b]\nsource = 'derived'\nfrom = 'a'\noperation = 'weld'\n",
-           {"derived from itself"});
+    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'bal'\noperation = 'weld'\n",
+           {"'half'", "'bal'", "did you mean 'ball'"});
+    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\n",
+           {"one of 'ratio' and 'triangles'"});
+    expect(
+        "[model.a]\nsource = 'derived'\nfrom = 'b'\noperation = 'weld'\n[model.b]\nsource = 'derived'\nfrom = "
+        "'a'\noperation = 'weld'\n",
+        {"derived from itself"});
     EXPECT_THROW(Catalogue(folder_.path() / "absent.toml", "", ""), InputError);
     const Catalogue good = catalogue(ball + half);
     EXPECT_EQ(good.models().size(), 2u);
@@ -340,7 +360,8 @@ TEST_F(Manifest, GeneratedAndDerivedShapesAreCachedByContent) {
 
 TEST_F(Manifest, FetchedFilesAreCheckedAndReadOnce) {
     const std::string hash = fetch("bunny.obj", "what the reader is given");
-    const Catalogue all = catalogue(package(hash) + "[model.points]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'vertices'\n", reader());
+    const Catalogue all = catalogue(
+        package(hash) + "[model.points]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'vertices'\n", reader());
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("bunny")).elements, 20);
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("points")).kind, ShapeKind::points);
     EXPECT_EQ(calls(), 1u);
@@ -359,9 +380,11 @@ TEST_F(Manifest, FetchedFilesAreCheckedAndReadOnce) {
 
 TEST_F(Manifest, WhatIsNotThereIsMissingWithItsReason) {
     const Catalogue all = catalogue(package(std::string(64, 'a')) +
-                                    "[model.half]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'weld'\n"
-                                    "[model.mine]\nsource = 'file'\npath = 'mine.obj'\n", reader());
-    EXPECT_EQ(std::get<MissingModel>(all.resolve("bunny")).reason, "package glmark2-data was not fetched: run `make datasets`");
+                                        "[model.half]\nsource = 'derived'\nfrom = 'bunny'\noperation = 'weld'\n"
+                                        "[model.mine]\nsource = 'file'\npath = 'mine.obj'\n",
+                                    reader());
+    EXPECT_EQ(std::get<MissingModel>(all.resolve("bunny")).reason,
+              "package glmark2-data was not fetched: run `make datasets`");
     EXPECT_NE(std::get<MissingModel>(all.resolve("half")).reason.find("glmark2-data"), std::string::npos);
     EXPECT_NE(std::get<MissingModel>(all.resolve("mine")).reason.find("mine.obj"), std::string::npos);
     std::ofstream(folder_.path() / "mine.obj") << "beside the manifest";

@@ -38,7 +38,8 @@ protected:
             const std::string message = error.what();
             EXPECT_TRUE(message.starts_with(file.string())) << message;
             EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+            for (const std::string& part : parts)
+                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
         }
     }
 
@@ -48,7 +49,8 @@ protected:
 const TriangleMesh& mesh_of(const LoadedShape& loaded) { return std::get<TriangleMesh>(loaded.shape); }
 
 bool same_bits(const Points& a, const Points& b) {
-    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+    return a.rows() == b.rows() &&
+           std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
 // A tetrahedron whose coordinates need all of a double.
@@ -62,22 +64,28 @@ TriangleMesh awkward() {
     return mesh;
 }
 
-std::string as_text(const TriangleMesh& mesh, const std::string& head, const std::string& before_vertex, const std::string& before_face, int base) {
+std::string as_text(const TriangleMesh& mesh, const std::string& head, const std::string& before_vertex,
+                    const std::string& before_face, int base) {
     std::string text = head;
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-        text += fmt::format("{}{:.17g} {:.17g} {:.17g}\n", before_vertex, mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2));
+        text += fmt::format("{}{:.17g} {:.17g} {:.17g}\n", before_vertex, mesh.vertices(v, 0), mesh.vertices(v, 1),
+                            mesh.vertices(v, 2));
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
-        text += fmt::format("{}{} {} {}\n", before_face, mesh.triangles(t, 0) + base, mesh.triangles(t, 1) + base, mesh.triangles(t, 2) + base);
+        text += fmt::format("{}{} {} {}\n", before_face, mesh.triangles(t, 0) + base, mesh.triangles(t, 1) + base,
+                            mesh.triangles(t, 2) + base);
     return text;
 }
 
 const std::string ply_head =
-    "ply\nformat ascii 1.0\ncomment made for a test\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+    "ply\nformat ascii 1.0\ncomment made for a test\nelement vertex 4\nproperty double x\nproperty double y\nproperty "
+    "double z\n"
     "element face 4\nproperty list uchar int vertex_indices\nend_header\n";
 
 std::string ply_text() { return as_text(awkward(), ply_head, "", "3 ", 0); }
 
-template <class T> void put(std::string& bytes, T value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); }
+template <class T> void put(std::string& bytes, T value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
 
 std::string binary_ply() {
     std::string bytes = ply_head;
@@ -96,21 +104,22 @@ std::string binary_stl(const std::string& header, std::uint32_t announced, std::
     bytes.resize(80, ' ');
     put(bytes, announced);
     for (std::uint32_t f = 0; f < written; ++f) {
-        for (const float value : {0.f, 0.f, 1.f, x, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, static_cast<float>(f + 1), 0.f}) put(bytes, value);
+        for (const float value : {0.f, 0.f, 1.f, x, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, static_cast<float>(f + 1), 0.f})
+            put(bytes, value);
         put(bytes, std::uint16_t{0});
     }
     return bytes;
 }
 
-const std::string ascii_facet = "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n endloop\nendfacet\n";
+const std::string ascii_facet =
+    "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n endloop\nendfacet\n";
 
 TEST_F(Files, SeventeenDigitsComeBackBitEqual) {
     const TriangleMesh mesh = awkward();
-    const std::map<std::string, std::string> files = {
-        {"a.ply", ply_text()},
-        {"b.ply", binary_ply()},
-        {"a.off", as_text(mesh, "OFF\n4 4 0\n", "", "3 ", 0)},
-        {"a.obj", as_text(mesh, "# a comment\n", "v ", "f ", 1)}};
+    const std::map<std::string, std::string> files = {{"a.ply", ply_text()},
+                                                      {"b.ply", binary_ply()},
+                                                      {"a.off", as_text(mesh, "OFF\n4 4 0\n", "", "3 ", 0)},
+                                                      {"a.obj", as_text(mesh, "# a comment\n", "v ", "f ", 1)}};
     for (const auto& [name, bytes] : files) {
         const LoadedShape loaded = load(name, bytes);
         EXPECT_TRUE(same_bits(mesh_of(loaded).vertices, mesh.vertices)) << name;
@@ -122,10 +131,11 @@ TEST_F(Files, SeventeenDigitsComeBackBitEqual) {
 }
 
 TEST_F(Files, AsciiStlKeepsDoublesAndSharesVertices) {
-    const LoadedShape loaded = load("a.stl",
-                                    "solid solid facet\r\n" + ascii_facet + "endsolid x\nSOLID b\n"
-                                    "FACET NORMAL 0 0 0\nOUTER LOOP\nVERTEX -0.0 0 0\nVERTEX 1 0 0\nVERTEX 0 0.12345678901234567 1\n"
-                                    "ENDLOOP\nENDFACET\nENDSOLID\n");
+    const LoadedShape loaded = load(
+        "a.stl", "solid solid facet\r\n" + ascii_facet +
+                     "endsolid x\nSOLID b\n"
+                     "FACET NORMAL 0 0 0\nOUTER LOOP\nVERTEX -0.0 0 0\nVERTEX 1 0 0\nVERTEX 0 0.12345678901234567 1\n"
+                     "ENDLOOP\nENDFACET\nENDSOLID\n");
     ASSERT_EQ(mesh_of(loaded).triangles.rows(), 2);
     EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);  // -0 = +0
     EXPECT_EQ(mesh_of(loaded).vertices(3, 1), 0.12345678901234567);
@@ -141,9 +151,10 @@ TEST_F(Files, BinaryStlIsKnownByItsSize) {
 }
 
 TEST_F(Files, ObjTraps) {
-    const LoadedShape loaded = load("a.obj",
-                                    "mtllib x.mtl\r\nl 1 2\r\nv 0 0 0 1 0 0\r\nv\t1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0\r\nvn 0 0 1\r\nv 9 9 9\r\n"
-                                    "g one\r\nf 1/1/1\t2//1 \\\r\n3/1 4\r\ng two\r\nf -5 -4 -3 # tail\r\nf 1 2\r\n");
+    const LoadedShape loaded = load(
+        "a.obj",
+        "mtllib x.mtl\r\nl 1 2\r\nv 0 0 0 1 0 0\r\nv\t1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0\r\nvn 0 0 1\r\nv 9 9 9\r\n"
+        "g one\r\nf 1/1/1\t2//1 \\\r\n3/1 4\r\ng two\r\nf -5 -4 -3 # tail\r\nf 1 2\r\n");
     EXPECT_EQ(mesh_of(loaded).triangles.rows(), 3);
     EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);
     EXPECT_EQ(loaded.report.polygons, 1);
@@ -156,7 +167,8 @@ TEST_F(Files, ObjTraps) {
 
 TEST_F(Files, OffTraps) {
     const std::string body = "0 0 0\n\n1 0 0 # why\n1 1 0\n# between\n0 1 0\n5 5 5\n4 0 1 2 3\n\n3 0 1 2 255 0 0\n";
-    for (const std::string head : {"OFF\n5 2 0\n", "# first\nOFF 5 2 0\n", "5 2 0\n", "OFF\n5 2\n", "COFF\n5 2 0\n", "STOFF\r\n5 2 0\r\n"}) {
+    for (const std::string head :
+         {"OFF\n5 2 0\n", "# first\nOFF 5 2 0\n", "5 2 0\n", "OFF\n5 2\n", "COFF\n5 2 0\n", "STOFF\r\n5 2 0\r\n"}) {
         const LoadedShape loaded = load("a.off", head + body);
         EXPECT_EQ(mesh_of(loaded).triangles.rows(), 3) << head;
         EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4) << head;
@@ -169,12 +181,17 @@ TEST_F(Files, OffTraps) {
 
 TEST_F(Files, PlyTraps) {
     const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    const LoadedShape whole = load("a.ply",
-                                   "ply\r\ncomment first\nformat ascii 1.0\nCreated by nobody\n\nelement vertex 3\nproperty int x\n"
-                                   "property int y\nproperty int z\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n" + body);
+    const LoadedShape whole =
+        load("a.ply",
+             "ply\r\ncomment first\nformat ascii 1.0\nCreated by nobody\n\nelement vertex 3\nproperty int x\n"
+             "property int y\nproperty int z\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n" +
+                 body);
     EXPECT_EQ(mesh_of(whole).triangles.rows(), 1);
-    refused("z.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", {"x, y and z"});
-    refused("s.ply", ply_head.substr(0, ply_head.find("element face")) + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n",
+    refused("z.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
+            {"x, y and z"});
+    refused("s.ply",
+            ply_head.substr(0, ply_head.find("element face")) +
+                "element tristrips 1\nproperty list int int vertex_indices\nend_header\n",
             {"strips"});
 }
 
@@ -182,7 +199,9 @@ TEST_F(Files, VerticesWithoutFacesAreAPointSet) {
     const std::map<std::string, std::string> files = {
         {"a.obj", "v 0 0 0\nv 1 2 3\np 1 2\n"},
         {"a.off", "OFF\n2 0 0\n0 0 0\n1 2 3\n"},
-        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 2 3\n"}};
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 "
+         "0 0\n1 2 3\n"}};
     for (const auto& [name, bytes] : files) {
         const LoadedShape loaded = load(name, bytes);
         ASSERT_EQ(kind_of(loaded.shape), ShapeKind::points) << name;
@@ -256,16 +275,22 @@ TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
     refused("cut2.ply", binary_ply().substr(0, binary_ply().size() - 80), {"truncated", "bytes found"});
     refused("cut3.ply", ply_text().substr(0, ply_text().size() - 3), {"truncated", "3 of 4 faces"});
     refused("head.ply", ply_head.substr(0, ply_head.find("property")), {"end_header"});
-    refused("memory.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+    refused("memory.ply",
+            "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\nproperty float "
+            "z\nend_header\n0 0 0\n",
             {"announces 99999999999"});
 
     refused("cut.stl", binary_stl("x", 3, 2), {"3 facets take 234 bytes, 184 bytes found"});
     refused("long.stl", binary_stl("x", 1, 2), {"1 facets take 134 bytes, 184 bytes found"});
     refused("nan.stl", binary_stl("x", 2, 2, std::numeric_limits<float>::infinity()), {"vertex 0 of facet 0"});
     refused("cut2.stl", "solid x\n" + ascii_facet, {"truncated"});
-    refused("nan2.stl", "solid x\n" + ascii_facet + "facet\nouter loop\nvertex 0 0 0\nvertex 0 NaN 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n",
+    refused("nan2.stl",
+            "solid x\n" + ascii_facet +
+                "facet\nouter loop\nvertex 0 0 0\nvertex 0 NaN 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n",
             {"line 12", "vertex 4 (from 0)"});
-    refused("four.stl", "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n",
+    refused("four.stl",
+            "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 "
+            "0\nendloop\nendfacet\nendsolid\n",
             {"line 9", "4 vertices"});
     refused("nothing.stl", "solid\nendsolid\n", {"no vertices"});
 
@@ -403,7 +428,8 @@ protected:
 
 TEST_F(Isolated, TheChildsShapeComesBack) {
     write_shape(folder_.path() / "shape.h5", {awkward(), {}});
-    const auto program = script(fmt::format("[ \"$1 $2 $4 $5\" = 'load mesh.obj --format obj' ] && cp {}/shape.h5 \"$3\"", folder_.path().string()));
+    const auto program = script(fmt::format(
+        "[ \"$1 $2 $4 $5\" = 'load mesh.obj --format obj' ] && cp {}/shape.h5 \"$3\"", folder_.path().string()));
     EXPECT_TRUE(same_bits(points_of(load_isolated(program, "mesh.obj", "obj").shape), awkward().vertices));
 }
 
