@@ -43,14 +43,14 @@ void put_line(Mended& mended, std::string_view text, std::uint32_t number) {
 }
 
 // Byte order marks: UTF-8's is cut off, UTF-16 is narrowed (what is not ASCII can only be a name or a comment).
-std::string as_ascii(std::string bytes) {
-    if (bytes.starts_with("\xef\xbb\xbf")) return bytes.substr(3);
+std::string as_ascii(std::string_view bytes) {
+    if (bytes.starts_with("\xef\xbb\xbf")) return std::string(bytes.substr(3));
     const bool little = bytes.starts_with("\xff\xfe"), big = bytes.starts_with("\xfe\xff");
-    if (!little && !big) return bytes;
+    if (!little && !big) return std::string(bytes);
     std::string narrow;
     for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
         const char low = bytes[little ? i : i + 1], high = bytes[little ? i + 1 : i];
-        narrow += high == 0 ? low : '?';
+        narrow.push_back(high == 0 ? low : '?');
     }
     return narrow;
 }
@@ -78,7 +78,7 @@ void join_continued(std::string& bytes) {
 }  // namespace
 
 Mended mend_obj(const std::string& name, std::string bytes) {
-    bytes = as_ascii(std::move(bytes));
+    bytes = as_ascii(bytes);
     join_continued(bytes);
     Mended mended;
     mended.objects = 0;
