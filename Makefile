@@ -133,6 +133,8 @@ figures: $(DEPS)
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 
+# Otherwise the second time would find the results of the first, and run nothing.
+test: RUN_ARGS += --fresh
 test: build/release/build.ninja
 	$(call compile,release,all)
 	ctest --preset release -j $(JOBS)
