@@ -1,5 +1,6 @@
-// The program: verbs run, list, measure; `hausbench VERB --help` says what each takes.
+// The program: verbs run, list, measure, verify, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
+#include "combine.h"
 #include "error.h"
 #include "experiment.h"
 #include "list.h"
@@ -27,19 +28,25 @@ struct RunArguments {
     fs::path file, results;
     std::string profile = "quick";
     Choice choice;
+    std::string shard = "1/1";
     bool fresh = false, any_build = false, quiet = false;
 };
 
+Catalogue catalogue() { return {project_root() / "datasets" / "manifest.toml", cache_folder(), program_path()}; }
+
 int run(const RunArguments& arguments) {
     const Experiment experiment = read_experiment(arguments.file, arguments.profile);
-    const Catalogue catalogue(project_root() / "datasets" / "manifest.toml", cache_folder(), program_path());
+    const Catalogue models = catalogue();
     Plan plan;
     {
         Progress progress(arguments.quiet);
-        plan = make_plan(experiment, catalogue, arguments.choice, [&](const std::string& what) { progress.doing(what); });
+        plan = make_plan(experiment, models, arguments.choice, [&](const std::string& what) { progress.doing(what); });
     }
+    const Shard shard = parse_shard(arguments.shard);
+    take_shard(plan, shard);
+    const std::string suffix = shard.whole() ? "" : fmt::format(".shard-{}-of-{}", shard.number, shard.of);
     const RunSummary summary = run_plan(plan, {arguments.results.empty() ? project_root() / "results" : arguments.results,
-                                               arguments.fresh, arguments.any_build, arguments.quiet});
+                                               arguments.fresh, arguments.any_build, arguments.quiet, suffix});
     std::string counts;
     for (const auto& [status, count] : summary.statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
     fmt::print("{}: {}\n", summary.file.string(), counts);
@@ -75,6 +82,7 @@ int dispatch(int argc, char** argv) {
     run_verb->add_option("--solver", run_arguments.choice.solvers, "only this solver (its label in the experiment); may be repeated");
     run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated");
     run_verb->add_option("--results", run_arguments.results, "folder for the result file (default: results of the project)");
+    run_verb->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")->capture_default_str();
     run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
     run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
     run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
@@ -104,6 +112,35 @@ int dispatch(int argc, char** argv) {
         const Measured measured = measure(request);
         std::fputs((measure_json ? to_json(measured, request).dump() + "\n" : describe(measured, request)).c_str(), stdout);
     });
+
+    fs::path verified;
+    auto* verify_verb = app.add_subcommand("verify", "re-check every row of a result by code that shares nothing with the solvers; exit code 1 if a row is unsound");
+    verify_verb->add_option("result", verified, "result file (.h5)")->required();
+    verify_verb->callback([&] {
+        ResultFile result = read_result(verified);
+        verify_result(result, catalogue());
+        std::fputs(describe_checks(result).c_str(), stdout);
+        code = any_unsound(result) ? 1 : 0;
+    });
+
+    fs::path merged;
+    std::vector<fs::path> parts;
+    bool any_build = false;
+    auto* merge_verb = app.add_subcommand("merge", "one result out of several of the same experiment, such as shards");
+    merge_verb->add_option("out", merged, "result file to write (.h5)")->required();
+    merge_verb->add_option("results", parts, "result files (.h5)")->required();
+    merge_verb->add_flag("--any-build", any_build, "merge although builds or machines differ");
+    merge_verb->callback([&] {
+        ResultFile result = merge_results(parts, any_build);
+        verify_result(result, catalogue());  // a lower bound in one part may refute an upper bound in another
+        write_result(merged, result);
+    });
+
+    fs::path base, candidate;
+    auto* compare_verb = app.add_subcommand("compare", "two results case by case: differing answers first, then ratios of times with intervals");
+    compare_verb->add_option("first", base, "result file (.h5): the base")->required();
+    compare_verb->add_option("second", candidate, "result file (.h5): times are given relative to the first")->required();
+    compare_verb->callback([&] { std::fputs(compare_results(read_result(base), read_result(candidate)).c_str(), stdout); });
 
     // For this program's own use: a foreign file or a solver can take down no more than its own process.
     fs::path load_in, load_out;

@@ -55,6 +55,17 @@ struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
 };
 
+struct Shard {  // --shard 2/3: every third worker, from the second on
+    int number = 1, of = 1;
+    bool whole() const { return of == 1; }
+};
+
+// Throws InputError for anything but "i/n" with 1 <= i <= n.
+Shard parse_shard(const std::string& text);
+
+// The rows of other shards become `skipped` and say so; `merge` puts shards together.
+void take_shard(Plan& plan, const Shard& shard);
+
 // Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for
 // each. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,

@@ -62,7 +62,7 @@ public:
     Runner(const Plan& plan, const RunOptions& options)
         : plan_(plan),
           options_(options),
-          journal_((std::filesystem::create_directories(options.results), options.results / (plan.experiment.stem + ".journal"))),
+          journal_((std::filesystem::create_directories(options.results), options.results / (plan.experiment.stem + options.suffix + ".journal"))),
           progress_(options.quiet) {}
 
     RunSummary run() {
@@ -329,7 +329,7 @@ private:
         for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
         result.ledger = plan_.ledger;
         result.ledger.insert(result.ledger.end(), ledger_.begin(), ledger_.end());
-        summary.file = options_.results / (plan_.experiment.stem + ".h5");
+        summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
         summary.interrupted = interrupted != 0;
         describe_run(result, plan_.experiment, journal_.started(), utc_now());
         write_result(summary.file, result);

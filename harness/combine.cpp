@@ -1,0 +1,167 @@
+#include "combine.h"
+
+#include "error.h"
+#include "shape_file.h"
+#include "statistics.h"
+#include "verify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+void verify_result(ResultFile& result, const Catalogue& catalogue) {
+    std::map<std::string, Shape> shapes;
+    for (const ModelRecord& model : result.models) {
+        const auto resolved = catalogue.resolve(model.name);
+        const auto* good = std::get_if<ResolvedModel>(&resolved);
+        if (!good) continue;
+        if (good->content_hash != model.sha256) {
+            throw InputError(fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
+                                         "made with", model.name, model.sha256, good->content_hash));
+        }
+        shapes[model.name] = read_shape(good->shape_file).shape;
+    }
+    verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
+        const auto at = shapes.find(name);
+        return at == shapes.end() ? nullptr : &at->second;
+    });
+}
+
+bool any_unsound(const ResultFile& result) {
+    return std::any_of(result.rows.begin(), result.rows.end(), [](const Row& row) {
+        return row.check.lower == Verdict::unsound || row.check.upper == Verdict::unsound;
+    });
+}
+
+namespace {
+
+std::string name_of(const Case& c) {
+    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance, c.tolerance_of);
+}
+
+bool was_run(const Outcome& o) { return o.status != "skipped" || !o.solver_status.empty(); }
+
+bool same_answer(const Outcome& a, const Outcome& b) {
+    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+    return a.status == b.status && same(a.bounds.lower, b.bounds.lower) && same(a.bounds.upper, b.bounds.upper);
+}
+
+}  // namespace
+
+std::string describe_checks(const ResultFile& result) {
+    std::map<std::string, std::map<Verdict, int>> lower, upper;
+    for (const Row& row : result.rows) {
+        ++lower[row.asked.label][row.check.lower];
+        ++upper[row.asked.label][row.check.upper];
+    }
+    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds", "unsound", "no wit.",
+                                   "not ch.", "upper ok", "unsound", "not ch.");
+    for (auto& [label, l] : lower) {
+        auto& u = upper[label];
+        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds], l[Verdict::unsound],
+                            l[Verdict::no_witness], l[Verdict::not_checked], u[Verdict::holds], u[Verdict::unsound], u[Verdict::not_checked]);
+    }
+    for (const Row& row : result.rows) {
+        if (!row.check.reason.empty()) text += fmt::format("unsound: {}: {}\n", name_of(row.asked), row.check.reason);
+    }
+    return text;
+}
+
+ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
+    ResultFile merged = read_result(files.front());
+    std::map<std::string, std::vector<std::size_t>> places;  // identities may stand on several scenes
+    const auto key = [](const Row& row) { return row.asked.identity + row.asked.scene; };
+    for (std::size_t i = 0; i < merged.rows.size(); ++i) places[key(merged.rows[i])].push_back(i);
+    for (std::size_t f = 1; f < files.size(); ++f) {
+        const ResultFile next = read_result(files[f]);
+        const auto refuse = [&](const std::string& what) {
+            throw InputError(fmt::format("{} and {}: {}", files.front().string(), files[f].string(), what));
+        };
+        for (const char* name : {"stem", "profile", "experiment_toml"}) {
+            if (next.texts.at(name) != merged.texts.at(name)) refuse(fmt::format("their {} differs: merge results of one experiment", name));
+        }
+        for (const char* name : {"build", "machine"}) {
+            if (!any_build && next.texts.at(name) != merged.texts.at(name)) {
+                refuse(fmt::format("made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+            }
+        }
+        merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
+        merged.texts["finished"] = std::max(merged.texts["finished"], next.texts.at("finished"));
+        for (const Row& row : next.rows) {
+            const auto at = places.find(key(row));
+            if (at == places.end()) {
+                places[key(row)].push_back(merged.rows.size());
+                merged.rows.push_back(row);
+                continue;
+            }
+            for (std::size_t i : at->second) {
+                Row& mine = merged.rows[i];
+                if (!was_run(row.outcome)) continue;
+                if (!was_run(mine.outcome)) {
+                    mine = row;
+                } else if (!same_answer(mine.outcome, row.outcome)) {
+                    refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked), mine.outcome.status,
+                                       mine.outcome.bounds.lower, mine.outcome.bounds.upper, row.outcome.status, row.outcome.bounds.lower,
+                                       row.outcome.bounds.upper));
+                }
+            }
+        }
+        for (const ModelRecord& model : next.models) {
+            const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
+            if (std::none_of(merged.models.begin(), merged.models.end(), same)) merged.models.push_back(model);
+        }
+        for (const LedgerEntry& entry : next.ledger) {
+            const auto same = [&](const LedgerEntry& l) { return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what; };
+            if (std::none_of(merged.ledger.begin(), merged.ledger.end(), same)) merged.ledger.push_back(entry);
+        }
+    }
+    return merged;
+}
+
+std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
+    std::map<std::string, const Row*> by_key;
+    for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
+    std::string differing, table;
+    std::size_t matched = 0, untimed = 0;
+    std::vector<double> all;
+    for (const Row& row : candidate.rows) {
+        const auto at = by_key.find(row.asked.identity + row.asked.scene);
+        if (at == by_key.end()) continue;
+        ++matched;
+        const Outcome &a = at->second->outcome, &b = row.outcome;
+        if (!same_answer(a, b)) {
+            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked), a.status, a.bounds.lower,
+                                     a.bounds.upper, b.status, b.bounds.lower, b.bounds.upper);
+        }
+        std::vector<double> before, after;
+        for (const Repeat& r : a.repeats) before.push_back(r.wall_seconds);
+        for (const Repeat& r : b.repeats) after.push_back(r.wall_seconds);
+        if (before.empty() || after.empty()) {
+            ++untimed;
+            continue;
+        }
+        const Estimate ratio = paired_ratio(before, after);
+        all.push_back(ratio.value);
+        const char* verdict = ratio.n == 1 ? "one pair" : !separated(ratio) ? "not separated" : ratio.value > 1 ? "slower" : "faster";
+        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {}\n", name_of(row.asked), ratio.value, ratio.low,
+                             ratio.high, ratio.n, 100 * ratio.confidence, verdict);
+    }
+    std::string text = fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched, base.rows.size() - matched,
+                                   candidate.rows.size() - matched);
+    text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
+    text += fmt::format("time of the second / time of the first, median of paired repeats [interval] ({} cases without times)\n", untimed) + table;
+    if (!all.empty()) {
+        double logs = 0;
+        for (double ratio : all) logs += std::log(ratio);
+        text += fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), std::exp(logs / double(all.size())));
+    }
+    return text;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,29 @@
+// What is done with finished result files: verify, merge, compare.
+#pragma once
+
+#include "catalogue.h"
+#include "result_file.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Re-checks every row (verify.h) on the shapes of the catalogue, which must be those that were measured (SHA-256).
+// Models that cannot be had leave their rows `not checked`. Throws InputError where a model has other bytes now.
+void verify_result(ResultFile& result, const Catalogue& catalogue);
+
+// A table: how many rows of each solver hold, are unsound, have no witness or were not checked; then each unsound row.
+std::string describe_checks(const ResultFile& result);
+bool any_unsound(const ResultFile& result);
+
+// One result out of several of the same experiment and profile (shards, or parts): of each case the row that was run.
+// Throws InputError for different experiments, different builds or machines (unless any_build), or two rows of one case
+// whose answers differ.
+ResultFile merge_results(const std::vector<std::filesystem::path>& files, bool any_build);
+
+// Rows of the same identity side by side: differing answers first, then the ratio of times (candidate / base).
+std::string compare_results(const ResultFile& base, const ResultFile& candidate);
+
+}  // namespace hausbench
