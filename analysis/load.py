@@ -129,6 +129,7 @@ class Ledger:
     what: Texts
     reason: Texts
     count: Ints
+    seconds_saved: Floats
 
 
 @dataclass(frozen=True)

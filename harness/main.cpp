@@ -1,8 +1,9 @@
-// The program: verbs run, list, measure, verify, merge, compare; `hausbench VERB --help` says what each takes.
+// The program: verbs run, explain, list, measure, verify, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
 #include "combine.h"
 #include "error.h"
 #include "experiment.h"
+#include "explain.h"
 #include "list.h"
 #include "load.h"
 #include "measure.h"
@@ -34,19 +35,24 @@ struct RunArguments {
 
 Catalogue catalogue() { return {project_root() / "datasets" / "manifest.toml", cache_folder(), program_path()}; }
 
-int run(const RunArguments& arguments) {
+// The plan points into the catalogue, which therefore lives as long as the program.
+Plan plan_of(const RunArguments& arguments) {
     const Experiment experiment = read_experiment(arguments.file, arguments.profile);
-    const Catalogue models = catalogue();
-    Plan plan;
-    {
-        Progress progress(arguments.quiet);
-        plan = make_plan(experiment, models, arguments.choice, [&](const std::string& what) { progress.doing(what); });
-    }
+    static const Catalogue models = catalogue();
+    Progress progress(arguments.quiet);
+    return make_plan(experiment, models, arguments.choice, [&](const std::string& what) { progress.doing(what); });
+}
+
+fs::path results_of(const RunArguments& arguments) {
+    return arguments.results.empty() ? project_root() / "results" : arguments.results;
+}
+
+int run(const RunArguments& arguments) {
+    Plan plan = plan_of(arguments);
     const Shard shard = parse_shard(arguments.shard);
     take_shard(plan, shard);
     const std::string suffix = shard.whole() ? "" : fmt::format(".shard-{}-of-{}", shard.number, shard.of);
-    const RunSummary summary = run_plan(plan, {arguments.results.empty() ? project_root() / "results" : arguments.results,
-                                               arguments.fresh, arguments.any_build, arguments.quiet, suffix});
+    const RunSummary summary = run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
     std::string counts;
     for (const auto& [status, count] : summary.statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
     fmt::print("{}: {}\n", summary.file.string(), counts);
@@ -87,6 +93,18 @@ int dispatch(int argc, char** argv) {
     run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
     run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
     run_verb->callback([&] { code = run(run_arguments); });
+
+    RunArguments explain_arguments;
+    auto* explain_verb = app.add_subcommand("explain", "what a run of an experiment would prepare, run and leave out, why, and about how long it takes");
+    explain_verb->add_option("experiment", explain_arguments.file, "experiment file (.toml)")->required();
+    explain_verb->add_option("--profile", explain_arguments.profile, "as for run")->capture_default_str();
+    explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run");
+    explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run");
+    explain_verb->add_option("--results", explain_arguments.results, "folder with earlier results, for the estimate (default: results of the project)");
+    explain_verb->callback([&] {
+        const Plan plan = plan_of(explain_arguments);
+        std::fputs(explain(plan, results_of(explain_arguments)).c_str(), stdout);
+    });
 
     bool list_json = false;
     auto* list_verb = app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");

@@ -175,7 +175,7 @@ private:
             ledger.push_back({decided.status == "not_built" ? "not_built" : "not_run", job.label, "all cases", decided.reason,
                               std::int64_t(asked)});
         } else if (asked > job.cases.size()) {
-            ledger.push_back({"not_run", job.label, "coarser tolerances",
+            ledger.push_back({"not_run", job.label, coarser_tolerances,
                               entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"
                                                 : "the trace of the finest tolerance holds their answers",
                               std::int64_t(asked - job.cases.size())});

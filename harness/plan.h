@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,10 +28,13 @@ struct FromTrace {
     bool exact;      // the solver's answer does not depend on the tolerance at all
 };
 
+inline constexpr const char* coarser_tolerances = "coarser tolerances";
+
 struct LedgerEntry {
     std::string kind;  // not_built | not_prepared | not_run
     std::string subject, what, reason;
     std::int64_t count = 1;
+    double seconds_saved = std::numeric_limits<double>::quiet_NaN();  // known only afterwards, and not for all
 };
 
 struct ModelRow {

@@ -177,18 +177,21 @@ void write_models(h5::File& file, const std::vector<ModelRecord>& models) {
 void write_ledger(h5::File& file, const std::vector<LedgerEntry>& ledger) {
     std::vector<std::string> kind, subject, what, reason;
     std::vector<std::int64_t> count;
+    std::vector<double> saved;
     for (const LedgerEntry& entry : ledger) {
         kind.push_back(entry.kind);
         subject.push_back(entry.subject);
         what.push_back(entry.what);
         reason.push_back(entry.reason);
         count.push_back(entry.count);
+        saved.push_back(entry.seconds_saved);
     }
     file.write("ledger/kind", kind);
     file.write("ledger/subject", subject);
     file.write("ledger/what", what);
     file.write("ledger/reason", reason);
     file.write("ledger/count", count);
+    file.write("ledger/seconds_saved", saved);
 }
 
 // Reads columns of one group and checks that they are equally long.
@@ -226,7 +229,8 @@ Verdict verdict_of(const std::string& text) {
 
 ParameterMap options_of(const std::string& text) {
     ParameterMap options;
-    for (const auto& [name, value] : nlohmann::json::parse(text).items()) options[name] = parameter_of(value);
+    const auto object = nlohmann::json::parse(text);  // outlives its items()
+    for (const auto& [name, value] : object.items()) options[name] = parameter_of(value);
     return options;
 }
 
@@ -338,8 +342,9 @@ std::vector<LedgerEntry> read_ledger(const h5::File& file) {
     const Reading c(file, "ledger", n);
     const auto kind = c.texts("kind"), subject = c.texts("subject"), what = c.texts("what"), reason = c.texts("reason");
     const auto count = c.integers("count");
+    const auto saved = c.reals("seconds_saved");
     std::vector<LedgerEntry> ledger;
-    for (std::size_t i = 0; i < n; ++i) ledger.push_back({kind[i], subject[i], what[i], reason[i], count[i]});
+    for (std::size_t i = 0; i < n; ++i) ledger.push_back({kind[i], subject[i], what[i], reason[i], count[i], saved[i]});
     return ledger;
 }
 

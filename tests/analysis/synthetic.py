@@ -46,7 +46,7 @@ MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1
 REPEAT: dict[str, Any] = {"case": 0, "repeat": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
 PREPARATION: dict[str, Any] = {"case": 0, "name": "", "seconds": NAN, "bytes": -1}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
-LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0}
+LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
 
 
 @dataclass
