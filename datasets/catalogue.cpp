@@ -142,7 +142,7 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
 
 }  // namespace
 
-Catalogue::Catalogue(std::filesystem::path manifest, std::filesystem::path cache, std::filesystem::path program)
+Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program)
     : cache_(std::move(cache)), program_(std::move(program)) {
     toml::table root;
     try {

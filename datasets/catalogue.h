@@ -41,7 +41,7 @@ class Catalogue {
 public:
     // `program` is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable
     // manifest, an unknown key (names the nearest), a derived model whose origin does not exist or depends on itself.
-    Catalogue(std::filesystem::path manifest, std::filesystem::path cache, std::filesystem::path program);
+    Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest

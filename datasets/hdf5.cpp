@@ -37,7 +37,7 @@ public:
     }
     Id(const Id&) = delete;
     Id& operator=(const Id&) = delete;
-    operator hid_t() const { return id_; }
+    operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): C wants one
 
 private:
     hid_t id_;

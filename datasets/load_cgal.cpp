@@ -63,7 +63,7 @@ Soup read_with_cgal(const std::string& name, std::string bytes, const std::strin
     Mended mended = format == "obj"   ? mend_obj(name, std::move(bytes))
                     : format == "off" ? mend_off(name, bytes)
                     : format == "stl" ? mend_stl(name, std::move(bytes))
-                                      : mend_ply(name, std::move(bytes));
+                                      : mend_ply(name, bytes);
     std::vector<CgalPoint> points;
     std::vector<std::vector<std::size_t>> faces;
     std::string trouble;

@@ -78,7 +78,7 @@ Header parse(const std::string& name, const std::string& bytes) {
 
 }  // namespace
 
-Mended mend_ply(const std::string& name, std::string bytes) {
+Mended mend_ply(const std::string& name, const std::string& bytes) {
     Header header = parse(name, bytes);
     const bool text = header.format == "ascii";
     if (!text && header.format != "binary_little_endian" && header.format != "binary_big_endian")

@@ -39,7 +39,7 @@ struct Mended {
 Mended mend_obj(const std::string& name, std::string bytes);
 Mended mend_off(const std::string& name, const std::string& bytes);
 Mended mend_stl(const std::string& name, std::string bytes);
-Mended mend_ply(const std::string& name, std::string bytes);  // mend_ply.cpp
+Mended mend_ply(const std::string& name, const std::string& bytes);  // mend_ply.cpp
 
 // `format` is obj, off, stl or ply.
 Soup read_with_cgal(const std::string& name, std::string bytes, const std::string& format);

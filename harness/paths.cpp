@@ -12,7 +12,7 @@ fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
 
 fs::path project_root() {
     if (const char* root = std::getenv("HAUSBENCH_ROOT")) return root;
-    for (fs::path start : {fs::current_path(), program_path().parent_path()}) {
+    for (const fs::path& start : {fs::current_path(), program_path().parent_path()}) {
         for (fs::path folder = start; folder.has_relative_path(); folder = folder.parent_path()) {
             if (fs::exists(folder / "datasets" / "manifest.toml")) return folder;
         }
