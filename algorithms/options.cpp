@@ -46,6 +46,11 @@ ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const
             throw InputError(fmt::format("{}: '{}' is not one of: {}", where, *text, join(spec.choices)));
         }
     }
+    if (const auto* text = std::get_if<std::string>(&result); text && spec.problem) {
+        if (const std::string problem = spec.problem(*text); !problem.empty()) {
+            throw InputError(fmt::format("{}: '{}' {}", where, *text, problem));
+        }
+    }
     return result;
 }
 
@@ -56,6 +61,11 @@ std::string to_string(const ParameterValue& value) {
     if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
     if (const auto* real = std::get_if<double>(&value)) return fmt::format("{}", *real);
     return std::get<std::string>(value);
+}
+
+bool ParameterSpec::required() const {
+    const auto* text = std::get_if<std::string>(&default_value);
+    return text && problem && !problem(*text).empty();
 }
 
 Options::Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given)
@@ -72,6 +82,11 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
             throw InputError(fmt::format("solver '{}' has no parameter '{}'{}", solver, name, hint));
         }
         values_[name] = checked(solver, *spec, value);
+    }
+    for (const ParameterSpec& spec : specs) {
+        if (!given.contains(spec.name) && spec.required()) {
+            throw InputError(fmt::format("solver '{}' needs its parameter '{}': {}", solver, spec.name, spec.description));
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 #include "error.h"
 
+#include <set>
+
 namespace hausbench {
 
 // One line a solver: its function, defined in its own file.
@@ -11,8 +13,10 @@ SolverEntry guthe_solver();       // meshes/guthe.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
 
-const std::vector<SolverEntry>& solvers() {
-    static const std::vector<SolverEntry> list = {
+namespace {
+
+std::vector<SolverEntry>& list_of_solvers() {
+    static std::vector<SolverEntry> list = {
         naive_solver(),
         earlybreak_solver(),
         guthe_solver(),
@@ -24,6 +28,23 @@ const std::vector<SolverEntry>& solvers() {
 #endif
     };
     return list;
+}
+
+}  // namespace
+
+const std::vector<SolverEntry>& solvers() { return list_of_solvers(); }
+
+void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin) {
+    std::set<std::string> names;
+    for (const SolverEntry& entry : solvers()) names.insert(entry.info.name);
+    for (const NotBuilt& absent : solvers_not_built()) names.insert(absent.name);
+    for (const SolverEntry& entry : more) {
+        if (entry.info.name.empty() || !entry.make) throw InputError(origin + ": offers a solver without a name or without a function that makes it");
+        if (!names.insert(entry.info.name).second) {
+            throw InputError(origin + ": there is a solver '" + entry.info.name + "' already: give this one another name");
+        }
+    }
+    list_of_solvers().insert(list_of_solvers().end(), more.begin(), more.end());
 }
 
 const std::vector<NotBuilt>& solvers_not_built() {

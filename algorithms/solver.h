@@ -69,6 +69,10 @@ struct Result {
     Witness witness;
     Counters counters;
     Extras extras;
+    std::string note = {};  // one line, why the status is not `converged`, where the solver knows more than the status says
+    // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
+    double reported_seconds = std::numeric_limits<double>::quiet_NaN();
+    std::int64_t outside_bytes = -1;
 };
 
 struct Query {

@@ -52,6 +52,7 @@ class Cases:
     identity: Texts
     solver: Texts
     label: Texts
+    certified: Ints
     options: Texts
     scene: Texts
     source: Texts
@@ -80,6 +81,7 @@ class Cases:
     prepare_seconds: Floats
     prepare_bytes: Ints
     solve_seconds: Floats
+    reported_seconds: Floats
     peak_bytes: Ints
     trace_begin: Ints
     trace_end: Ints

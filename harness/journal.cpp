@@ -19,13 +19,13 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int journal_schema = 1;
+constexpr int journal_schema = 2;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
 }  // namespace
 
-Journal::Journal(std::filesystem::path file) : file_(std::move(file)) {
+Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
         throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results", file_.string(),
@@ -36,7 +36,8 @@ Journal::Journal(std::filesystem::path file) : file_(std::move(file)) {
         throw InputError(fmt::format("{}: another run is writing this result: wait for it, or end it", file_.string()));
     }
     try {
-        read();
+        if (fresh) clear();
+        else read();
     } catch (...) {
         ::close(descriptor_);
         throw;

@@ -16,8 +16,8 @@ namespace hausbench {
 class Journal {
 public:
     // Opens or creates, and locks: throws InputError if another run holds it, if it is damaged, of another schema or not
-    // ours, or cannot be written.
-    explicit Journal(std::filesystem::path file);
+    // ours, or cannot be written. `fresh`: whatever is in it is forgotten (`run --fresh`), and need not be ours.
+    explicit Journal(std::filesystem::path file, bool fresh = false);
     ~Journal();
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
@@ -28,15 +28,13 @@ public:
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
     void append(const Key& key, const Outcome& outcome);
 
-    // Forgets everything (`run --fresh`).
-    void clear();
-
     // When the first record was begun, UTC.
     const std::string& started() const { return started_; }
 
 private:
     void write_line(const std::string& text);
     void read();
+    void clear();
     void begin();
 
     std::filesystem::path file_;

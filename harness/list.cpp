@@ -80,8 +80,9 @@ std::string list_as_text() {
         return out.empty() ? "nothing" : out;
     };
     for (const json& s : all["solvers"]) {
-        text += fmt::format("  {:<12} {} ({}); {} to {}; {}; may need {}\n", s["name"].get<std::string>(), s["title"].get<std::string>(),
-                            s["paper"].get<std::string>(), joined(s["source"]), joined(s["target"]),
+        const auto of = s["paper"].get<std::string>();
+        text += fmt::format("  {:<12} {}{}; {} to {}; {}; may need {}\n", s["name"].get<std::string>(), s["title"].get<std::string>(),
+                            of.empty() ? "" : " (" + of + ")", joined(s["source"]), joined(s["target"]),
                             s["certified"].get<bool>() ? "certified" : "not certified", joined(s["may_need"]));
         for (const json& p : s["parameters"]) {
             const auto paper = p["paper_value"].get<std::string>(), unit = p["unit"].get<std::string>();

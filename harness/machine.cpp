@@ -3,6 +3,7 @@
 #include "build_info.h"  // written by CMake
 #include "hash.h"
 #include "paths.h"
+#include "plugin.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>
@@ -111,6 +112,29 @@ const Build& this_build() {
 const Machine& this_machine() {
     static const Machine machine = read_machine();
     return machine;
+}
+
+const std::map<fs::path, std::string>& plugin_hashes() {
+    static const std::map<fs::path, std::string> hashes = [] {
+        std::map<fs::path, std::string> all;
+        for (const Plugin& plugin : plugins()) all[plugin.file] = sha256_of_file(plugin.file);
+        return all;
+    }();
+    return hashes;
+}
+
+const std::string& build_of(const std::string& solver) {
+    static const std::map<std::string, std::string> builds = [] {
+        std::map<std::string, std::string> all;
+        for (const Plugin& plugin : plugins()) {
+            for (const std::string& name : plugin.solvers) {
+                all[name] = Sha256().add(this_build().id).add(plugin_hashes().at(plugin.file)).hex();
+            }
+        }
+        return all;
+    }();
+    const auto at = builds.find(solver);
+    return at == builds.end() ? this_build().id : at->second;
 }
 
 std::string utc_now() {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <string>
 
 namespace hausbench {
@@ -22,6 +24,13 @@ struct Machine {
 
 const Build& this_build();
 const Machine& this_machine();
+
+// The build that answers of this solver are from: the program's, or of program and plug-in together where a plug-in offers
+// it. The one place that knows; resuming, and the column `build`, go by it.
+const std::string& build_of(const std::string& solver);
+
+// SHA-256 of each plug-in as it was when it was first asked for, by file.
+const std::map<std::filesystem::path, std::string>& plugin_hashes();
 
 std::string utc_now();  // "2026-11-21T03:29:32Z"
 

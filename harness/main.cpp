@@ -9,6 +9,7 @@
 #include "measure.h"
 #include "paths.h"
 #include "plan.h"
+#include "plugin.h"
 #include "progress.h"
 #include "runner.h"
 #include "shape_file.h"
@@ -81,6 +82,14 @@ int dispatch(int argc, char** argv) {
     app.require_subcommand(1);
     int code = 0;
 
+    std::vector<fs::path> plugin_files;
+    const auto takes_plugins = [&](CLI::App* verb) {  // loaded before anything looks for a solver
+        verb->add_option("--plugin", plugin_files, "a library with more solvers; may be repeated")->allow_extra_args(false);
+        verb->parse_complete_callback([&] {
+            for (const fs::path& file : plugin_files) load_plugin(file);
+        });
+    };
+
     RunArguments run_arguments;
     auto* run_verb = app.add_subcommand("run", "run an experiment and write its results (resumes by itself)");
     run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
@@ -92,6 +101,7 @@ int dispatch(int argc, char** argv) {
     run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
     run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
     run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
+    takes_plugins(run_verb);
     run_verb->callback([&] { code = run(run_arguments); });
 
     RunArguments explain_arguments;
@@ -101,6 +111,7 @@ int dispatch(int argc, char** argv) {
     explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run");
     explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run");
     explain_verb->add_option("--results", explain_arguments.results, "folder with earlier results, for the estimate (default: results of the project)");
+    takes_plugins(explain_verb);
     explain_verb->callback([&] {
         const Plan plan = plan_of(explain_arguments);
         std::fputs(explain(plan, results_of(explain_arguments)).c_str(), stdout);
@@ -109,6 +120,7 @@ int dispatch(int argc, char** argv) {
     bool list_json = false;
     auto* list_verb = app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
     list_verb->add_flag("--json", list_json, "as one JSON object");
+    takes_plugins(list_verb);
     list_verb->callback([&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
 
     MeasureRequest request;
@@ -125,6 +137,7 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     measure_verb->add_option("--time-limit", request.time_limit, "seconds for each direction; the bounds hold when it runs out");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
+    takes_plugins(measure_verb);
     measure_verb->callback([&] {
         request.options = parse_parameters(parameters);
         const Measured measured = measure(request);

@@ -146,6 +146,7 @@ private:
                 asked.tolerance = tolerances[t];
                 asked.tolerance_of = experiment.of;
                 asked.limits = experiment.limits;
+                if (entry) asked.certified = entry->info.certified;
                 asked.identity = identify(asked);
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));

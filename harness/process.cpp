@@ -4,13 +4,13 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -20,6 +20,7 @@ namespace hausbench {
 
 namespace {
 
+constexpr std::size_t output_kept = 4096;
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // of a worker gone mad
 
 void write_all(int descriptor, const std::string& text) {
@@ -31,14 +32,39 @@ void write_all(int descriptor, const std::string& text) {
     }
 }
 
+// A process and all it has started that still hang on it.
+void add_family(pid_t pid, std::vector<pid_t>& to) {
+    to.push_back(pid);
+    std::ifstream children(fmt::format("/proc/{}/task/{}/children", pid, pid));
+    for (pid_t child = 0; children >> child;) add_family(child, to);
+}
+
+// The environment, but for TMPDIR.
+std::vector<std::string> environment_with(const std::string& folder) {
+    std::vector<std::string> all{"TMPDIR=" + folder};
+    for (char** entry = environ; *entry; ++entry) {
+        if (std::strncmp(*entry, "TMPDIR=", 7) != 0) all.emplace_back(*entry);
+    }
+    return all;
+}
+
 }  // namespace
 
 WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) {
     std::signal(SIGPIPE, SIG_IGN);
-    int feed[2], events[2];
-    if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0) throw std::runtime_error("cannot open a pipe");
-    output_ = ::memfd_create("worker output", MFD_CLOEXEC);
-    const std::string path = program.string(), descriptor = fmt::format("{}", events[1]);
+    int feed[2], events[2], output[2];
+    if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
+        throw std::runtime_error("cannot open a pipe");
+    }
+    std::string pattern = (std::filesystem::temp_directory_path() / "hausbench-worker-XXXXXX").string();
+    if (!::mkdtemp(pattern.data())) throw std::runtime_error(fmt::format("{}: {}", pattern, std::strerror(errno)));
+    folder_ = pattern;
+    std::vector<std::string> environment = environment_with(pattern);
+    std::vector<char*> entries;
+    for (std::string& entry : environment) entries.push_back(entry.data());
+    entries.push_back(nullptr);
+    std::string path = program.string(), verb = "worker", option = "--events", descriptor = fmt::format("{}", events[1]);
+    char* arguments[] = {path.data(), verb.data(), option.data(), descriptor.data(), nullptr};
     const pid_t parent = ::getpid();
     pid_ = ::fork();
     if (pid_ < 0) throw std::runtime_error(fmt::format("cannot start a worker: {}", std::strerror(errno)));
@@ -47,15 +73,18 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
         if (::getppid() != parent) ::_exit(127);
         ::dup2(feed[0], STDIN_FILENO);
-        ::dup2(output_, STDOUT_FILENO);
-        ::dup2(output_, STDERR_FILENO);
+        ::dup2(output[1], STDOUT_FILENO);
+        ::dup2(output[1], STDERR_FILENO);
         ::fcntl(events[1], F_SETFD, 0);  // inherited
-        ::execl(path.c_str(), path.c_str(), "worker", "--events", descriptor.c_str(), static_cast<char*>(nullptr));
+        ::execve(path.c_str(), arguments, entries.data());
         ::_exit(127);
     }
     ::close(feed[0]);
     ::close(events[1]);
+    ::close(output[1]);
     events_ = events[0];
+    output_ = output[0];
+    ::fcntl(output_, F_SETFL, O_NONBLOCK);
     write_all(feed[1], input);
     ::close(feed[1]);
 }
@@ -65,6 +94,21 @@ WorkerProcess::~WorkerProcess() {
     end();
     ::close(events_);
     ::close(output_);
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+}
+
+// So that a worker that writes much is not held up, and only the end of it is kept.
+void WorkerProcess::read_output() {
+    char bytes[1 << 16];
+    for (;;) {
+        const ssize_t n = ::read(output_, bytes, sizeof bytes);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return;
+        said_.append(bytes, std::size_t(n));
+        if (said_.size() > output_kept) said_.erase(0, said_.size() - output_kept);
+        if (n < ssize_t(sizeof bytes)) return;
+    }
 }
 
 WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::string& line) {
@@ -78,9 +122,15 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
         }
         searched = buffer_.size();
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-        pollfd on{events_, POLLIN, 0};
-        const int ready = ::poll(&on, 1, int(std::max<std::int64_t>(0, left.count())));
+        pollfd on[2] = {{events_, POLLIN, 0}, {output_open_ ? output_ : -1, POLLIN, 0}};
+        const int ready = ::poll(on, 2, int(std::max<std::int64_t>(0, left.count())));
         if (ready <= 0) return Heard::nothing;  // an interrupt is the caller's to look at
+        if (on[1].revents & POLLIN) read_output();
+        else if (on[1].revents) output_open_ = false;
+        if (!on[0].revents) {
+            if (left.count() <= 0) return Heard::nothing;
+            continue;
+        }
         char bytes[1 << 16];
         const ssize_t n = ::read(events_, bytes, sizeof bytes);
         if (n < 0 && errno == EINTR) continue;
@@ -90,14 +140,36 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
 }
 
 std::int64_t WorkerProcess::resident_bytes() const {
-    std::ifstream in(fmt::format("/proc/{}/statm", pid_));
-    std::int64_t size = 0, resident = 0;
-    in >> size >> resident;
-    return resident * ::sysconf(_SC_PAGE_SIZE);
+    std::vector<pid_t> family;
+    add_family(pid_, family);
+    std::int64_t all = 0;
+    for (const pid_t member : family) {
+        std::ifstream in(fmt::format("/proc/{}/statm", member));
+        std::int64_t size = 0, resident = 0;
+        in >> size >> resident;
+        all += resident;
+    }
+    return all * ::sysconf(_SC_PAGE_SIZE);
 }
 
 void WorkerProcess::kill() {
-    if (!status_) ::kill(-pid_, SIGKILL), ::kill(pid_, SIGKILL);  // the group; itself, if it has not made one yet
+    if (status_) return;
+    std::vector<pid_t> family;
+    add_family(pid_, family);
+    ::kill(-pid_, SIGKILL);  // its group, whoever is in it
+    for (const pid_t member : family) ::kill(member, SIGKILL);  // first itself, which may have made no group yet
+}
+
+bool WorkerProcess::ended_within(std::chrono::milliseconds wait) {
+    const auto deadline = std::chrono::steady_clock::now() + wait;
+    while (!status_) {
+        int status = 0;
+        if (::waitpid(pid_, &status, WNOHANG) == pid_) status_ = status;
+        else if (std::chrono::steady_clock::now() > deadline) return false;
+        else ::poll(nullptr, 0, 5);
+        read_output();
+    }
+    return true;
 }
 
 std::string WorkerProcess::end() {
@@ -117,12 +189,9 @@ std::optional<int> WorkerProcess::signal() const {
     return std::nullopt;
 }
 
-std::string WorkerProcess::last_words(std::size_t characters) const {
-    const off_t size = ::lseek(output_, 0, SEEK_END);
-    const off_t from = std::max<off_t>(0, size - off_t(characters));
-    std::string text(std::size_t(size - from), '\0');
-    const ssize_t n = ::pread(output_, text.data(), text.size(), from);
-    text.resize(std::size_t(std::max<ssize_t>(0, n)));
+std::string WorkerProcess::last_words(std::size_t characters) {
+    read_output();
+    std::string text = said_.substr(said_.size() - std::min(said_.size(), characters));
     for (char& c : text) {
         if (c == '\n') c = ' ';
         else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';  // it may not be text

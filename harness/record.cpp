@@ -38,7 +38,8 @@ Tolerance Case::resolved_tolerance() const {
 json options_json(const ParameterMap& options) {
     json out = json::object();
     for (const auto& [name, value] : options) {
-        std::visit([&](const auto& v) { out[name] = v; }, value);
+        json& field = out[name];
+        std::visit([&](const auto& v) { field = v; }, value);
     }
     return out;
 }
@@ -101,6 +102,7 @@ json to_json(const Outcome& o) {
             {"prepare_seconds", number(o.prepare_seconds)},
             {"prepare_bytes", o.prepare_bytes},
             {"solve_seconds", number(o.solve_seconds)},
+            {"reported_seconds", number(o.reported_seconds)},
             {"peak_bytes", o.peak_bytes},
             {"preparation", preparation},
             {"repeats", repeats},
@@ -122,6 +124,7 @@ Outcome outcome_from_json(const json& j) {
     o.prepare_seconds = number(j.at("prepare_seconds"));
     o.prepare_bytes = j.at("prepare_bytes");
     o.solve_seconds = number(j.at("solve_seconds"));
+    o.reported_seconds = number(j.at("reported_seconds"));
     o.peak_bytes = j.at("peak_bytes");
     for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), number(p.at(1)), p.at(2)});
     for (const json& r : j.at("repeats")) o.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});

@@ -26,6 +26,7 @@ struct Case {
     double tolerance = 0;
     std::string tolerance_of;
     Limits limits;
+    int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
     Tolerance resolved_tolerance() const;  // relative to the diagonal becomes absolute: here and nowhere else
 };
@@ -50,6 +51,7 @@ struct Outcome {
     double prepare_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t prepare_bytes = -1;
     double solve_seconds = std::numeric_limits<double>::quiet_NaN();
+    double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t peak_bytes = -1;
     std::vector<PreparationTime> preparation;
     std::vector<Repeat> repeats;

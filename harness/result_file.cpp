@@ -66,6 +66,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.text("identity", [](const Row& r) { return r.asked.identity; });
     c.text("solver", [](const Row& r) { return r.asked.solver; });
     c.text("label", [](const Row& r) { return r.asked.label; });
+    c.integer("certified", [](const Row& r) { return r.asked.certified; });
     c.text("options", [](const Row& r) { return options_json(r.asked.options).dump(); });
     c.text("scene", [](const Row& r) { return r.asked.scene; });
     c.text("scene_note", [](const Row& r) { return r.asked.note; });
@@ -97,6 +98,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.real("prepare_seconds", [](const Row& r) { return r.outcome.prepare_seconds; });
     c.integer("prepare_bytes", [](const Row& r) { return r.outcome.prepare_bytes; });
     c.real("solve_seconds", [](const Row& r) { return r.outcome.solve_seconds; });
+    c.real("reported_seconds", [](const Row& r) { return r.outcome.reported_seconds; });
     c.integer("peak_bytes", [](const Row& r) { return r.outcome.peak_bytes; });
     c.integer("from_trace", [](const Row& r) { return r.outcome.from_trace; });
     c.text("lower_check", [](const Row& r) { return std::string(to_string(r.check.lower)); });
@@ -245,6 +247,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.texts("identity"), [](Row& r, Text v) { r.asked.identity = v; });
     each(c.texts("solver"), [](Row& r, Text v) { r.asked.solver = v; });
     each(c.texts("label"), [](Row& r, Text v) { r.asked.label = v; });
+    each(c.integers("certified"), [](Row& r, auto v) { r.asked.certified = int(v); });
     each(c.texts("options"), [](Row& r, Text v) { r.asked.options = options_of(v); });
     each(c.texts("scene"), [](Row& r, Text v) { r.asked.scene = v; });
     each(c.texts("scene_note"), [](Row& r, Text v) { r.asked.note = v; });
@@ -277,6 +280,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.reals("prepare_seconds"), [](Row& r, double v) { r.outcome.prepare_seconds = v; });
     each(c.integers("prepare_bytes"), [](Row& r, auto v) { r.outcome.prepare_bytes = v; });
     each(c.reals("solve_seconds"), [](Row& r, double v) { r.outcome.solve_seconds = v; });
+    each(c.reals("reported_seconds"), [](Row& r, double v) { r.outcome.reported_seconds = v; });
     each(c.integers("peak_bytes"), [](Row& r, auto v) { r.outcome.peak_bytes = v; });
     each(c.integers("from_trace"), [](Row& r, auto v) { r.outcome.from_trace = v != 0; });
     each(c.texts("lower_check"), [](Row& r, Text v) { r.check.lower = verdict_of(v); });

@@ -63,12 +63,11 @@ public:
     Runner(const Plan& plan, const RunOptions& options)
         : plan_(plan),
           options_(options),
-          journal_((std::filesystem::create_directories(options.results), options.results / (plan.experiment.stem + options.suffix + ".journal"))),
+          journal_((std::filesystem::create_directories(options.results), options.results / (plan.experiment.stem + options.suffix + ".journal")), options.fresh),
           progress_(options.quiet) {}
 
     RunSummary run() {
         Interrupts interrupts;
-        if (options_.fresh) journal_.clear();
         const int rounds = plan_.experiment.rounds;
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
@@ -94,7 +93,7 @@ private:
         const auto at = journal_.outcomes().find({plan_.cases[row].identity, round});
         if (at == journal_.outcomes().end()) return nullptr;
         const Outcome& outcome = at->second;
-        if (!options_.any_build && (outcome.build != this_build().id || outcome.machine != this_machine().id)) return nullptr;
+        if (!options_.any_build && (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id)) return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         const bool timed = outcome.status == "ok" || outcome.status == "floor";
         if (timed && outcome.repeats.empty() && plan_.experiment.repeats > 0) return nullptr;
@@ -127,6 +126,7 @@ private:
         const Case& first = plan_.cases[rows.front()];
         WorkOrder order{first.solver, first.options, job.source_file, job.target_file, job.queries, first.limits,
                         round,        plan_.experiment.repeats, {}};
+        order.plugins = plugin_hashes();
         for (std::size_t row : rows) {
             const Case& asked = plan_.cases[row];
             const auto marks = plan_.marks(row);
@@ -155,7 +155,7 @@ private:
             deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
         };
         const auto close_case = [&](std::size_t row, Outcome outcome) {
-            outcome.build = this_build().id;
+            outcome.build = build_of(plan_.cases[row].solver);
             outcome.machine = this_machine().id;
             ++statuses[outcome.status];
             journal_.append({plan_.cases[row].identity, round}, outcome);
@@ -166,6 +166,7 @@ private:
         const auto fail = [&](const std::string& status, const std::string& reason) {
             worker.kill();
             worker.end();
+            if (finished == rows.size()) return;  // all are answered: how it ends is its own affair
             Outcome outcome;
             outcome.status = status;
             outcome.reason = reason;
@@ -201,21 +202,33 @@ private:
             }
             if (heard == WorkerProcess::Heard::closed) {
                 if (finished == rows.size()) return finished;
+                if (!worker.ended_within(std::chrono::seconds(1))) {
+                    fail("failed", "the worker closed its events and went on");
+                    return finished;
+                }
                 const std::string how = worker.end();
                 fail(worker.signal() ? "signal" : "failed", how.empty() ? "the worker ended early" : "ended by " + how);
                 return finished;
             }
-            const json event = json::parse(line, nullptr, false);
-            const auto kind = event.is_object() ? event.value("event", "") : "";
             bool garbled = false;
             try {
+                // A solver may have written this: nothing in it is taken for granted.
+                const json event = json::parse(line);
+                const auto kind = event.at("event").get<std::string>();
+                const auto expect = [](bool fits) {
+                    if (!fits) throw NotAnEvent{};
+                };
+                if (kind != "prepared") {
+                    expect(prepared && finished < rows.size() && event.at("row").get<std::size_t>() == rows[finished]);
+                    expect(kind == "begin" ? !now.began : kind == "answer" ? now.began && !now.answered : now.answered);
+                }
                 if (kind == "prepared") {
-                    prepared = true;
+                    expect(!prepared);
                     note_left_out(job, event.at("left_out"));
+                    prepared = true;
                     allow(with_grace(limits.case_seconds));
                 } else if (kind == "begin") {
-                    now = {true, false, event.at("row").get<std::size_t>(), {}};
-                    if (finished >= rows.size() || now.row != rows[finished]) throw NotAnEvent{};
+                    now = {true, false, rows[finished], {}};
                     allow(with_grace(limits.case_seconds));
                 } else if (kind == "answer") {
                     now.outcome = outcome_from_json(event.at("outcome"));
@@ -223,16 +236,17 @@ private:
                     allow(with_grace(3 * limits.case_seconds));
                 } else if (kind == "repeat") {
                     const json& r = event.at("repeat");
+                    expect(now.outcome.repeats.size() < std::size_t(plan_.experiment.repeats));
                     now.outcome.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
                     allow(with_grace(3 * limits.case_seconds));
                 } else if (kind == "trace") {
+                    expect(now.outcome.trace.empty());
                     for (const json& s : event.at("samples")) now.outcome.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
                     if (event.at("differs").get<bool>()) {
                         now.outcome.status = "failed";
                         now.outcome.reason = "the traced run ended with other bounds than the first: the solver is not deterministic";
                     }
                 } else if (kind == "end") {
-                    if (!now.answered || event.at("row").get<std::size_t>() != now.row) throw NotAnEvent{};
                     close_case(now.row, now.outcome);
                     now = {};
                     allow(with_grace(limits.case_seconds));
@@ -262,7 +276,7 @@ private:
     Outcome gather(std::size_t row) const {
         if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
             Outcome outcome = at->second;
-            outcome.build = this_build().id;
+            outcome.build = build_of(plan_.cases[row].solver);
             outcome.machine = this_machine().id;
             return outcome;
         }

@@ -160,7 +160,12 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
-        if (std::isnan(b.lower) || std::isnan(b.upper)) continue;
+        if (std::isnan(b.lower) || std::isnan(b.upper)) {
+            if (!rows[i].outcome.solver_status.empty()) {  // it did answer
+                rows[i].check = {Verdict::unsound, Verdict::unsound, "a bound is not a number"};
+            }
+            continue;
+        }
         std::vector<double> pose(c.pose.rotation.data(), c.pose.rotation.data() + 9);
         pose.insert(pose.end(), c.pose.translation.data(), c.pose.translation.data() + 3);
         scenes[{c.source, c.target, pose}].push_back(i);

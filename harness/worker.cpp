@@ -3,6 +3,8 @@
 #include "worker.h"
 
 #include "error.h"
+#include "hash.h"
+#include "plugin.h"
 #include "registry.h"
 #include "session.h"
 #include "shape_file.h"
@@ -49,6 +51,14 @@ std::int64_t memory_now(const std::string& key) {
 // Makes the peak resident set start again from the present one. False where the kernel does not let us.
 bool reset_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
 
+// A solver's words as one line of a table.
+std::string one_line(std::string text) {
+    for (char& c : text) {
+        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+    }
+    return text.substr(0, 1000);
+}
+
 class Worker {
 public:
     Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
@@ -72,7 +82,7 @@ public:
 
 private:
     void send(const json& event) {
-        const std::string line = event.dump() + '\n';
+        const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
         for (std::size_t done = 0; done < line.size();) {
             const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
             if (n <= 0) std::exit(3);  // the runner is gone
@@ -90,13 +100,24 @@ private:
         const bool peak_known = reset_peak();
         Trace untraced;
         const auto begin = std::chrono::steady_clock::now();
-        const Result result = session_->solve(query, untraced);
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-
+        Result result;
         Outcome outcome;
+        try {
+            result = session_->solve(query, untraced);
+        } catch (const std::bad_alloc&) {
+            give_up(item, "out_of_memory", "the solver was refused memory that it asked for");
+            return;
+        } catch (const std::exception& error) {
+            give_up(item, "failed", std::string("the solver threw: ") + error.what());
+            return;
+        } catch (...) {
+            give_up(item, "failed", "the solver threw something that is not a std::exception");
+            return;
+        }
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
         outcome.status = row_status(result.status);
         outcome.solver_status = to_string(result.status);
-        if (outcome.status != "ok") outcome.reason = reason(result.status);
+        if (outcome.status != "ok") outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
         outcome.bounds = result.bounds;
         outcome.witness = result.witness;
         outcome.counters = result.counters;
@@ -104,11 +125,25 @@ private:
         outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
         outcome.preparation = session_->preparation();
         outcome.solve_seconds = seconds.count();
-        if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, memory_now("VmHWM") - memory_before_);
+        outcome.reported_seconds = result.reported_seconds;
+        if (result.outside_bytes >= 0) outcome.peak_bytes = result.outside_bytes;
+        else if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, memory_now("VmHWM") - memory_before_);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
 
         if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, seconds.count());
         if (item.trace) trace(item, query, result);
+        send({{"event", "end"}, {"row", item.row}});
+    }
+
+    // No answer, and none to time; the solver may do better on the next case.
+    void give_up(const WorkOrder::Item& item, const std::string& status, const std::string& reason) {
+        Outcome outcome;
+        outcome.status = status;
+        outcome.reason = one_line(reason);
+        outcome.prepare_seconds = session_->prepare_seconds();
+        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
+        outcome.preparation = session_->preparation();
+        send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
         send({{"event", "end"}, {"row", item.row}});
     }
 
@@ -160,7 +195,8 @@ ParameterMap parameters_of(const json& object) {
 }  // namespace
 
 json to_json(const WorkOrder& o) {
-    json items = json::array();
+    json items = json::array(), plugins = json::object();
+    for (const auto& [file, hash] : o.plugins) plugins[file.string()] = hash;
     for (const auto& i : o.items) {
         items.push_back({{"row", i.row}, {"pose", pose_json(i.pose)}, {"of_lower", i.tolerance.of == Tolerance::Of::lower},
                          {"tolerance", i.tolerance.value}, {"trace", i.trace}, {"marks", i.marks}});
@@ -173,7 +209,8 @@ json to_json(const WorkOrder& o) {
             {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
             {"round", o.round},
             {"repeats", o.repeats},
-            {"items", items}};
+            {"items", items},
+            {"plugins", plugins}};
 }
 
 WorkOrder work_order_from_json(const json& j) {
@@ -191,12 +228,18 @@ WorkOrder work_order_from_json(const json& j) {
                            {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
                            i.at("trace"), i.at("marks").get<std::vector<double>>()});
     }
+    for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
     return o;
 }
 
 int worker_main(int events) {
     const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-    return Worker(work_order_from_json(json::parse(text)), events).run();
+    WorkOrder order = work_order_from_json(json::parse(text));
+    for (const auto& [file, hash] : order.plugins) {
+        if (sha256_of_file(file) != hash) throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
+        load_plugin(file);
+    }
+    return Worker(std::move(order), events).run();
 }
 
 }  // namespace hausbench

@@ -23,6 +23,7 @@ struct WorkOrder {
         std::vector<double> marks;
     };
     std::vector<Item> items;
+    std::map<std::filesystem::path, std::string> plugins = {};  // file -> SHA-256
 };
 
 nlohmann::json to_json(const WorkOrder& order);

@@ -1,0 +1,92 @@
+#include "plugin.h"
+
+#include "error.h"
+#include "registry.h"
+
+#include <dlfcn.h>
+#include <elf.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<Plugin>& list_of_plugins() {
+    static std::vector<Plugin> list;
+    return list;
+}
+
+// Whether a library's file ends before what its header says is loaded from it: dlopen() would die of it (SIGBUS).
+bool is_cut_short(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    Elf64_Ehdr header{};
+    if (!in.read(reinterpret_cast<char*>(&header), sizeof header) || std::string_view(reinterpret_cast<char*>(header.e_ident), SELFMAG) != ELFMAG) {
+        return false;  // dlopen() says what it is
+    }
+    std::error_code ignored;
+    const std::uintmax_t size = fs::file_size(file, ignored);
+    in.seekg(static_cast<std::streamoff>(header.e_phoff));
+    for (int i = 0; i < header.e_phnum; ++i) {
+        Elf64_Phdr part{};
+        if (!in.read(reinterpret_cast<char*>(&part), sizeof part)) return true;
+        if (part.p_type == PT_LOAD && part.p_offset + part.p_filesz > size) return true;
+    }
+    return false;
+}
+
+template <class Function> Function* symbol(void* library, const char* name, const fs::path& file) {
+    void* address = ::dlsym(library, name);
+    if (!address) {
+        throw InputError(fmt::format("{}: is a library but no plug-in, it has no '{}': put HAUSBENCH_PLUGIN(...) in one of its "
+                                     "files (plugin.h)", file.string(), name));
+    }
+    return reinterpret_cast<Function*>(address);
+}
+
+}  // namespace
+
+const std::vector<Plugin>& plugins() { return list_of_plugins(); }
+
+void load_plugin(const fs::path& named) {
+    const fs::path file = fs::absolute(named).lexically_normal();
+    if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: name a plug-in, a MODULE library (.so)", named.string()));
+    if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name a plug-in in it (.so)", named.string()));
+    if (is_cut_short(file)) throw InputError(fmt::format("{}: the file is cut short: copy or build it again", file.string()));
+    void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed: its solvers are in use to the end
+    if (!library) {
+        const char* why = ::dlerror();
+        throw InputError(fmt::format("{}: cannot be loaded ({}): build it as a MODULE library with find_package(hausbench)",
+                                     file.string(), why ? why : "no reason given"));
+    }
+    const int interface = symbol<int()>(library, "hausbench_plugin_interface", file)();
+    if (interface != plugin_interface) {
+        throw InputError(fmt::format("{}: was made for plug-in interface {}, this program has {}: build it again against this hausbench",
+                                     file.string(), interface, plugin_interface));
+    }
+    std::array<char, 1024> layout{};
+    symbol<void(char*, unsigned long)>(library, "hausbench_plugin_layout", file)(layout.data(), layout.size() - 1);
+    if (plugin_layout() != layout.data()) {
+        throw InputError(fmt::format("{}: was built with other headers or libraries ({}) than this program ({}): build it again "
+                                     "against this hausbench", file.string(), layout.data(), plugin_layout()));
+    }
+    std::vector<SolverEntry> entries;
+    try {
+        symbol<void(std::vector<SolverEntry>&)>(library, "hausbench_plugin_solvers", file)(entries);
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw InputError(fmt::format("{}: could not say what it offers: {}", file.string(), error.what()));
+    }
+    if (entries.empty()) throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
+    add_solvers(entries, file.string());
+    Plugin plugin{file, {}};
+    for (const SolverEntry& entry : entries) plugin.solvers.push_back(entry.info.name);
+    list_of_plugins().push_back(std::move(plugin));
+}
+
+}  // namespace hausbench

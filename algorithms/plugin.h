@@ -1,0 +1,61 @@
+// Solvers from outside the tree: a MODULE library that is loaded at run time.
+//
+// A plug-in is any number of solvers (solver.h) and one line at the end of one of its files:
+//
+//     HAUSBENCH_PLUGIN(my_solver(), my_other_solver())   // expressions of type SolverEntry
+//
+// built against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is a whole one.
+// C++ objects cross the border, so plug-in and program must agree on the interface, the compiler's library and Eigen:
+// `plugin_interface` counts up with every change of meaning in the public headers, `plugin_layout()` notices the rest.
+#pragma once
+
+#include "solver.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+inline constexpr int plugin_interface = 1;
+
+#define HAUSBENCH_TEXT_OF(x) #x
+#define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
+
+// Libraries whose objects cross the border, and the sizes of what does.
+inline std::string plugin_layout() {
+    std::string text = "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION)
+        ", alignment " + std::to_string(EIGEN_MAX_ALIGN_BYTES) + ", libstdc++ ABI " HAUSBENCH_TEXT(_GLIBCXX_USE_CXX11_ABI) ", sizes";
+    for (const std::size_t size : {sizeof(Scene), sizeof(Prepared), sizeof(Query), sizeof(Result), sizeof(QuerySet), sizeof(Trace),
+                                   sizeof(Options), sizeof(ParameterSpec), sizeof(SolverInfo), sizeof(SolverEntry)}) {
+        text += ' ' + std::to_string(size);
+    }
+    return text;
+}
+
+// Functions that a plug-in exports, with C linkage so that their names are known.
+#define HAUSBENCH_PLUGIN(...)                                                                                              \
+    extern "C" __attribute__((visibility("default"))) int hausbench_plugin_interface() {                                   \
+        return ::hausbench::plugin_interface;                                                                              \
+    }                                                                                                                      \
+    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_layout(char* text, unsigned long size) {       \
+        ::hausbench::plugin_layout().copy(text, size);                                                                     \
+    }                                                                                                                      \
+    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_solvers(                                       \
+        std::vector<::hausbench::SolverEntry>& to) {                                                                       \
+        to = {__VA_ARGS__};                                                                                                \
+    }
+
+// Adds a plug-in's solvers to the registry; it stays loaded. Before anything else is done: see add_solvers() in registry.h.
+// Throws InputError naming the file and the remedy: missing, not a library, not a plug-in, made for another interface or
+// with other libraries, a solver name that is taken.
+void load_plugin(const std::filesystem::path& file);
+
+struct Plugin {
+    std::filesystem::path file;  // absolute
+    std::vector<std::string> solvers;
+};
+const std::vector<Plugin>& plugins();  // in the order of loading
+
+}  // namespace hausbench

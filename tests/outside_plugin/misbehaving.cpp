@@ -1,0 +1,120 @@
+// Solvers that do what no solver should, at one pose; at all others they answer as vertex_only does. The harness has to give
+// each case its row and go on.
+#include <hausbench/plugin.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+using namespace hausbench;
+
+SolverEntry vertex_only_solver();  // vertex_only.cpp
+
+namespace {
+
+void crash(const std::string&, Result&) {
+    std::fputs("about to touch what is not ours\n", stderr);
+    std::raise(SIGSEGV);
+}
+
+void hang(const std::string&, Result&) {
+    for (;;) ::getppid();  // busy
+}
+
+void eat_memory(const std::string& how, Result&) {
+    for (std::vector<std::vector<char>> eaten;;) {
+        if (how == "at once") eaten.emplace_back(std::size_t(1) << 62);  // std::bad_alloc
+        eaten.emplace_back(std::size_t(4) << 20, 'x');
+    }
+}
+
+void lie(const std::string& how, Result& result) {
+    Bounds& bounds = result.bounds;
+    if (how == "upper below") bounds = {0, 0.5 * bounds.lower};
+    if (how == "lower above") bounds = {2 * bounds.lower, 2 * bounds.upper};  // the witness is still the true one
+    if (how == "far witness") bounds = {2 * bounds.lower, 2 * bounds.upper}, result.witness.source_point.array() += 100;
+    if (how == "crossed") std::swap(bounds.lower, bounds.upper), bounds.lower *= 1.5;
+    if (how == "not a number") bounds.lower = bounds.upper = std::numeric_limits<double>::quiet_NaN();
+    result.status = Status::converged;
+}
+
+int event_pipe() {
+    std::ifstream in("/proc/self/cmdline");
+    const std::string all{std::istreambuf_iterator<char>(in), {}};
+    const std::string option("--events\0", 9);
+    const std::size_t at = all.find(option);
+    return at == std::string::npos ? -1 : std::atoi(all.c_str() + at + option.size());
+}
+
+void babble(const std::string& how, Result&) {
+    const int pipe = event_pipe();
+    if (pipe < 0) return;
+    const auto say = [&](const std::string& text) { return ::write(pipe, text.data(), text.size()) >= 0; };
+    if (how == "noise") say("\xff\x00 { not an event\n");
+    if (how == "json") say("{\"event\": 3}\n[1, 2]\n\"begin\"\n");
+    if (how == "another row") say("{\"event\": \"begin\", \"row\": 123456789}\n");
+    if (how == "an answer") say("{\"event\": \"answer\", \"row\": 0, \"outcome\": {\"status\": \"ok\"}}\n");
+    if (how == "closed") {
+        ::close(pipe);
+        for (;;) ::pause();
+    }
+}
+
+void throw_it(const std::string& how, Result&) {
+    if (how == "a number") throw 7;
+    throw std::runtime_error("it was\ntoo hard");
+}
+
+void chatter(const std::string&, Result&) {
+    const std::string line(999, '.');
+    for (int i = 0; i < 20000; ++i) {
+        std::puts(line.c_str());
+        std::fprintf(stderr, "%s\n", line.c_str());
+    }
+}
+
+using Deed = void (*)(const std::string& how, Result& result);
+
+template <Deed deed> class Misbehaving final : public Solver {
+public:
+    explicit Misbehaving(const Options& options)
+        : at_(options.real("at")), how_(options.text("how")), good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+
+    void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
+
+    Result solve(const Query& query, Trace& trace) const override {
+        Result result = good_->solve(query, trace);
+        if (query.pose.translation.x() == at_) deed(how_, result);
+        return result;
+    }
+
+private:
+    double at_;
+    std::string how_;
+    std::unique_ptr<Solver> good_;
+};
+
+template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vector<std::string> ways = {""}) {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = name;
+    info.certified = false;
+    info.original_coordinates = true;  // so that `at` is a length of the experiment
+    info.parameters = {
+        {.name = "at", .default_value = 1.0, .unit = "length", .paper_value = "", .description = "x of the translation where it misbehaves"},
+        {.name = "how", .default_value = ways.front(), .unit = "", .paper_value = "", .description = "which way", .choices = ways},
+    };
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Misbehaving<deed>>(options); }};
+}
+
+}  // namespace
+
+HAUSBENCH_PLUGIN(vertex_only_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
+                 misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
+                 misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number"}),
+                 misbehaving<babble>("babbles", {"noise", "json", "another row", "an answer", "closed"}),
+                 misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"))

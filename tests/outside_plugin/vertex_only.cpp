@@ -1,0 +1,90 @@
+// A whole solver in one file, small and slow: every vertex of A against every triangle (or point) of B.
+//
+// Lower bound: the largest distance of a vertex of A. Upper bound: the distance to one triangle S of B is convex, so over a
+// triangle T of A it is largest at a corner; T is covered best by the S that is least far from its farthest corner.
+// O(|A| |B|) time, O(|B|) memory for each corner of T. Certified: vertices are exact, and the distances are bounded by the
+// kernels' own proofs (kernel/point_triangle.h, kernel/rounding.h).
+#include <hausbench/kernel/deadline.h>
+#include <hausbench/kernel/point_triangle.h>
+#include <hausbench/kernel/rounding.h>
+#include <hausbench/plugin.h>
+
+#include <algorithm>
+
+using namespace hausbench;
+
+namespace {
+
+// A point counts as a triangle whose corners coincide.
+std::vector<Triangle> elements_of(const Shape& shape, const Points& points) {
+    std::vector<Triangle> elements;
+    for (Index i = 0; i < element_count(shape); ++i) {
+        const auto* mesh = std::get_if<TriangleMesh>(&shape);
+        const auto corner = [&](int k) -> Vec3 { return points.row(mesh ? mesh->triangles(i, k) : i); };
+        elements.push_back({corner(0), corner(1), corner(2)});
+    }
+    return elements;
+}
+
+class VertexOnly final : public Solver {
+public:
+    explicit VertexOnly(const Options&) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        source_ = &scene.source;
+        target_ = elements_of(scene.target, points_of(scene.target));
+        target_magnitude_ = magnitude(points_of(scene.target));
+    }
+
+    Result solve(const Query& query, Trace&) const override {
+        const Points a = posed(points_of(*source_), query.pose);
+        const double size = std::max(magnitude(a), target_magnitude_);
+        if (size != 0 && !(size >= smallest_safe_magnitude && size <= largest_safe_magnitude)) return {};
+
+        const Deadline deadline(query.time_limit);
+        Result result;
+        double upper = 0;
+        const std::vector<Triangle> elements = elements_of(*source_, a);
+        for (std::size_t i = 0; i < elements.size(); ++i) {
+            if (deadline.passed()) {
+                result.status = Status::time_limit;
+                return result;  // what is known of some triangles bounds h from below only
+            }
+            std::vector<double> farthest(target_.size(), 0);  // of the corners so far, from each S
+            for (const Vec3& corner : {elements[i].a, elements[i].b, elements[i].c}) {
+                double lower = std::numeric_limits<double>::infinity(), nearest = lower;
+                Witness witness{corner, corner, Index(i), -1};
+                for (std::size_t j = 0; j < target_.size(); ++j) {
+                    const TrianglePoint q = closest_point(corner, target_[j]);
+                    lower = std::min(lower, distance_certainly_at_least(corner, target_[j], q.point));
+                    farthest[j] = std::max(farthest[j], q.squared_distance);
+                    if (q.squared_distance < nearest) nearest = q.squared_distance, witness.target_point = q.point, witness.target_element = Index(j);
+                }
+                result.counters.point_triangle_distances += target_.size();
+                if (lower > result.bounds.lower || i == 0) result.bounds.lower = lower, result.witness = witness;
+            }
+            upper = std::max(upper, surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
+        }
+        result.bounds.upper = upper;
+        const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+        result.status = close ? Status::converged : Status::budget;  // it knows no other way to come closer
+        if (!close) result.note = "a solver that looks at vertices only comes no closer than this";
+        return result;
+    }
+
+private:
+    const Shape* source_ = nullptr;
+    std::vector<Triangle> target_;
+    double target_magnitude_ = 0;
+};
+
+}  // namespace
+
+SolverEntry vertex_only_solver() {
+    SolverInfo info;
+    info.name = "vertex_only";
+    info.title = "Vertices only";
+    info.source = info.target = {.points = true, .mesh = true};
+    info.certified = true;
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
+}

@@ -1,0 +1,221 @@
+"""Solvers from outside the tree: an installed hausbench, a project built against it, and what the harness does with solvers
+that crash, hang, eat memory, lie, babble, throw and chatter.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+from conftest import ROOT, Program
+
+SOURCES = ROOT / "tests" / "outside_plugin"
+
+
+def built(command: list[str | Path], folder: Path) -> None:
+    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="session")
+def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with the built plug-ins, made from nothing but what `cmake --install` puts down."""
+    folder = tmp_path_factory.mktemp("outside")
+    shutil.copytree(SOURCES, folder / "sources")
+    built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
+    flags = ["-DCMAKE_CXX_FLAGS=-fsanitize=" + os.environ["HAUSBENCH_SANITIZE"]] if "HAUSBENCH_SANITIZE" in os.environ else []
+    built(["cmake", "-S", "sources", "-B", "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}", "-DCMAKE_BUILD_TYPE=Release", *flags], folder)
+    built(["cmake", "--build", "build", "--parallel", "2"], folder)
+    return folder / "build"
+
+
+@pytest.fixture(scope="session")
+def plugin(outside: Path) -> Path:
+    return outside / "libmisbehaving.so"
+
+
+def test_list_shows_the_plugins_solvers(hausbench: Program, plugin: Path) -> None:
+    done = hausbench("list", "--json", "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    solvers = {solver["name"]: solver for solver in json.loads(done.stdout)["solvers"]}
+    assert solvers["vertex_only"]["certified"] and not solvers["lies"]["certified"]
+    assert solvers["throws"]["parameters"][1]["choices"] == ["an exception", "a number"]
+    assert "vertex_only" not in {solver["name"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
+
+
+def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--json", "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    # The lower face sinks a quarter below the other tetrahedron; both solvers' intervals hold it.
+    assert answer["lower"] == pytest.approx(0.25) and answer["upper"] >= answer["lower"]
+    guthe = json.loads(hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout)
+    assert answer["lower"] <= guthe["upper"] and guthe["lower"] <= answer["upper"]
+    # Without the plug-in there is no such solver.
+    assert "vertex_only" in hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
+
+
+def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
+    assert "interface 999" in hausbench.fails("list", "--plugin", outside / "libof_another_time.so")
+    assert "does not exist" in hausbench.fails("list", "--plugin", tmp_path / "absent.so")
+    text = tmp_path / "text.so"
+    text.write_text("not a library\n")
+    line = hausbench.fails("list", "--plugin", text)
+    assert "text.so" in line and "MODULE" in line
+    cut = tmp_path / "cut.so"
+    cut.write_bytes(plugin.read_bytes()[:5000])
+    assert "cut.so" in hausbench.fails("list", "--plugin", cut)
+    assert "folder" in hausbench.fails("list", "--plugin", tmp_path)
+    library = next(Path("/usr/lib").rglob("libz.so.1"))
+    assert "no plug-in" in hausbench.fails("list", "--plugin", library)
+    # A name is given once.
+    assert "'vertex_only'" in hausbench.fails("list", "--plugin", plugin, "--plugin", plugin)
+
+
+HEAD = """\
+title = "solvers that misbehave at the second of four poses"
+tolerances = [2.0]
+of = "absolute"
+repeats = 1
+limits = { case_seconds = 0.6, memory_mb = 400 }
+
+[[scene]]
+name = "moved"
+source = "sphere1"
+target = "sphere1"
+motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 4, of = "absolute" }
+
+[[solver]]
+name = "guthe"
+"""
+
+# solver, how -> status at the second pose, what the reason says
+DEEDS = {
+    ("crashes", ""): ("signal", "signal 11"),
+    ("hangs", ""): ("timeout", "no answer within 0.6 s"),
+    ("eats_memory", "bit by bit"): ("out_of_memory", "400 MB"),
+    ("eats_memory", "at once"): ("out_of_memory", "refused memory"),
+    ("lies", "upper below"): ("unsound", "below the verified lower bound"),
+    ("lies", "lower above"): ("unsound", "above what its witness shows"),
+    ("lies", "far witness"): ("unsound", "above what its witness shows"),
+    ("lies", "crossed"): ("unsound", "below"),
+    ("lies", "not a number"): ("unsound", "not a number"),
+    ("babbles", "noise"): ("failed", "not an event"),
+    ("babbles", "json"): ("failed", "not an event"),
+    ("babbles", "another row"): ("failed", "not an event"),
+    ("babbles", "an answer"): ("failed", "not an event"),
+    ("babbles", "closed"): ("failed", "closed its events"),
+    ("throws", "an exception"): ("failed", "it was too hard"),
+    ("throws", "a number"): ("failed", "not a std::exception"),
+    ("chatters", ""): ("ok", ""),
+    ("vertex_only", ""): ("ok", ""),  # last: the sweep went on to the end
+}
+
+
+def label(solver: str, how: str) -> str:
+    return f"{solver} {how}".strip()
+
+
+def sweep() -> str:
+    text = HEAD
+    for solver, how in DEEDS:
+        text += f'\n[[solver]]\nname = "{solver}"\nlabel = "{label(solver, how)}"\n'
+        if how:
+            text += f'parameters = {{ how = "{how}" }}\n'
+    return text
+
+
+Rows = dict[str, list[dict[str, Any]]]
+
+
+def rows_of(file: Path) -> Rows:
+    """By label, in the order of poses."""
+    rows: Rows = {}
+    with h5py.File(file) as f:
+        texts = {name: f[f"cases/{name}"].asstr()[:] for name in ("label", "status", "reason", "identity", "build")}
+        numbers = {name: f[f"cases/{name}"][:] for name in ("pose_index", "lower", "upper", "certified", "solve_seconds", "reported_seconds")}
+        for i in range(len(texts["label"])):
+            row = {name: column[i] for name, column in {**texts, **numbers}.items()}
+            rows.setdefault(row["label"], []).append(row)
+    for of_label in rows.values():
+        assert [row["pose_index"] for row in of_label] == list(range(len(of_label)))
+    return rows
+
+
+@pytest.fixture(scope="module")
+def swept(program_file: str, plugin: Path, tmp_path_factory: pytest.TempPathFactory) -> Rows:
+    folder = tmp_path_factory.mktemp("sweep")
+    experiment = folder / "misbehaving.toml"
+    experiment.write_text(sweep())
+    done = Program(program_file, folder)("run", experiment, "--results", folder, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    return rows_of(folder / "misbehaving.h5")
+
+
+def test_every_case_has_one_row(swept: Rows) -> None:
+    assert set(swept) == {label(*deed) for deed in DEEDS} | {"guthe"}
+    identities = [row["identity"] for rows in swept.values() for row in rows]
+    assert len(identities) == 4 * (len(DEEDS) + 1) == len(set(identities))
+
+
+@pytest.mark.parametrize("deed", DEEDS, ids=lambda deed: label(*deed))
+def test_what_becomes_of_it(swept: Rows, deed: tuple[str, str]) -> None:
+    status, said = DEEDS[deed]
+    rows = swept[label(*deed)]
+    assert [row["status"] for row in rows] == ["ok", status, "ok", "ok"], [row["reason"] for row in rows]
+    assert said in rows[1]["reason"] and "\n" not in rows[1]["reason"]
+    for row, good in zip(rows, swept["guthe"]):
+        if row["status"] == "ok":
+            assert row["lower"] <= good["upper"] and good["lower"] <= row["upper"]
+
+
+def test_last_words_are_kept(swept: Rows) -> None:
+    assert "about to touch what is not ours" in swept["crashes"][1]["reason"]
+
+
+def test_certified_is_a_column(swept: Rows) -> None:
+    assert {row["certified"] for row in swept["guthe"] + swept["vertex_only"]} == {1}
+    assert {row["certified"] for row in swept["throws a number"]} == {0}
+
+
+RESUMED = HEAD + '\n[[solver]]\nname = "vertex_only"\n'
+
+
+def test_resume_notices_another_build_of_the_plugin(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    own = tmp_path / "libown.so"
+    shutil.copy(plugin, own)
+    experiment = tmp_path / "resumed.toml"
+    experiment.write_text(RESUMED)
+
+    def again() -> Rows:
+        done = hausbench("run", experiment, "--results", tmp_path, "--plugin", own)
+        assert done.returncode == 0, done.stderr
+        return rows_of(tmp_path / "resumed.h5")
+
+    def times(rows: Rows, name: str) -> list[float]:
+        return [row["solve_seconds"] for row in rows[name]]
+
+    first, second = again(), again()
+    assert times(first, "vertex_only") == times(second, "vertex_only")
+    with own.open("ab") as file:
+        file.write(b"\0")  # another file, if not another program
+    third = again()
+    assert times(third, "vertex_only") != times(second, "vertex_only")
+    assert times(third, "guthe") == times(second, "guthe")  # the program's own solvers are as they were
+    builds = {name: {row["build"] for row in rows} for name, rows in third.items()}
+    assert len(builds["guthe"]) == len(builds["vertex_only"]) == 1 and builds["guthe"] != builds["vertex_only"]
+    assert builds["vertex_only"] != {row["build"] for row in first["vertex_only"]}
+
+
+def test_an_experiment_that_needs_the_plugin_says_so(hausbench: Program, tmp_path: Path) -> None:
+    experiment = tmp_path / "resumed.toml"
+    experiment.write_text(RESUMED)
+    line = hausbench.fails("run", experiment, "--results", tmp_path)
+    assert "resumed.toml" in line and "vertex_only" in line
