@@ -35,7 +35,7 @@ json solver_json(const SolverInfo& info) {
     json parameters = json::array(), may_need = json::array();
     for (const ParameterSpec& p : info.parameters) {
         json one = {{"name", p.name}, {"type", type_name(p.default_value)}, {"unit", p.unit}, {"paper_value", p.paper_value},
-                    {"description", p.description}, {"choices", p.choices}};
+                    {"description", p.description}, {"choices", p.choices}, {"required", p.required()}};
         std::visit([&](const auto& v) { one["default"] = v; }, p.default_value);
         parameters.push_back(one);
     }

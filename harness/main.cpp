@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -52,7 +53,8 @@ int run(const RunArguments& arguments) {
     Plan plan = plan_of(arguments);
     const Shard shard = parse_shard(arguments.shard);
     take_shard(plan, shard);
-    const std::string suffix = shard.whole() ? "" : fmt::format(".shard-{}-of-{}", shard.number, shard.of);
+    std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
+    if (!shard.whole()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
     const RunSummary summary = run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
     std::string counts;
     for (const auto& [status, count] : summary.statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
@@ -100,6 +102,8 @@ int dispatch(int argc, char** argv) {
     run_verb->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")->capture_default_str();
     run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
     run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
+    run_verb->add_flag("--leave-nothing-out", run_arguments.choice.leave_nothing_out,
+                       "run every tolerance and build every structure, into STEM.everything.h5: to check that leaving out changes no answer");
     run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
     takes_plugins(run_verb);
     run_verb->callback([&] { code = run(run_arguments); });
@@ -197,6 +201,7 @@ int dispatch(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error to report, as a full disk is, not a death
     try {
         return dispatch(argc, argv);
     } catch (const hausbench::InputError& error) {

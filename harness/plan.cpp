@@ -46,6 +46,7 @@ public:
         std::vector<std::string> scene_names, solver_names;
         for (const ScenePlan& scene : experiment.scenes) scene_names.push_back(scene.name);
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
+        plan_.leave_nothing_out = choice.leave_nothing_out;
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
         for (const ScenePlan& scene : experiment.scenes) {  // all names first: a wrong one should not cost the derivations
@@ -120,7 +121,7 @@ private:
         job.label = fmt::format("{} on {}", solver.label, scene.name);
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        const bool reads_trace = entry && (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
+        const bool reads_trace = entry && !plan_.leave_nothing_out && (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {

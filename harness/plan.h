@@ -50,6 +50,7 @@ struct Plan {
     std::vector<Job> jobs;
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
+    bool leave_nothing_out = false;
 
     // Gaps (absolute lengths, the largest first) that the trace of this row must hold.
     std::vector<double> marks(std::size_t row) const;
@@ -57,6 +58,7 @@ struct Plan {
 
 struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
+    bool leave_nothing_out = false;  // run every tolerance, build every structure: to test that leaving out changes nothing
 };
 
 struct Shard {  // --shard 2/3: every third worker, from the second on

@@ -124,8 +124,16 @@ private:
 
     WorkOrder order(const Job& job, int round, const std::vector<std::size_t>& rows) const {
         const Case& first = plan_.cases[rows.front()];
-        WorkOrder order{first.solver, first.options, job.source_file, job.target_file, job.queries, first.limits,
-                        round,        plan_.experiment.repeats, {}};
+        WorkOrder order;
+        order.solver = first.solver;
+        order.options = first.options;
+        order.source_file = job.source_file;
+        order.target_file = job.target_file;
+        order.queries = job.queries;
+        order.limits = first.limits;
+        order.round = round;
+        order.repeats = plan_.experiment.repeats;
+        order.leave = plan_.leave_nothing_out ? Leave::nothing_out : Leave::out_what_is_not_needed;
         order.plugins = plugin_hashes();
         for (std::size_t row : rows) {
             const Case& asked = plan_.cases[row];

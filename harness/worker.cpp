@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -68,7 +69,8 @@ public:
         Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
         memory_before_ = memory_now("VmRSS");
         reset_peak();
-        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene), order_.queries);
+        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene), order_.queries,
+                         order_.leave);
         json structures = json::array(), left_out = json::array();
         for (const PreparationTime& p : session_->preparation()) structures.push_back({p.name, number(p.seconds), p.bytes});
         for (const Need& need : entry.info.may_need) {
@@ -209,6 +211,7 @@ json to_json(const WorkOrder& o) {
             {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
             {"round", o.round},
             {"repeats", o.repeats},
+            {"leave_nothing_out", o.leave == Leave::nothing_out},
             {"items", items},
             {"plugins", plugins}};
 }
@@ -223,6 +226,7 @@ WorkOrder work_order_from_json(const json& j) {
     o.limits = {j.at("limits").at(0), j.at("limits").at(1), j.at("limits").at(2)};
     o.round = j.at("round");
     o.repeats = j.at("repeats");
+    o.leave = j.at("leave_nothing_out").get<bool>() ? Leave::nothing_out : Leave::out_what_is_not_needed;
     for (const json& i : j.at("items")) {
         o.items.push_back({i.at("row"), pose_of(i.at("pose")),
                            {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
@@ -233,6 +237,7 @@ WorkOrder work_order_from_json(const json& j) {
 }
 
 int worker_main(int events) {
+    ::fcntl(events, F_SETFD, FD_CLOEXEC);  // no business of programs that a solver starts
     const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
     WorkOrder order = work_order_from_json(json::parse(text));
     for (const auto& [file, hash] : order.plugins) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "plan.h"
+#include "session.h"
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@ struct WorkOrder {
     QuerySet queries;
     Limits limits;
     int round = 0, repeats = 0;
+    Leave leave = Leave::out_what_is_not_needed;
     struct Item {
         std::size_t row;
         Pose pose;
