@@ -12,6 +12,7 @@ SolverEntry earlybreak_solver();  // points/earlybreak.cpp
 SolverEntry guthe_solver();       // meshes/guthe.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
+SolverEntry external_solver();    // peers/external.cpp
 
 namespace {
 
@@ -26,6 +27,7 @@ std::vector<SolverEntry>& list_of_solvers() {
 #ifdef HAUSBENCH_HAS_CGAL
         cgal_solver(),
 #endif
+        external_solver(),
     };
     return list;
 }

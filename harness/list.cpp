@@ -86,7 +86,7 @@ std::string list_as_text() {
                             s["certified"].get<bool>() ? "certified" : "not certified", joined(s["may_need"]));
         for (const json& p : s["parameters"]) {
             const auto paper = p["paper_value"].get<std::string>(), unit = p["unit"].get<std::string>();
-            text += fmt::format("    {} = {} ({}{}{}): {}{}\n", p["name"].get<std::string>(), p["default"].dump(), p["type"].get<std::string>(),
+            text += fmt::format("    {} = {} ({}{}{}): {}{}\n", p["name"].get<std::string>(), p["required"].get<bool>() ? "(to be given)" : p["default"].dump(), p["type"].get<std::string>(),
                                 unit.empty() ? "" : ", in " + unit, paper.empty() ? "" : ", paper " + paper,
                                 p["description"].get<std::string>(), p["choices"].empty() ? "" : ": " + joined(p["choices"]));
         }

@@ -1,9 +1,10 @@
-// The program: verbs run, explain, list, measure, verify, merge, compare; `hausbench VERB --help` says what each takes.
+// The program: verbs run, explain, list, measure, export, verify, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
 #include "combine.h"
 #include "error.h"
 #include "experiment.h"
 #include "explain.h"
+#include "export.h"
 #include "list.h"
 #include "load.h"
 #include "measure.h"
@@ -147,6 +148,13 @@ int dispatch(int argc, char** argv) {
         const Measured measured = measure(request);
         std::fputs((measure_json ? to_json(measured, request).dump() + "\n" : describe(measured, request)).c_str(), stdout);
     });
+
+    std::string exported;
+    fs::path export_to;
+    auto* export_verb = app.add_subcommand("export", "write a model as OFF, OBJ or PLY, so that other programs can take the same bits");
+    export_verb->add_option("model", exported, "a model of datasets/manifest.toml, or any mesh file")->required();
+    export_verb->add_option("file", export_to, "file to write: .off, .obj or .ply")->required();
+    export_verb->callback([&] { fmt::print("{}\n", export_model(catalogue(), exported, export_to)); });
 
     fs::path verified;
     auto* verify_verb = app.add_subcommand("verify", "re-check every row of a result by code that shares nothing with the solvers; exit code 1 if a row is unsound");

@@ -1,0 +1,216 @@
+// Any program as a peer, described by its parameters: authors' own programs beside ours without linking them.
+//
+// A posed and B are handed over as files of 17 digits (B once, before the clock starts), the tolerance on the command line;
+// bounds are what the program prints where the regular expressions say. Nothing is promised of them. What is not told is
+// what always holds: 0 below, infinity above. The time of a solve holds writing A, starting the program and its reading of
+// both files; `seconds` finds what the program itself says of its time.
+#include "error.h"
+#include "mesh_file.h"
+#include "peers/command.h"
+#include "solver.h"
+
+#include <fmt/format.h>
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+#include <string_view>
+
+namespace hausbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An expression with one group, tried on each line; the last match counts, since programs print progress first.
+class Place {
+public:
+    explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
+
+    bool told() const { return !text_.empty(); }
+
+    // Empty where no line matches, or what matched is no number.
+    std::optional<double> find(const std::string& output) const {
+        std::optional<double> found;
+        if (!told()) return found;
+        constexpr std::size_t longest = 4096;  // std::regex recurses for each character
+        for (std::size_t begin = 0; begin < output.size();) {
+            const std::size_t end = std::min(output.find('\n', begin), output.size());
+            const std::string line = output.substr(begin, std::min(end - begin, longest));
+            std::smatch match;
+            if (std::regex_search(line, match, expression_)) {
+                const std::string number = match[1].str();
+                char* rest = nullptr;
+                const double value = std::strtod(number.c_str(), &rest);
+                found.reset();
+                if (rest != number.c_str() && *rest == '\0' && !std::isnan(value)) found = value;
+            }
+            begin = end + 1;
+        }
+        return found;
+    }
+
+private:
+    std::string text_;
+    std::regex expression_;
+};
+
+std::string command_problem(const std::string& value) {
+    for (const char* needed : {"{A}", "{B}"}) {
+        if (value.find(needed) == std::string::npos) return fmt::format("does not say where {} stands: write it where the program takes that file", needed);
+    }
+    return "";
+}
+
+std::string expression_problem(const std::string& value) {
+    if (value.empty()) return "";
+    try {
+        if (std::regex(value, std::regex::ECMAScript).mark_count() == 1) return "";
+        return "must have one group, ( ), around the number";
+    } catch (const std::regex_error& error) {
+        return fmt::format("is no regular expression ({}): see ECMAScript's", error.what());
+    }
+}
+
+void replace(std::string& text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) text.replace(at, what.size(), by);
+}
+
+std::string quoted(const fs::path& path) {
+    std::string text = path.string();
+    replace(text, "'", "'\\''");
+    return "'" + text + "'";
+}
+
+std::string last_words(const std::string& output) {
+    const std::size_t begin = output.find_last_not_of(" \n\r\t");
+    if (begin == std::string::npos) return "";
+    const std::string text = output.substr(0, begin + 1);
+    return "; last words: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
+}
+
+class External final : public Solver {
+public:
+    explicit External(const Options& options)
+        : command_(options.text("command")),
+          extension_(options.text("format")),
+          lower_(options.text("lower")),
+          upper_(options.text("upper")),
+          seconds_(options.text("seconds")),
+          seconds_unit_(options.real("seconds_unit")) {
+        if (!lower_.told() && !upper_.told()) {
+            throw InputError("solver 'external': neither 'lower' nor 'upper' says where the program prints its answer: give one, or both");
+        }
+    }
+    ~External() override {
+        std::error_code ignored;
+        if (!folder_.empty()) fs::remove_all(folder_, ignored);
+    }
+    External(const External&) = delete;
+    External& operator=(const External&) = delete;
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        source_ = &scene.source;
+        std::string pattern = (fs::temp_directory_path() / "hausbench-external-XXXXXX").string();
+        if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": " + std::strerror(errno));
+        folder_ = pattern;
+        write_mesh_file(file("B"), scene.target, mesh_format_of(file("B")));
+    }
+
+    Result solve(const Query& query, Trace&) const override {
+        Result result;
+        result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
+        result.witness.target_point = result.witness.source_point;
+        Shape a = *source_;
+        points_of(a) = posed(points_of(*source_), query.pose);
+        const bool needs_length = command_.find("tolerance}") != std::string::npos;
+        if (needs_length && query.tolerance.of == Tolerance::Of::lower) {
+            result.note = "the command line takes a tolerance as a length, the query asks for a fraction of the lower bound";
+            return result;
+        }
+        write_mesh_file(file("A"), a, mesh_format_of(file("A")));
+        std::string line = command_;
+        replace(line, "{A}", quoted(file("A")));
+        replace(line, "{B}", quoted(file("B")));
+        replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
+        replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
+        const CommandRun run = run_command(line, query.time_limit);
+        result.outside_bytes = run.peak_bytes;
+        fs::remove(file("A"));
+        read(run, query, result);
+        return result;
+    }
+
+private:
+    fs::path file(const char* name) const { return folder_ / (std::string(name) + "." + extension_); }
+
+    void read(const CommandRun& run, const Query& query, Result& result) const {
+        if (run.timed_out) {
+            result.status = Status::time_limit;
+            result.note = "the program did not end in time" + last_words(run.output);
+            return;
+        }
+        if (!run.failure.empty()) {
+            result.note = "the program ended with " + run.failure + last_words(run.output);
+            return;
+        }
+        const auto lower = lower_.find(run.output), upper = upper_.find(run.output), seconds = seconds_.find(run.output);
+        if (seconds) result.reported_seconds = *seconds * seconds_unit_;
+        if ((lower_.told() && !lower) || (upper_.told() && !upper)) {
+            result.note = fmt::format("the program's output has no number where '{}' says{}", lower_.told() && !lower ? "lower" : "upper",
+                                      last_words(run.output));
+            return;
+        }
+        Bounds bounds;
+        if (lower) bounds.lower = *lower;
+        if (upper) bounds.upper = *upper;
+        result.bounds = bounds;
+        if (bounds.gap() <= query.tolerance.gap(bounds.lower)) {
+            result.status = Status::converged;
+        } else {
+            result.status = Status::precision_floor;  // it did all it can
+            result.note = !upper ? "the program tells no upper bound"
+                          : !lower ? "the program tells no lower bound" : "the program's own interval is wider than the tolerance";
+        }
+    }
+
+    std::string command_, extension_;
+    Place lower_, upper_, seconds_;
+    double seconds_unit_;
+    const Shape* source_ = nullptr;
+    fs::path folder_;
+};
+
+}  // namespace
+
+SolverEntry external_solver() {
+    SolverInfo info;
+    info.name = "external";
+    info.title = "Outside program";
+    info.source = info.target = {.points = true, .mesh = true};
+    info.original_coordinates = true;
+    const auto place = [](const char* name, const char* what) -> ParameterSpec {
+        return {.name = name, .default_value = std::string(), .unit = "", .paper_value = "", .description = what, .choices = {},
+                .problem = expression_problem};
+    };
+    info.parameters = {
+        {.name = "command", .default_value = std::string(), .unit = "", .paper_value = "",
+         .description = "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
+                        "{relative_tolerance} as a fraction of the diagonal of A as handed over",
+         .choices = {}, .problem = command_problem},
+        {.name = "format", .default_value = std::string("off"), .unit = "", .paper_value = "", .description = "of the files",
+         .choices = {"off", "obj"}},
+        place("lower", "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the output; empty: not told"),
+        place("upper", "likewise, of the upper bound"),
+        place("seconds", "likewise, of the time that the program reports of itself"),
+        {.name = "seconds_unit", .default_value = 1.0, .unit = "s", .paper_value = "",
+         .description = "what one unit of that time is: 1e-3 for milliseconds", .choices = {}, .least = 1e-12, .most = 1e6},
+    };
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<External>(options); }};
+}
+
+}  // namespace hausbench

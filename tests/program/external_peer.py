@@ -1,0 +1,87 @@
+"""Stands in for an author's own program: vertex distances with numpy, slow but right where a vertex decides.
+
+    external_peer.py A B TOLERANCE [deed]
+
+Prints `lower` (the largest distance from a vertex of A to B) and `upper` (for each triangle of A the best triangle of B), as
+tests/outside_plugin/vertex_only.cpp does it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+
+def read(path: Path) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """Vertices, and corners of triangles (a point counts as a triangle whose corners coincide)."""
+    lines = path.read_text().splitlines()
+    if path.suffix == ".obj":
+        points = [line.split()[1:] for line in lines if line.startswith("v ")]
+        faces = [[int(corner) - 1 for corner in line.split()[1:]] for line in lines if line.startswith("f ")]
+    else:
+        assert lines[0] == "OFF"
+        n, m, _ = map(int, lines[1].split())
+        points = [line.split() for line in lines[2:2 + n]]
+        faces = [[int(corner) for corner in line.split()[1:]] for line in lines[2 + n:2 + n + m]]
+    vertices = np.array(points, dtype=np.float64)
+    return vertices, np.array(faces or [[i, i, i] for i in range(len(vertices))], dtype=np.int64)
+
+
+def to_segments(p: Floats, a: Floats, b: Floats) -> Floats:
+    along = b - a
+    square = np.einsum("ij,ij->i", along, along)
+    t = np.einsum("ij,ij->i", p - a, along) / np.where(square > 0, square, 1)
+    return np.asarray(np.linalg.norm(p - (a + np.clip(t, 0, 1)[:, None] * along), axis=1))
+
+
+def to_triangles(p: Floats, corners: Floats) -> Floats:
+    """Distances from one point to every triangle (m x 3 x 3)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    best = np.minimum(to_segments(p, a, b), np.minimum(to_segments(p, b, c), to_segments(p, c, a)))
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    unit = normal / np.where(length > 0, length, 1)[:, None]
+    height = np.einsum("ij,ij->i", p - a, unit)
+    foot = p - height[:, None] * unit
+    inside = length > 0
+    for one, other in ((a, b), (b, c), (c, a)):
+        inside &= np.einsum("ij,ij->i", np.cross(other - one, foot - one), unit) >= 0
+    return np.where(inside, np.abs(height), best)
+
+
+def main() -> int:
+    start = time.perf_counter()
+    deed = sys.argv[4] if len(sys.argv) > 4 else ""
+    if deed in ("hang", "eat"):
+        Path(sys.argv[5]).write_text(str(os.getpid()))
+    if deed == "hang":
+        time.sleep(600)
+    if deed == "fail":
+        print("the queue ran empty", file=sys.stderr)
+        return 3
+    if deed == "eat":
+        eaten = np.ones(10**9, dtype=np.uint8)
+        time.sleep(600 * float(eaten[0]))
+    if deed == "echo":
+        print("arguments", *sys.argv[1:4])
+    a, faces = read(Path(sys.argv[1]))
+    b, target = read(Path(sys.argv[2]))
+    distance = np.array([to_triangles(p, b[target]) for p in a])
+    lower, upper = distance.min(axis=1).max(), distance[faces].max(axis=1).min(axis=1).max()
+    if deed == "lie":
+        upper = 0.5 * lower
+    print("h = 1e9 (first guess)\nprogress 50 %")
+    print(f"h = {lower:.17g}\nat most {upper:.17g}")
+    print(f"took {1e3 * (time.perf_counter() - start):.6f} ms")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,229 @@
+"""`external`, any program as a peer, with a small Python script as the program; `export`, which hands models to programs."""
+
+from __future__ import annotations
+
+import os
+import struct
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+from conftest import ROOT, Program
+
+PEER = ROOT / "tests" / "program" / "external_peer.py"
+
+EXPERIMENT = """\
+title = "an outside program"
+tolerances = [1.0]
+of = "absolute"
+repeats = 1
+limits = {{ case_seconds = {limit}, memory_mb = 500 }}
+
+[[scene]]
+name = "moved"
+source = "{source}"
+target = "{target}"
+motion = {{ kind = "translation", from = [0, 0, 0], to = [1, 0, 0], steps = 2, of = "absolute" }}
+
+[[solver]]
+name = "{other}"
+
+[[solver]]
+name = "external"
+label = "peer"
+[solver.parameters]
+command = '''{python} {peer} {{A}} {{B}} {{tolerance}} {deed}'''
+format = "{format}"
+lower = '''{lower}'''
+upper = '''{upper}'''
+seconds = 'took (\\S+) ms'
+seconds_unit = 1e-3
+"""
+
+DEFAULTS: dict[str, Any] = {
+    "limit": 20, "source": "sphere1", "target": "sphere1", "other": "guthe", "python": sys.executable, "peer": PEER, "deed": "",
+    "format": "off", "lower": r"^h = ([-+0-9.eE]+)", "upper": r"at most (\S+)"}
+
+
+class Sweep:
+    def __init__(self, hausbench: Program, folder: Path) -> None:
+        self.hausbench, self.folder = hausbench, folder
+        self.file = folder / "outside.toml"
+
+    def write(self, **changes: Any) -> Path:
+        self.file.write_text(EXPERIMENT.format(**{**DEFAULTS, **changes}))
+        return self.file
+
+    def __call__(self, **changes: Any) -> dict[str, list[Any]]:
+        """The rows of the outside program; the others are under "good"."""
+        done = self.hausbench("run", self.write(**changes), "--results", self.folder, "--fresh")
+        assert done.returncode == 0, done.stderr
+        with h5py.File(self.folder / "outside.h5") as f:
+            ours = f["cases/label"].asstr()[:] == "peer"
+            rows: dict[str, list[Any]] = {}
+            for name, column in f["cases"].items():
+                values = column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:]
+                rows[name] = list(values[ours])
+                rows["good " + name] = list(values[~ours])
+        return rows
+
+
+@pytest.fixture
+def sweep(hausbench: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    return Sweep(hausbench, tmp_path)
+
+
+def nothing_left(tmp_path: Path) -> bool:
+    return list((tmp_path / "temporary").iterdir()) == []
+
+
+@pytest.mark.parametrize("format", ["off", "obj"])
+def test_meshes(sweep: Sweep, tmp_path: Path, format: str) -> None:
+    rows = sweep(format=format, source="sphere1", target="sphere0")
+    assert rows["status"] == ["ok", "ok"], rows["reason"]
+    for lower, upper, low, high in zip(rows["lower"], rows["upper"], rows["good lower"], rows["good upper"]):
+        assert 0 < lower <= high and low <= upper
+    # The program's own seconds are part of what a whole answer took.
+    for own, whole in zip(rows["reported_seconds"], rows["solve_seconds"]):
+        assert 0 < own < whole
+    assert rows["certified"] == [0, 0] and rows["lower_check"] == ["no witness"] * 2
+    assert all(value != value for value in rows["good reported_seconds"])
+    assert all(peak > 10e6 for peak in rows["peak_bytes"])  # of the Python interpreter, not of the worker
+    assert nothing_left(tmp_path)
+
+
+def test_points(sweep: Sweep) -> None:
+    rows = sweep(source="gaussian_1k_a", target="gaussian_1k_b", other="naive")
+    assert rows["status"] == ["ok", "ok"], rows["reason"]
+    assert rows["lower"] == pytest.approx(rows["good lower"], rel=1e-12)  # 17 digits went over
+    assert rows["upper"] == pytest.approx(rows["good upper"], rel=1e-12)
+
+
+def test_what_is_not_told_stays_open(sweep: Sweep) -> None:
+    rows = sweep(upper="")
+    assert rows["status"] == ["floor", "floor"] and "no upper bound" in rows["reason"][0]
+    assert rows["upper"] == [float("inf")] * 2 and rows["lower"][1] > 0
+    rows = sweep(lower="")
+    assert rows["status"] == ["ok", "ok"] and rows["lower"] == [0.0, 0.0]  # [0, upper] is within the tolerance
+
+
+def test_a_program_that_fails(sweep: Sweep) -> None:
+    rows = sweep(deed="fail")
+    assert rows["status"] == ["failed", "failed"]
+    assert "exit code 3" in rows["reason"][0] and "the queue ran empty" in rows["reason"][0]
+    rows = sweep(python="no_such_program")
+    assert rows["status"] == ["failed", "failed"] and "exit code 127" in rows["reason"][0]
+    rows = sweep(lower="the distance is (.*)")
+    assert rows["status"] == ["failed", "failed"] and "'lower'" in rows["reason"][0]
+    assert rows["good status"] == ["ok", "ok"]
+
+
+def test_a_program_that_lies(sweep: Sweep) -> None:
+    rows = sweep(deed="lie")
+    assert rows["status"][1] == "unsound" and rows["good status"] == ["ok", "ok"]
+
+
+def gone(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+
+
+def wait_until_gone(pid_file: Path) -> None:
+    end = time.monotonic() + 5
+    while not gone(int(pid_file.read_text())):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) -> None:
+    rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, so that the shell is not all there is
+    assert rows["status"] == ["timeout", "timeout"] and "did not end in time" in rows["reason"][0]
+    assert nothing_left(tmp_path)
+    wait_until_gone(tmp_path / "pid")
+
+
+def test_memory_of_the_program_counts(sweep: Sweep, tmp_path: Path) -> None:
+    rows = sweep(deed=f"eat {tmp_path / 'pid'}; true")
+    assert rows["status"] == ["out_of_memory", "out_of_memory"], rows["reason"]
+    assert nothing_left(tmp_path)  # although the worker was killed
+    wait_until_gone(tmp_path / "pid")
+
+
+def test_placeholders(sweep: Sweep, tmp_path: Path) -> None:
+    seen = tmp_path / "seen"
+    rows = sweep(deed=f"echo | tee -a {seen}")
+    assert rows["status"] == ["ok", "ok"]
+    words = [line.split() for line in seen.read_text().splitlines() if line.startswith("arguments")]
+    for _, a, b, tolerance in words:
+        assert a.endswith("A.off") and b.endswith("B.off") and float(tolerance) == 1.0
+    assert not Path(words[0][1]).exists()
+
+
+def test_parameters_are_checked_before_anything_runs(sweep: Sweep, hausbench: Program, tmp_path: Path, tetrahedron: Path) -> None:
+    for changes, said in (({"lower": "h = (", }, "'lower'"), ({"upper": "no group"}, "one group"), ({"format": "stl"}, "off, obj")):
+        line = hausbench.fails("run", sweep.write(**changes), "--results", tmp_path)
+        assert "outside.toml" in line and said in line
+    assert "'command'" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "external")
+    assert "{B}" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "external", "--set", "command=x {A}")
+
+
+# --- export ----------------------------------------------------------------------------------------------------------
+
+# 1/3, a denormal, numbers near both ends, -0, one that needs 17 digits
+NUMBERS = [1 / 3, 5e-324, 1.7e308, -2.5e-308, -0.0, 0.1 + 0.2, 1e23, -123456789.123456789, 2.0**-1022]
+
+
+def bits(values: list[float]) -> list[bytes]:
+    return [struct.pack("<d", value) for value in values]
+
+
+def numbers_of(file: Path) -> list[float]:
+    """The coordinates of a file that `export` wrote."""
+    lines = file.read_text().splitlines()
+    if file.suffix == ".obj":
+        lines = [line[2:] for line in lines if line.startswith("v ")]
+    elif file.suffix == ".ply":
+        count = next(int(line.split()[2]) for line in lines if line.startswith("element vertex"))
+        begin = lines.index("end_header") + 1
+        lines = lines[begin:begin + count]
+    else:
+        lines = lines[2:2 + int(lines[1].split()[0])]
+    return [float(word) for line in lines for word in line.split()]
+
+
+@pytest.mark.parametrize("faces", ["3 0 1 2\n", ""])
+def test_export_keeps_every_bit(hausbench: Program, tmp_path: Path, faces: str) -> None:
+    file = tmp_path / "start.off"
+    rows = "".join(" ".join(f"{x:.17g}" for x in NUMBERS[i:i + 3]) + "\n" for i in (0, 3, 6))
+    file.write_text(f"OFF\n3 {1 if faces else 0} 0\n{rows}{faces}")
+    for name in ("one.obj", "two.ply", "three.off", "four.PLY", "five.off"):  # each from the last
+        to = tmp_path / name
+        done = hausbench("export", file, to)
+        assert done.returncode == 0, done.stderr
+        assert ("1 triangles" if faces else "3 points") in done.stdout
+        file = to
+    assert bits(numbers_of(file)) == bits(NUMBERS)
+    assert ("3 0 1 2" in file.read_text()) == bool(faces)
+
+
+def test_export_of_a_model_is_the_model(hausbench: Program, tmp_path: Path) -> None:
+    written = tmp_path / "sphere.ply"
+    assert hausbench("export", "sphere2", written).returncode == 0
+    again = tmp_path / "sphere.off"
+    assert hausbench("export", written, again).returncode == 0
+    once_more = tmp_path / "direct.off"
+    assert hausbench("export", "sphere2", once_more).returncode == 0
+    assert again.read_bytes() == once_more.read_bytes()
+    assert "sphere2" in hausbench.fails("export", "sphree2", tmp_path / "x.off")
+    assert ".off, .obj and .ply" in hausbench.fails("export", "sphere2", tmp_path / "x.stl")
+    assert "cannot be written" in hausbench.fails("export", "sphere2", tmp_path / "absent" / "x.off")
