@@ -3,11 +3,10 @@
 #include "error.h"
 #include "journal.h"
 #include "machine.h"
-#include "paths.h"
-#include "process.h"
 #include "progress.h"
 #include "result_file.h"
 #include "shape_file.h"
+#include "supervise.h"
 #include "verify.h"
 #include "worker.h"
 
@@ -21,7 +20,6 @@
 namespace hausbench {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 namespace {
 
@@ -44,18 +42,6 @@ public:
 
 private:
     struct sigaction before_[2];
-};
-
-// How long past a solver's own time limit the runner waits before it kills.
-double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
-
-struct NotAnEvent {};
-
-// Everything that is kept between two events of one worker.
-struct InFlight {
-    bool began = false, answered = false;
-    std::size_t row = 0;
-    Outcome outcome;
 };
 
 class Runner {
@@ -114,7 +100,17 @@ private:
         progress_.doing(job.label);
         std::map<std::string, int> statuses;
         while (!rows.empty() && !interrupted) {
-            const std::size_t finished = run_worker(job, round, rows, statuses);
+            const std::size_t finished = supervise(order(job, round, rows), {
+                .prepared = [&](const json& left_out) { note_left_out(job, left_out); },
+                .finished =
+                    [&](std::size_t row, Outcome outcome) {
+                        outcome.build = build_of(plan_.cases[row].solver);
+                        outcome.machine = this_machine().id;
+                        ++statuses[outcome.status];
+                        journal_.append({plan_.cases[row].identity, round}, outcome);
+                        progress_.done(1);
+                    },
+                .interrupted = [] { return interrupted != 0; }});
             rows.erase(rows.begin(), rows.begin() + std::ptrdiff_t(finished));
         }
         std::string text;
@@ -149,128 +145,6 @@ private:
             if (from.of == row && !from.exact) return true;
         }
         return false;
-    }
-
-    // Returns how many of the rows it finished, in order; at least one unless interrupted.
-    std::size_t run_worker(const Job& job, int round, const std::vector<std::size_t>& rows, std::map<std::string, int>& statuses) {
-        const Limits& limits = plan_.cases[rows.front()].limits;
-        WorkerProcess worker(program_path(), to_json(order(job, round, rows)).dump());
-        InFlight now;
-        std::size_t finished = 0;
-        bool prepared = false;
-        Clock::time_point deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.prepare_seconds));
-        const auto allow = [&](double seconds) {
-            deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-        };
-        const auto close_case = [&](std::size_t row, Outcome outcome) {
-            outcome.build = build_of(plan_.cases[row].solver);
-            outcome.machine = this_machine().id;
-            ++statuses[outcome.status];
-            journal_.append({plan_.cases[row].identity, round}, outcome);
-            progress_.done(1);
-            ++finished;
-        };
-        // The worker is gone or has to go: the case in flight gets its row, or all of them if it never got to the first.
-        const auto fail = [&](const std::string& status, const std::string& reason) {
-            worker.kill();
-            worker.end();
-            if (finished == rows.size()) return;  // all are answered: how it ends is its own affair
-            Outcome outcome;
-            outcome.status = status;
-            outcome.reason = reason;
-            if (const std::string words = worker.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
-            if (!prepared) {
-                while (finished < rows.size()) close_case(rows[finished], outcome);
-            } else if (now.answered) {  // the answer counts; only its timing was cut short
-                if (now.outcome.status == "ok" && now.outcome.repeats.empty() && plan_.experiment.repeats > 0) {
-                    now.outcome.status = status;
-                    now.outcome.reason = "answered, but not while it was timed: " + outcome.reason;
-                }
-                close_case(now.row, now.outcome);
-            } else {
-                close_case(now.began ? now.row : rows[finished], outcome);
-            }
-        };
-
-        std::string line;
-        for (;;) {
-            if (interrupted) return finished;  // the case in flight is run again on resume
-            const auto heard = worker.listen(std::chrono::milliseconds(20), line);
-            if (heard == WorkerProcess::Heard::nothing) {
-                if (worker.resident_bytes() > limits.memory_bytes) {
-                    fail("out_of_memory", fmt::format("more than {} MB resident", limits.memory_bytes >> 20));
-                    return finished;
-                }
-                if (Clock::now() > deadline) {
-                    fail("timeout", prepared ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                                             : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
-                    return finished;
-                }
-                continue;
-            }
-            if (heard == WorkerProcess::Heard::closed) {
-                if (finished == rows.size()) return finished;
-                if (!worker.ended_within(std::chrono::seconds(1))) {
-                    fail("failed", "the worker closed its events and went on");
-                    return finished;
-                }
-                const std::string how = worker.end();
-                fail(worker.signal() ? "signal" : "failed", how.empty() ? "the worker ended early" : "ended by " + how);
-                return finished;
-            }
-            bool garbled = false;
-            try {
-                // A solver may have written this: nothing in it is taken for granted.
-                const json event = json::parse(line);
-                const auto kind = event.at("event").get<std::string>();
-                const auto expect = [](bool fits) {
-                    if (!fits) throw NotAnEvent{};
-                };
-                if (kind != "prepared") {
-                    expect(prepared && finished < rows.size() && event.at("row").get<std::size_t>() == rows[finished]);
-                    expect(kind == "begin" ? !now.began : kind == "answer" ? now.began && !now.answered : now.answered);
-                }
-                if (kind == "prepared") {
-                    expect(!prepared);
-                    note_left_out(job, event.at("left_out"));
-                    prepared = true;
-                    allow(with_grace(limits.case_seconds));
-                } else if (kind == "begin") {
-                    now = {true, false, rows[finished], {}};
-                    allow(with_grace(limits.case_seconds));
-                } else if (kind == "answer") {
-                    now.outcome = outcome_from_json(event.at("outcome"));
-                    now.answered = true;
-                    allow(with_grace(3 * limits.case_seconds));
-                } else if (kind == "repeat") {
-                    const json& r = event.at("repeat");
-                    expect(now.outcome.repeats.size() < std::size_t(plan_.experiment.repeats));
-                    now.outcome.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
-                    allow(with_grace(3 * limits.case_seconds));
-                } else if (kind == "trace") {
-                    expect(now.outcome.trace.empty());
-                    for (const json& s : event.at("samples")) now.outcome.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
-                    if (event.at("differs").get<bool>()) {
-                        now.outcome.status = "failed";
-                        now.outcome.reason = "the traced run ended with other bounds than the first: the solver is not deterministic";
-                    }
-                } else if (kind == "end") {
-                    close_case(now.row, now.outcome);
-                    now = {};
-                    allow(with_grace(limits.case_seconds));
-                } else {
-                    throw NotAnEvent{};
-                }
-            } catch (const json::exception&) {
-                garbled = true;
-            } catch (const NotAnEvent&) {
-                garbled = true;
-            }
-            if (garbled) {
-                fail("failed", "the worker wrote something that is not an event");
-                return finished;
-            }
-        }
     }
 
     void note_left_out(const Job& job, const json& left_out) {
