@@ -75,7 +75,8 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
         known.push_back(spec.name);
         values_[spec.name] = spec.default_value;
     }
-    for (const auto& [name, value] : given) {
+    for (const auto& [key, value] : given) {
+        const std::string& name = key;
         const auto spec = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
         if (spec == specs.end()) {
             const std::string hint = known.empty() ? " (it has none)" : nearest_hint(name, known);

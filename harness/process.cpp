@@ -1,10 +1,14 @@
 #include "process.h"
 
+#include "error.h"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +18,8 @@
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace hausbench {
@@ -39,6 +45,36 @@ void add_family(pid_t pid, std::vector<pid_t>& to) {
     for (pid_t child = 0; children >> child;) add_family(child, to);
 }
 
+constexpr std::string_view folder_prefix = "hausbench-worker-";
+
+// A folder and a lock on it, which ends with this process whatever becomes of it: a folder without one is abandoned.
+std::pair<std::filesystem::path, int> locked_folder() {
+    for (;;) {
+        std::string pattern = (std::filesystem::temp_directory_path() / (std::string(folder_prefix) + "XXXXXX")).string();
+        if (!::mkdtemp(pattern.data())) {
+            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR", pattern, std::strerror(errno)));
+        }
+        const int lock = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        struct stat state {};
+        if (lock >= 0 && ::flock(lock, LOCK_EX | LOCK_NB) == 0 && ::stat(pattern.c_str(), &state) == 0) return {pattern, lock};
+        if (lock >= 0) ::close(lock);  // another run swept it away between two of these lines
+    }
+}
+
+bool remove_abandoned_folders() {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path(), ignored)) {
+        struct stat state {};
+        if (!entry.path().filename().string().starts_with(folder_prefix) || ::lstat(entry.path().c_str(), &state) != 0) continue;
+        if (!S_ISDIR(state.st_mode) || state.st_uid != ::getuid()) continue;
+        const int lock = ::open(entry.path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (lock < 0) continue;
+        if (::flock(lock, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(entry.path(), ignored);
+        ::close(lock);
+    }
+    return true;
+}
+
 // The environment, but for TMPDIR.
 std::vector<std::string> environment_with(const std::string& folder) {
     std::vector<std::string> all{"TMPDIR=" + folder};
@@ -56,10 +92,10 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
     if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
         throw std::runtime_error("cannot open a pipe");
     }
-    std::string pattern = (std::filesystem::temp_directory_path() / "hausbench-worker-XXXXXX").string();
-    if (!::mkdtemp(pattern.data())) throw std::runtime_error(fmt::format("{}: {}", pattern, std::strerror(errno)));
-    folder_ = pattern;
-    std::vector<std::string> environment = environment_with(pattern);
+    static const bool swept = remove_abandoned_folders();
+    static_cast<void>(swept);
+    std::tie(folder_, folder_lock_) = locked_folder();
+    std::vector<std::string> environment = environment_with(folder_.string());
     std::vector<char*> entries;
     for (std::string& entry : environment) entries.push_back(entry.data());
     entries.push_back(nullptr);
@@ -96,6 +132,7 @@ WorkerProcess::~WorkerProcess() {
     ::close(output_);
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
+    ::close(folder_lock_);
 }
 
 // So that a worker that writes much is not held up, and only the end of it is kept.

@@ -14,7 +14,8 @@ namespace hausbench {
 class WorkerProcess {
 public:
     // Starts `program worker` in a process group of its own (Ctrl-C at the terminal reaches the runner alone) and writes
-    // `input` to its standard input. It dies with the runner. TMPDIR is a folder of its own, gone with it.
+    // `input` to its standard input. It dies with the runner. TMPDIR is a folder of its own, gone with it;
+    // what runners that were killed left behind goes as well.
     WorkerProcess(const std::filesystem::path& program, const std::string& input);
     ~WorkerProcess();  // kills it, if it still runs
     WorkerProcess(const WorkerProcess&) = delete;
@@ -45,6 +46,7 @@ private:
     bool output_open_ = true;
     std::string buffer_, said_;  // events not yet handed on; the end of its output
     std::filesystem::path folder_;
+    int folder_lock_ = -1;
     std::optional<int> status_;
 };
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import struct
 import sys
@@ -157,6 +158,19 @@ def test_memory_of_the_program_counts(sweep: Sweep, tmp_path: Path) -> None:
     assert rows["status"] == ["out_of_memory", "out_of_memory"], rows["reason"]
     assert nothing_left(tmp_path)  # although the worker was killed
     wait_until_gone(tmp_path / "pid")
+
+
+def test_what_a_killed_run_left_behind_goes_with_the_next(sweep: Sweep, tmp_path: Path) -> None:
+    left = tmp_path / "temporary" / "hausbench-worker-abcdef"
+    left.mkdir()
+    (left / "B.off").write_text("OFF\n")
+    held = tmp_path / "temporary" / "hausbench-worker-ghijkl"
+    held.mkdir()
+    other_run = os.open(held, os.O_RDONLY)
+    fcntl.flock(other_run, fcntl.LOCK_EX)
+    sweep()
+    assert not left.exists() and held.exists()
+    os.close(other_run)
 
 
 def test_placeholders(sweep: Sweep, tmp_path: Path) -> None:
