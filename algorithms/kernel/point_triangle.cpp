@@ -7,66 +7,48 @@
 namespace hausbench {
 namespace {
 
-// Triangles with sin^2 of the angle at `a` above this are settled without looking at their segments; a choice of speed,
-// not of accuracy: two refinements bring the foot down to rounding from there.
-constexpr double well_shaped = 0x1p-20;
-
 Vec3 cross(const Vec3& x, const Vec3& y) {
     return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
 }
 
-Vec3 closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-    const Vec3 edge = b - a;
-    const double along = dot(edge, p - a), length = squared_length(edge);
-    if (!(along > 0)) return a;
-    if (!(along < length)) return b;
-    const double t = along / length;
-    if (t > 0.5) return b - std::min(std::max(dot(edge, b - p) / length, 0.0), 1.0) * edge;
-    return a + t * edge;
+// Written so that comparisons with NaN, which a triangle without area brings about, are false. The order of operations is
+// that of point_triangle-inl.h.
+Vec3 closest_on_edge(const Vec3& from, const Vec3& to, double along, double length, double inverse) {
+    double t = along < length ? std::min(along * inverse, 1.0) : 1.0;
+    t = along > 0 ? t : 0.0;
+    return (1 - t) * from + t * to;
 }
-
-struct Best {
-    const Vec3& p;
-    const Box& box;
-    TrianglePoint best{std::numeric_limits<double>::infinity(), Vec3::Zero()};
-
-    void offer(const Vec3& q) {
-        const Vec3 clamped = q.cwiseMax(box.low).cwiseMin(box.high);
-        const double squared = squared_length(p - clamped);
-        if (squared < best.squared_distance) best = {squared, clamped};
-    }
-};
 
 }  // namespace
 
 TrianglePoint closest_point(const Vec3& p, const Triangle& triangle) {
-    const Box box = box_of(triangle);
-    const Vec3 ab = triangle.b - triangle.a, ac = triangle.c - triangle.a, ap = p - triangle.a;
-    const Vec3 normal = cross(ab, ac);
-    const double area = squared_length(normal);
-    Best result{p, box};
+    const auto [a, b, c] = longest_edge_first(triangle);
+    const Vec3 e = b - a, f = c - a, g = c - b, ap = p - a, bp = p - b;
+    const double ee = squared_length(e), ff = squared_length(f), gg = squared_length(g);
+    const double along_e = dot(e, ap), along_f = dot(f, ap), along_g = dot(g, bp);
+    const double inverse_e = 1 / ee, inverse_f = 1 / ff, inverse_g = 1 / gg;
 
-    double s = 0, t = 0;
-    const bool flat = !(area > 0);
-    if (!flat) {
-        s = dot(normal, cross(ap, ac)) / area;
-        t = dot(normal, cross(ab, ap)) / area;
-    }
-    const bool good = area > well_shaped * (squared_length(ab) * squared_length(ac));
-    if (!flat && s >= 0 && t >= 0 && s + t <= 1) {
-        for (int step = 0; step < 2; ++step) {
-            const Vec3 r = p - (triangle.a + (s * ab + t * ac));
-            s = std::min(std::max(s + dot(normal, cross(r, ac)) / area, 0.0), 1.0);
-            t = std::min(std::max(t + dot(normal, cross(ab, r)) / area, 0.0), 1 - s);
-        }
-        result.offer(triangle.a + (s * ab + t * ac));
-        if (good) return result.best;
-    }
-    // The closest point of one outside is on an edge that it is beyond.
-    if (!good || t <= 0) result.offer(closest_on_segment(p, triangle.a, triangle.b));
-    if (!good || s <= 0) result.offer(closest_on_segment(p, triangle.a, triangle.c));
-    if (!good || s + t >= 1) result.offer(closest_on_segment(p, triangle.b, triangle.c));
-    return result.best;
+    Vec3 q = closest_on_edge(a, b, along_e, ee, inverse_e);
+    double squared = squared_length(p - q);
+    const auto offer = [&](const Vec3& other) {
+        const double other_squared = squared_length(p - other);
+        if (!(other_squared < squared)) return;
+        q = other;
+        squared = other_squared;
+    };
+    offer(closest_on_edge(a, c, along_f, ff, inverse_f));
+    offer(closest_on_edge(b, c, along_g, gg, inverse_g));
+
+    const double x_c = dot(f, e) * inverse_e;
+    Vec3 h = f - x_c * e;
+    h = h - (dot(h, e) * inverse_e) * e;
+    const double y = dot(h, ap) / squared_length(h);
+    const double x = along_e * inverse_e - y * x_c;
+    if (x >= 0 && y >= 0 && x + y <= 1) offer((std::max((1 - x) - y, 0.0) * a + x * b) + y * c);
+
+    const Box box = box_of(triangle);
+    q = q.cwiseMax(box.low).cwiseMin(box.high) + Vec3::Zero();  // -0 becomes 0
+    return {squared_length(p - q), q};
 }
 
 double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, const Vec3& q) {

@@ -59,15 +59,15 @@ inline double distance_at_most(double squared, bool may_underflow) {
 // M = max |coordinate| of A posed and B, either 0 or between these two.
 inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitude = largest_safe_coordinate;
 
-// closest_point (point_triangle.h) returns a point within 16uM of the triangle, at the computed squared distance s, which
-// errs as above; the underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 17uM bounds the exact distance.
+// closest_point (point_triangle.h) returns a point within 7uM of the triangle, at the computed squared distance s, which
+// errs as above; the underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 8uM bounds the exact distance.
 //
 // A midpoint fl((a + b) / 2) errs by u |a + b| / 2 <= uM in each coordinate, below 2uM in length, and inherits no more
 // than the larger error of its ends: a vertex after k halvings is within 2kuM of the exact one. The exact pieces cover the
 // triangle, and the distance changes no more than the point moves.
 inline double surface_distance_at_most(double squared, double magnitude, int level) {
     if (magnitude == 0) return 0;
-    const double moved = (17 + 2 * level) * unit_roundoff * magnitude;
+    const double moved = (8 + 2 * level) * unit_roundoff * magnitude;
     return next_up(next_up(std::sqrt(squared) * (1 + 4 * unit_roundoff)) + moved);
 }
 

@@ -1,0 +1,43 @@
+// Bounding volume hierarchies over triangles (triangle_tree.h) and points, for closest point queries.
+//
+// Eight children a node, eight elements a leaf, built by the surface area heuristic (build_bvh in wide_tree.h).
+#pragma once
+
+#include "triangle_tree.h"
+
+namespace hausbench {
+
+class TriangleBvh : public TriangleTree {
+public:
+    // `mesh` must outlive this. O(n log n) time, O(n) memory.
+    explicit TriangleBvh(const TriangleMesh& mesh) : TriangleTree(mesh, build_bvh(local_boxes(mesh))) {}
+};
+
+struct NearestPoint {
+    double squared_distance = std::numeric_limits<double>::infinity();
+    Index point = -1;  // of several at the same squared distance, the one of lowest index
+};
+
+class PointBvh {
+public:
+    // O(n log n) time, O(n) memory. At least one point; they are copied.
+    explicit PointBvh(const Points& points);
+
+    // The point of smallest squared_length(point - p), as rounded, among those at squared distance <= squared_radius; the
+    // search ends early at one at squared distance <= squared_enough (negative: never). O(log n) on well-behaved points.
+    NearestPoint nearest(const Vec3& p, double squared_radius, double squared_enough, Counters& counters) const;
+
+    const WideTree& tree() const { return tree_; }
+    std::size_t bytes() const;
+
+    // Makes the tree fit points that have moved. O(n).
+    void refit(const Points& points);
+
+private:
+    void fill_blocks(const Points& points);
+
+    WideTree tree_;
+    std::unique_ptr<PointBlock[]> blocks_;  // of each leaf
+};
+
+}  // namespace hausbench

@@ -1,0 +1,38 @@
+#include "closest.h"
+
+#include "rounding.h"
+
+#include <algorithm>
+
+namespace hausbench {
+
+ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters) {
+    ++counters.closest_point_queries;
+    ClosestPoint best;
+    best.squared_distance = hints.squared_radius;
+    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
+        ++counters.point_triangle_distances;
+        offer(best, closest_point(point, triangle_of(mesh, i)), i);
+        if (best.triangle >= 0 && best.squared_distance <= hints.squared_enough) break;
+    }
+    return best;
+}
+
+void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters) {
+    if (squared_distance_to_box(point, box_of(triangle)) > nearest) return;
+    ++counters.point_triangle_distances;
+    const Triangle turned = longest_edge_first(triangle);  // as in a TriangleBlock
+    const TrianglePoint foot = closest_point(point, turned);
+    least = std::min(least, distance_certainly_at_least(point, turned, foot.point));
+}
+
+double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters) {
+    const double nearest = closest_by_scan(mesh, point, {}, counters).squared_distance;
+    double least = distance_at_least(nearest, true);
+    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
+        certify(point, triangle_of(mesh, i), nearest, least, counters);
+    }
+    return least;
+}
+
+}  // namespace hausbench

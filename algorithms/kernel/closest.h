@@ -1,0 +1,49 @@
+// Closest point queries: what is asked, what is answered, and the plain scan that every structure must equal to the bit.
+#pragma once
+
+#include "counters.h"
+#include "point_triangle.h"
+
+#include <limits>
+
+namespace hausbench {
+
+struct ClosestPoint {
+    double squared_distance = std::numeric_limits<double>::infinity();
+    Vec3 point = Vec3::Zero();  // on the triangle
+    Index triangle = -1;        // of several at the same squared distance, the one of lowest index
+};
+
+// What a query may be told beforehand. Neither hint changes an answer but as said.
+struct ClosestHints {
+    // Only triangles with squared distance <= this are looked for; `triangle` stays -1 if there is none.
+    double squared_radius = std::numeric_limits<double>::infinity();
+    // Early-out: stop as soon as some triangle is at most this far (squared); the answer is then that triangle, not the
+    // closest one. Negative: never.
+    double squared_enough = -1;
+    // Looked at first, to start with a small radius; -1 for none. Without early-out the answer is the same bits.
+    Index warm_triangle = -1;
+};
+
+// Keeps the smaller squared distance; among equals the lower index.
+inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index triangle) {
+    const double squared = candidate.squared_distance;
+    if (squared > best.squared_distance) return;
+    if (squared == best.squared_distance && best.triangle >= 0 && best.triangle < triangle) return;
+    best = {squared, candidate.point, triangle};
+}
+
+// The answer of closest_point(point, triangle) (point_triangle.h) that is smallest over all triangles of `mesh`, by
+// testing each. O(n).
+ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters);
+
+// A lower bound of the distance from `point` to the exact mesh, that holds under rounding: the least of the
+// distance_certainly_at_least (point_triangle.h) of the triangles whose box is no farther than the closest one's computed
+// distance, and that distance (rounded down) for the others. O(n).
+double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters);
+
+// The part of one triangle in it: lowers `least` to what is certain of this triangle, where its box is no farther than
+// `nearest` (squared).
+void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters);
+
+}  // namespace hausbench

@@ -1,0 +1,80 @@
+#include "bvh.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernel/point_bvh.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include "point_triangle-inl.h"
+#include "wide_walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+
+HWY_INLINE void offer_block(const V3& p, const PointBlock& block, NearestPoint& best, Counters& counters) {
+    const Doubles d;
+    counters.point_distances += static_cast<std::uint64_t>(block.count);
+    alignas(64) double squared[block_width];
+    unsigned mask = 0;
+    for (std::size_t lane = 0; lane < block_width; lane += hn::Lanes(d)) {
+        const V3 r = p - load(block.coordinate, lane);
+        const V squares = dot(r, r);
+        hn::Store(squares, d, squared + lane);
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Le(squares, hn::Set(d, best.squared_distance)), bits);
+        mask |= static_cast<unsigned>(bits[0]) << lane;
+    }
+    for (; mask != 0; mask &= mask - 1) {
+        const int i = std::countr_zero(mask);
+        if (squared[i] > best.squared_distance) continue;
+        if (squared[i] == best.squared_distance && best.point >= 0 && best.point <= block.point[i]) continue;
+        best = {squared[i], block.point[i]};
+    }
+}
+
+void tree_nearest(const WideTree& tree, const PointBlock* blocks, const Vec3& point, double squared_enough,
+                  NearestPoint& best, Counters& counters) {
+    const LocalPoint local(tree.frame, point);
+    const V3 p = set(point);
+    const std::size_t first = dive(tree, local, counters.node_visits);
+    offer_block(p, blocks[first], best, counters);
+    if (best.point >= 0 && best.squared_distance <= squared_enough) return;
+    walk(tree, local, best.squared_distance, counters.node_visits, [&](std::size_t leaf, double& squared) HWY_ATTR {
+        if (leaf == first) return true;
+        offer_block(p, blocks[leaf], best, counters);
+        squared = best.squared_distance;
+        return best.point < 0 || best.squared_distance > squared_enough;
+    });
+}
+
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hausbench {
+
+HWY_EXPORT(tree_nearest);
+
+PointBvh::PointBvh(const Points& points) : tree_(build_bvh(local_boxes(points))) { fill_blocks(points); }
+
+void PointBvh::fill_blocks(const Points& points) {
+    blocks_ = std::make_unique_for_overwrite<PointBlock[]>(tree_.leaves());
+    for (std::size_t i = 0; i < tree_.leaves(); ++i) blocks_[i].set(points, tree_.leaf(i));
+}
+
+void PointBvh::refit(const Points& points) {
+    hausbench::refit(tree_, local_boxes(points));
+    fill_blocks(points);
+}
+
+NearestPoint PointBvh::nearest(const Vec3& p, double squared_radius, double squared_enough, Counters& counters) const {
+    ++counters.closest_point_queries;
+    NearestPoint best;
+    best.squared_distance = squared_radius;
+    HWY_DYNAMIC_DISPATCH(tree_nearest)(tree_, blocks_.get(), p, squared_enough, best, counters);
+    return best;
+}
+
+std::size_t PointBvh::bytes() const { return tree_.bytes() + tree_.leaves() * sizeof(PointBlock); }
+
+}  // namespace hausbench
+#endif

@@ -1,0 +1,46 @@
+// Closest point queries over the triangles of a mesh: what bvh.h and octree.h have in common.
+#pragma once
+
+#include "closest.h"
+#include "triangle_block.h"
+#include "wide_tree.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace hausbench {
+
+// Each triangle is kept once, eight at most in a leaf, and leaves are measured by one vector kernel (run-time dispatch by
+// Google Highway; the same bits on every target). As closest_point clamps its answer to the triangle's box, a box is left
+// out only where no computed distance inside could win: answers have the bits of a plain scan (closest.h) and do not
+// depend on the shape of the tree. Coordinates up to 2^400.
+class TriangleTree {
+public:
+    // O(log n) on well-behaved meshes, O(n) at worst (the centre of a sphere).
+    ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
+
+    // As certified_distance_by_scan, to the bit. O(log n) and what is equally near.
+    double certified_distance(const Vec3& point, Counters& counters) const;
+
+    const WideTree& tree() const { return tree_; }
+    const TriangleMesh& mesh() const { return *mesh_; }
+    std::size_t bytes() const;
+
+    // Makes the tree fit `mesh`, which has the same triangles as before and vertices that moved; it must outlive this. O(n),
+    // but queries get slower the more the neighbourhoods change.
+    void refit(const TriangleMesh& mesh);
+
+protected:
+    TriangleTree(const TriangleMesh& mesh, WideTree&& tree);
+
+private:
+    void fill_blocks();
+
+    const TriangleMesh* mesh_;
+    WideTree tree_;
+    std::unique_ptr<TriangleBlock[]> blocks_;  // of each leaf
+    std::vector<std::int32_t> leaf_of_;        // of each triangle
+};
+
+}  // namespace hausbench
