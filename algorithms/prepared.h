@@ -2,6 +2,9 @@
 #pragma once
 
 #include "kernel/octree.h"
+#include "kernel/point_blocks.h"
+#include "kernel/point_octree.h"
+#include "kernel/rtree.h"
 #include "scene.h"
 
 #include <compare>
@@ -13,7 +16,12 @@
 
 namespace hausbench {
 
-enum class Structure { octree };
+enum class Structure {
+    octree,        // TriangleOctree, of a mesh
+    point_octree,  // PointOctree, of points (or of the vertices of a mesh)
+    rtree,         // RTree, likewise
+    point_blocks,  // PointBlocks, likewise
+};
 enum class Side { source, target };
 
 struct Need {
@@ -26,6 +34,9 @@ struct Need {
 using Needs = std::vector<Need>;
 
 std::string to_string(const Need& need);  // "target octree"
+
+// Whether such a structure can be built of such a shape.
+bool fits(Structure structure, ShapeKind kind);
 
 struct PreparationTime {
     std::string name;  // as to_string(Need), or "solver" for what the solver built itself
@@ -43,13 +54,24 @@ public:
     // Over the elements (triangles) of that side, unposed. Throws std::logic_error if it was not declared.
     const TriangleOctree& octree(Side side) const;
 
+    // Over the points of that side, unposed; they throw likewise.
+    const PointOctree& point_octree(Side side) const;
+    const RTree& rtree(Side side) const;
+    const PointBlocks& point_blocks(Side side) const;
+
     const std::vector<PreparationTime>& times() const { return times_; }
 
     // What was asked for through the getters so far; a need never used is a bug that the contract test finds.
     const std::map<Need, int>& uses() const { return uses_; }
 
 private:
+    template <class Kind>
+    const Kind& get(const std::optional<Kind> (&built)[2], Structure structure, Side side) const;
+
     std::optional<TriangleOctree> octree_[2];
+    std::optional<PointOctree> point_octree_[2];
+    std::optional<RTree> rtree_[2];
+    std::optional<PointBlocks> point_blocks_[2];
     std::vector<PreparationTime> times_;
     mutable std::map<Need, int> uses_;
 };

@@ -9,6 +9,12 @@ namespace hausbench {
 // One line a solver: its function, defined in its own file.
 SolverEntry naive_solver();       // points/naive.cpp
 SolverEntry earlybreak_solver();  // points/earlybreak.cpp
+SolverEntry inc_solver();         // points/inc.cpp
+SolverEntry nohd_solver();        // points/nohd.cpp
+SolverEntry ohd_solver();         // points/ohd.cpp
+SolverEntry adaptive_solver();    // points/adaptive.cpp
+SolverEntry nohd_as_printed_solver();
+SolverEntry ohd_as_printed_solver();
 SolverEntry guthe_solver();       // meshes/guthe.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
@@ -20,6 +26,12 @@ std::vector<SolverEntry>& list_of_solvers() {
     static std::vector<SolverEntry> list = {
         naive_solver(),
         earlybreak_solver(),
+        inc_solver(),
+        nohd_solver(),
+        ohd_solver(),
+        adaptive_solver(),
+        nohd_as_printed_solver(),
+        ohd_as_printed_solver(),
         guthe_solver(),
 #ifdef HAUSBENCH_HAS_KDTREE
         kdtree_solver(),

@@ -114,6 +114,7 @@ struct SolverInfo {
     std::string paper;   // key in papers.bib
     ShapeSet source, target;
     bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file
+    std::string known_wrong = {};       // a published error that is kept to show it: why bounds may not hold; never certified
     bool exact = false;                 // the gap does not depend on the tolerance
     bool traces = false;                // offers samples to Trace
     bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen

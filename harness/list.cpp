@@ -41,7 +41,7 @@ json solver_json(const SolverInfo& info) {
     }
     for (const Need& need : info.may_need) may_need.push_back(to_string(need));
     return {{"name", info.name}, {"title", info.title}, {"paper", info.paper}, {"source", shapes_json(info.source)},
-            {"target", shapes_json(info.target)}, {"certified", info.certified}, {"exact", info.exact},
+            {"target", shapes_json(info.target)}, {"certified", info.certified}, {"known_wrong", info.known_wrong}, {"exact", info.exact},
             {"traces", info.traces}, {"may_need", may_need}, {"parameters", parameters}};
 }
 

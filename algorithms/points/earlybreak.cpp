@@ -6,6 +6,7 @@
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
 #include "kernel/deadline.h"
 #include "points/exact.h"
+#include "points/shuffle.h"
 #include "solver.h"
 
 #include <algorithm>
@@ -13,30 +14,6 @@
 
 namespace hausbench {
 namespace {
-
-// SplitMix64, so that the order is the same on every machine.
-class Generator {
-public:
-    explicit Generator(std::uint64_t seed) : state_(seed) {}
-
-    std::uint64_t operator()() {
-        std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-        return z ^ (z >> 31);
-    }
-
-private:
-    std::uint64_t state_;
-};
-
-std::vector<Index> order_of(Index count, bool shuffle, Generator& random) {
-    std::vector<Index> order(static_cast<std::size_t>(count));
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
-    if (!shuffle) return order;
-    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-    return order;
-}
 
 // As a key: equal for equal points, and -0 = +0.
 std::array<double, 3> key_of(const Points& points, Index i) {

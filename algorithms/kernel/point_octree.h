@@ -1,0 +1,73 @@
+// Octree over a set of points: the cells that Zhang et al. 2017 bound and cull by.
+#pragma once
+
+#include "box.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hausbench {
+
+// The part of `cell` on one side of its middle on each axis (bit k of `octant` set: the upper part on axis k). Points are
+// sorted into parts by comparing them with the same middle, so a part holds its points exactly, whatever the rounding.
+Box part_of(const Box& cell, int octant);
+int octant_of(const Box& cell, const Vec3& point);
+
+// Cells are cubes, the root a cube around the points; a cell is split down to single points. A cell whose points all lie in
+// one of its parts would have a single child: it is passed over, and `depth` tells by how many levels. So a tree of n
+// points has fewer than 2n nodes, and any coarser octree is a cut through it (see Cursor).
+class PointOctree {
+public:
+    struct Node {
+        Box cell;
+        std::int32_t depth;                     // halvings of the root's cube
+        std::int32_t first_child, child_count;  // 0 children: a leaf, of one point or of points that cannot be told apart
+        std::int32_t first, count;              // of the points, in the order of order()
+    };
+
+    // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
+    explicit PointOctree(const Points& points);
+
+    const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
+    const std::vector<Index>& order() const { return order_; }
+    const Points& points() const { return points_; }           // sorted by order()
+    const Box& root_cell() const { return root_cell_; }        // before any level is passed over
+
+    std::size_t bytes() const;
+
+    static constexpr int max_depth = 60;
+
+private:
+    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth);
+
+    Box root_cell_;
+    std::vector<Node> nodes_;
+    std::vector<Index> order_, scratch_;
+    Points points_;
+};
+
+// A cell of the full octree, with all the levels that the tree passes over.
+struct Cursor {
+    std::int32_t node = 0;
+    std::int32_t depth = 0;
+    Box cell;
+};
+
+inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
+
+// Calls f(Cursor) for the occupied parts of a cell, by ascending octant. A leaf has no end: halving its cell is up to the caller.
+template <class F>
+void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
+    const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
+    const auto below = [&](std::int32_t child, const PointOctree::Node& of) {
+        const int octant = octant_of(at.cell, tree.points().row(of.first));
+        f(Cursor{child, at.depth + 1, part_of(at.cell, octant)});
+    };
+    if (at.depth < node.depth || node.child_count == 0) return below(at.node, node);
+    for (std::int32_t k = 0; k < node.child_count; ++k) {
+        below(node.first_child + k, tree.nodes()[static_cast<std::size_t>(node.first_child + k)]);
+    }
+}
+
+}  // namespace hausbench

@@ -1,0 +1,37 @@
+// A seeded random order, the same on every machine.
+#pragma once
+
+#include "scene.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+
+// SplitMix64.
+class Generator {
+public:
+    explicit Generator(std::uint64_t seed) : state_(seed) {}
+
+    std::uint64_t operator()() {
+        std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+        return z ^ (z >> 31);
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+// 0 .. count - 1, shuffled or as they come.
+inline std::vector<Index> order_of(Index count, bool shuffle, Generator& random) {
+    std::vector<Index> order(static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
+    if (!shuffle) return order;
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    return order;
+}
+
+}  // namespace hausbench

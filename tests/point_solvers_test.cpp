@@ -1,0 +1,131 @@
+// The exact solvers of point sets against exact arithmetic and against each other, on many small scenes; and the published
+// errors that two registry entries keep, shown to be errors.
+#include "reference.h"
+#include "registry.h"
+#include "scenes.h"
+#include "session.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace hausbench {
+namespace {
+
+// Random points, some of them moved onto a grid, a line, a plane, one place, or onto each other.
+Points small_set(Random& random, Index most) {
+    Points points = cloud(random, 1 + random.below(most), std::pow(2.0, -random.below(8)));
+    switch (random.below(7)) {
+        case 0: points = points.unaryExpr([](double x) { return std::round(4 * x) / 4; }).eval(); break;
+        case 1: points = (points.col(0) * Vec3(1, 0.1, -0.3).transpose()).eval(); break;
+        case 2: points.col(random.below(3)).setConstant(0.125); break;
+        case 3: points.rowwise() = Vec3(random.vector()).transpose().eval(); break;
+        case 4:
+            for (Index i = 0; i < points.rows(); ++i) points.row(i) = points.row(random.below(static_cast<Index>(points.rows()))).eval();
+            break;
+        default: break;
+    }
+    if (random.below(3) == 0) points.rowwise() += random.vector(4).transpose();
+    return points;
+}
+
+struct SmallScene {
+    Scene scene;
+    Pose pose;
+};
+
+SmallScene small_scene(Random& random, Index most) {
+    Points a = small_set(random, most), b = small_set(random, most);
+    for (Index i = 0; i < a.rows(); ++i) {  // points in common, and points that nearly are
+        if (random.below(4) == 0) a.row(i) = b.row(random.below(static_cast<Index>(b.rows())));
+        if (random.below(16) == 0) a.row(i) += random.vector(1e-12).transpose();
+    }
+    SmallScene small{{PointSet{a}, PointSet{b}}, {}};
+    if (random.below(3) == 0) small.pose = turned(0.6, 0.8, random.vector());
+    if (random.below(6) == 0) small.pose.translation = random.vector(8);
+    return small;
+}
+
+Result answer(const SolverEntry& entry, const SmallScene& small, const ParameterMap& given = {}) {
+    const Session session(entry, Options(entry.info.name, entry.info.parameters, given), small.scene,
+                          {.moves = !small.pose.is_identity(), .count = 1, .finest_tolerance = 1e-6});
+    Query query;
+    query.pose = small.pose;
+    query.tolerance = {Tolerance::Of::absolute, 1e-6};
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
+    std::vector<const SolverEntry*> exact_solvers;
+    for (const SolverEntry& entry : solvers()) {
+        if (entry.info.exact && entry.info.certified && entry.info.source.points && entry.info.target.points) exact_solvers.push_back(&entry);
+    }
+    ASSERT_GE(exact_solvers.size(), 6u);
+    Random random(41);
+    std::map<double, int> chosen;
+    for (int i = 0; i < 10'000; ++i) {
+        const SmallScene small = small_scene(random, 14);
+        const Points a = posed(points_of(small.scene.source), small.pose);
+        const exact::Rational squared = exact_squared_hausdorff(a, points_of(small.scene.target));
+        const Result naive = answer(find_solver("naive"), small);
+        for (const SolverEntry* entry : exact_solvers) {
+            ParameterMap given;
+            if (entry->info.name == "ohd") given["lambda"] = 0.25;  // else the sample is a single point
+            const Result result = answer(*entry, small, given);
+            const std::string where = entry->info.name + " on scene " + std::to_string(i);
+            const exact::Rational low = result.bounds.lower, high = result.bounds.upper;
+            ASSERT_TRUE(low * low <= squared && squared <= high * high) << where;
+            ASSERT_EQ(result.bounds.lower, naive.bounds.lower) << where;
+            ASSERT_EQ(result.bounds.upper, naive.bounds.upper) << where;
+            ASSERT_GE(result.witness.source_element, 0) << where;
+            if (entry->info.name == "adaptive") ++chosen[result.extras.at("chosen").front()];
+        }
+    }
+    for (const double choice : {0, 1, 2}) EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
+}
+
+// Larger sets, where cells are culled and queues grow: compared with NAIVEHDD, which the test above has judged.
+TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
+    Random random(42);
+    double culled = 0;
+    for (int i = 0; i < 150; ++i) {
+        const SmallScene small = small_scene(random, 600);
+        const Result naive = answer(find_solver("naive"), small);
+        const auto check = [&](const char* name, const ParameterMap& given) {
+            const Result result = answer(find_solver(name), small, given);
+            EXPECT_EQ(result.bounds.lower, naive.bounds.lower) << name << " on scene " << i;
+            EXPECT_EQ(result.bounds.upper, naive.bounds.upper) << name << " on scene " << i;
+            return result;
+        };
+        check("inc", {});
+        for (const std::int64_t depth : {2, 6, 12}) check("nohd", {{"depth", depth}});
+        check("nohd", {{"early_break", false}});
+        check("ohd", {{"culling", std::string("none")}});
+        culled += check("ohd", {}).extras.at("culled").front();
+        check("adaptive", {});
+    }
+    EXPECT_GT(culled, 1000);
+}
+
+// The rule: what keeps a published error is never certified, and is shown to be wrong.
+TEST(PointSolvers, PublishedErrorsAreErrors) {
+    for (const SolverEntry& entry : solvers()) {
+        if (entry.info.known_wrong.empty()) continue;
+        EXPECT_FALSE(entry.info.certified) << entry.info.name;
+        Random random(43);
+        int wrong = 0;
+        for (int i = 0; i < 400; ++i) {
+            const SmallScene small{{PointSet{cloud(random, 400)}, PointSet{cloud(random, 400)}}, {}};
+            const Result naive = answer(find_solver("naive"), small);
+            const Result result = answer(entry, small, entry.info.name == "ohd_as_printed" ? ParameterMap{{"lambda", 0.05}} : ParameterMap{});
+            wrong += result.bounds.lower > naive.bounds.upper || result.bounds.upper < naive.bounds.lower;
+        }
+        EXPECT_GT(wrong, 0) << entry.info.name;
+        RecordProperty(entry.info.name, wrong);
+        std::cout << entry.info.name << ": " << wrong << " of 400 wrong\n";
+    }
+}
+
+}  // namespace
+}  // namespace hausbench
