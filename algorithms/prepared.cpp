@@ -6,7 +6,7 @@
 namespace hausbench {
 
 std::string to_string(const Need& need) {
-    constexpr const char* names[] = {"octree", "point octree", "R-tree"};
+    constexpr const char* names[] = {"octree", "point octree", "R-tree", "point blocks"};
     return std::string(need.side == Side::source ? "source " : "target ") + names[static_cast<std::size_t>(need.structure)];
 }
 
@@ -28,6 +28,7 @@ Prepared::Prepared(const Scene& scene, const Needs& needs) {
             case Structure::octree: bytes = octree_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
             case Structure::point_octree: bytes = point_octree_[side].emplace(points_of(shape)).bytes(); break;
             case Structure::rtree: bytes = rtree_[side].emplace(points_of(shape)).bytes(); break;
+            case Structure::point_blocks: bytes = point_blocks_[side].emplace(points_of(shape)).bytes(); break;
         }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
         times_.push_back({to_string(need), elapsed.count(), bytes});
@@ -40,6 +41,7 @@ bool Prepared::has(Structure structure, Side side) const {
         case Structure::octree: return octree_[at].has_value();
         case Structure::point_octree: return point_octree_[at].has_value();
         case Structure::rtree: return rtree_[at].has_value();
+        case Structure::point_blocks: return point_blocks_[at].has_value();
     }
     return false;
 }
@@ -56,5 +58,6 @@ const Kind& Prepared::get(const std::optional<Kind> (&built)[2], Structure struc
 const TriangleOctree& Prepared::octree(Side side) const { return get(octree_, Structure::octree, side); }
 const PointOctree& Prepared::point_octree(Side side) const { return get(point_octree_, Structure::point_octree, side); }
 const RTree& Prepared::rtree(Side side) const { return get(rtree_, Structure::rtree, side); }
+const PointBlocks& Prepared::point_blocks(Side side) const { return get(point_blocks_, Structure::point_blocks, side); }
 
 }  // namespace hausbench

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernel/octree.h"
+#include "kernel/point_blocks.h"
 #include "kernel/point_octree.h"
 #include "kernel/rtree.h"
 #include "scene.h"
@@ -19,6 +20,7 @@ enum class Structure {
     octree,        // TriangleOctree, of a mesh
     point_octree,  // PointOctree, of points (or of the vertices of a mesh)
     rtree,         // RTree, likewise
+    point_blocks,  // PointBlocks, likewise
 };
 enum class Side { source, target };
 
@@ -55,6 +57,7 @@ public:
     // Over the points of that side, unposed; they throw likewise.
     const PointOctree& point_octree(Side side) const;
     const RTree& rtree(Side side) const;
+    const PointBlocks& point_blocks(Side side) const;
 
     const std::vector<PreparationTime>& times() const { return times_; }
 
@@ -68,6 +71,7 @@ private:
     std::optional<TriangleOctree> octree_[2];
     std::optional<PointOctree> point_octree_[2];
     std::optional<RTree> rtree_[2];
+    std::optional<PointBlocks> point_blocks_[2];
     std::vector<PreparationTime> times_;
     mutable std::map<Need, int> uses_;
 };

@@ -15,6 +15,7 @@ SolverEntry ohd_solver();         // points/ohd.cpp
 SolverEntry adaptive_solver();    // points/adaptive.cpp
 SolverEntry nohd_as_printed_solver();
 SolverEntry ohd_as_printed_solver();
+SolverEntry scan_solver();        // points/scan.cpp
 SolverEntry guthe_solver();       // meshes/guthe.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
@@ -32,6 +33,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         adaptive_solver(),
         nohd_as_printed_solver(),
         ohd_as_printed_solver(),
+        scan_solver(),
         guthe_solver(),
 #ifdef HAUSBENCH_HAS_KDTREE
         kdtree_solver(),

@@ -444,6 +444,7 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
         {"nohd", {{"depth", std::int64_t{60}}}},    {"ohd", {{"culling", std::string("none")}}},
         {"ohd", {{"lambda", 0.5}}},                 {"ohd", {{"lambda", 0.0}}},
         {"adaptive", {{"theta", 1.0}}},             {"adaptive", {{"theta", 0.0}}},
+        {"scan", {{"tree_from", std::int64_t{0}}}},
         {"kdtree", {{"leaf_size", std::int64_t{1}}}}, {"cgal", {{"match_faces", false}}}};
     for (const auto& [name, given] : variants) {
         for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {

@@ -23,9 +23,9 @@ inline bool out_of_range(const Points& a, const Points& b) {
 }
 
 // `rest` bounds the squared distances of the points of A that were not looked at: -1 where all were. `stopped` is why.
+// `tiny`: some coordinate is not 0 but smaller than smallest_safe_coordinate.
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
-                           const Counters& counters, double rest = -1, Status stopped = Status::converged) {
-    const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
+                           const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
     result.counters = counters;
     result.bounds.lower = distance_at_least(std::max(farthest.squared, 0.0), tiny);
@@ -36,6 +36,13 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
     result.status = close ? Status::converged : stopped == Status::converged ? Status::precision_floor : stopped;
     return result;
+}
+
+// The same for solvers that have not looked for tiny coordinates. O(n).
+inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
+                           const Counters& counters, double rest = -1, Status stopped = Status::converged) {
+    const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
+    return exact_result(query, a, b, farthest, counters, tiny, rest, stopped);
 }
 
 // An upper bound for the points order[first..] of A (order null: first..): the farthest from one point of B. O(n).

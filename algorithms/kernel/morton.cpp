@@ -1,0 +1,111 @@
+#include "morton.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+constexpr int bits = 10;  // of a coordinate
+constexpr double cells = 1 << bits;
+constexpr std::size_t few = 32;  // points that are left in any order
+
+// Two zero bits before each bit.
+std::uint32_t spread(std::uint32_t x) {
+    x = (x | (x << 16)) & 0x030000ff;
+    x = (x | (x << 8)) & 0x0300f00f;
+    x = (x | (x << 4)) & 0x030c30c3;
+    return (x | (x << 2)) & 0x09249249;
+}
+
+// Key above, row below: one number to sort by.
+using Item = std::uint64_t;
+Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_cast<std::uint32_t>(row); }
+Index row_of(Item item) { return static_cast<Index>(item & 0xffffffff); }
+std::uint32_t key_of(Item item) { return static_cast<std::uint32_t>(item >> 32); }
+
+// By key, stable: rows that rise before rise after within a key.
+void sort_items(std::span<Item> items, std::vector<Item>& room) {
+    if (items.size() < 1024) {
+        std::sort(items.begin(), items.end());
+        return;
+    }
+    constexpr std::size_t digits = 3, values = 1 << bits;
+    std::array<std::array<std::uint32_t, values>, digits> counts{};
+    for (const Item item : items) {
+        for (std::size_t k = 0; k < digits; ++k) ++counts[k][(item >> (32 + bits * k)) & (values - 1)];
+    }
+    if (room.size() < items.size()) room.resize(items.size());
+    std::span<Item> from = items, to(room.data(), items.size());
+    for (std::size_t k = 0; k < digits; ++k) {
+        std::uint32_t sum = 0;
+        for (std::uint32_t& count : counts[k]) sum += std::exchange(count, sum);
+        for (const Item item : from) to[counts[k][(item >> (32 + bits * k)) & (values - 1)]++] = item;
+        std::swap(from, to);
+    }
+    std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes ends in the other room
+}
+
+// Sorts each run of one key by the keys of its own box. The box of a run that has an extent has points in its first and
+// last cell, so that each step splits it.
+void refine_runs(const Points& points, std::span<Item> items, std::vector<Item>& room) {
+    for (std::size_t begin = 0; begin < items.size();) {
+        std::size_t end = begin + 1;
+        while (end < items.size() && key_of(items[end]) == key_of(items[begin])) ++end;
+        if (end - begin > few) {
+            Box box;
+            for (std::size_t i = begin; i < end; ++i) box.add(Vec3(points.row(row_of(items[i]))));
+            if (box.low != box.high) {
+                const MortonFrame frame(box);
+                std::vector<Item> run(end - begin);
+                for (std::size_t i = begin; i < end; ++i) {
+                    const Index row = row_of(items[i]);
+                    run[i - begin] = item_of(frame.key(points.row(row).data()), row);
+                }
+                sort_items(run, room);
+                if (key_of(run.front()) != key_of(run.back())) refine_runs(points, run, room);
+                const std::uint32_t key = key_of(items[begin]);
+                for (std::size_t i = begin; i < end; ++i) items[i] = item_of(key, row_of(run[i - begin]));
+            }
+        }
+        begin = end;
+    }
+}
+
+}  // namespace
+
+MortonFrame::MortonFrame(const Box& box) : low_(box.low) {
+    const double width = (box.high - box.low).maxCoeff();
+    if (width > 0x1p-900) cells_per_length_ = cells / width;  // else all is one cell
+}
+
+std::uint32_t MortonFrame::key(const double* point) const {
+    std::uint32_t key = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double cell = std::min(std::max((point[k] - low_[k]) * cells_per_length_, 0.0), cells - 1);
+        key |= spread(static_cast<std::uint32_t>(static_cast<std::int32_t>(cell))) << (2 - k);
+    }
+    return key;
+}
+
+MortonOrder morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine) {
+    const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
+    MortonOrder result;
+    std::vector<Item> items(count), room;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Index row = chosen ? (*chosen)[i] : static_cast<Index>(i);
+        items[i] = item_of(frame.key(points.row(row).data()), row);
+    }
+    sort_items(items, room);
+    if (refine) refine_runs(points, items, room);
+    result.order.resize(count);
+    result.keys.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        result.order[i] = row_of(items[i]);
+        result.keys[i] = key_of(items[i]);
+    }
+    return result;
+}
+
+}  // namespace hausbench

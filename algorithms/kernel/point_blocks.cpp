@@ -1,0 +1,96 @@
+#include "point_blocks.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace hausbench {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Box box_of(const Points& points) {
+    Box box;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) box.add(Vec3(points.row(i)));
+    return box;
+}
+
+void set_child(BlockNode& node, std::size_t c, const Box& box) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        node.low[k][c] = box.low[static_cast<Index>(k)];
+        node.high[k][c] = box.high[static_cast<Index>(k)];
+    }
+}
+
+Box box_of(const PointLeaf& leaf) {
+    Box box;
+    const double* const axes[] = {leaf.x, leaf.y, leaf.z};
+    for (Index k = 0; k < 3; ++k) {
+        double low = axes[k][0], high = axes[k][0];
+        for (std::size_t i = 1; i < block_points; ++i) {
+            low = std::min(low, axes[k][i]);
+            high = std::max(high, axes[k][i]);
+        }
+        box.low[k] = low;
+        box.high[k] = high;
+    }
+    return box;
+}
+
+Box box_of(const BlockNode& node) {
+    Box box;
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.low[static_cast<Index>(k)] = *std::min_element(node.low[k], node.low[k] + block_children);
+        box.high[static_cast<Index>(k)] = *std::max_element(node.high[k], node.high[k] + block_children);
+    }
+    return box;
+}
+
+}  // namespace
+
+PointLeaves::PointLeaves(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine) {
+    const MortonOrder sorted = morton_order(points, chosen, frame, refine);
+    const std::size_t count = sorted.order.size();
+    leaves.reserve((count + block_points - 1) / block_points);
+    keys.reserve(leaves.capacity());
+    for (std::size_t begin = 0; begin < count; begin += block_points) {
+        PointLeaf& leaf = leaves.emplace_back();
+        keys.push_back(sorted.keys[begin]);
+        for (std::size_t i = 0; i < block_points; ++i) {
+            const Index row = sorted.order[std::min(begin + i, count - 1)];
+            const double* point = points.row(row).data();
+            leaf.x[i] = point[0];
+            leaf.y[i] = point[1];
+            leaf.z[i] = point[2];
+            leaf.row[i] = row;
+        }
+    }
+}
+
+PointBlocks::PointBlocks(const Points& points) : PointBlocks(points, nullptr, box_of(points)) {}
+
+PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box)
+    : frame(box), content(points, chosen, frame, true) {
+    std::size_t total = 0;
+    for (std::size_t n = content.leaves.size(); total == 0 || n > 1;) total += n = (n + block_children - 1) / block_children;
+    nodes.reserve(total);
+    std::size_t below = content.leaves.size();  // how many on the level below
+    do {
+        const std::size_t begin = nodes.size();
+        const std::size_t count = (below + block_children - 1) / block_children;
+        for (std::size_t i = 0; i < count; ++i) {
+            BlockNode& node = nodes.emplace_back();
+            for (std::size_t c = 0; c < block_children; ++c) {
+                const std::size_t child = i * block_children + c;
+                if (child >= below) {
+                    set_child(node, c, {Vec3::Constant(infinity), Vec3::Constant(-infinity)});
+                } else {
+                    set_child(node, c, level_begin.empty() ? box_of(content.leaves[child]) : box_of(nodes[level_begin.back() + child]));
+                }
+            }
+        }
+        level_begin.push_back(begin);
+        below = count;
+    } while (below > 1);
+}
+
+}  // namespace hausbench

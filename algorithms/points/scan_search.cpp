@@ -1,0 +1,293 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "points/scan_search.cpp"
+#include <hwy/foreach_target.h>
+
+#include "points/scan_search.h"
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the points of a leaf
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// --- passes over rows of three coordinates ----------------------------------------------------------------------------
+
+Extent extent_of(const Points& points) {
+    const Doubles d;
+    const std::size_t lanes = hn::Lanes(d), count = static_cast<std::size_t>(points.size());
+    const double* const data = points.data();
+    Extent extent;
+    const auto look = [&](double x, std::size_t i) {
+        const auto k = static_cast<Index>(i % 3);
+        extent.box.low[k] = std::min(extent.box.low[k], x);
+        extent.box.high[k] = std::max(extent.box.high[k], x);
+        extent.tiny = extent.tiny || (x != 0 && std::abs(x) < smallest_safe_coordinate);
+    };
+    std::size_t i = 0;
+    if (count >= 3 * lanes) {
+        // Three vectors hold whole rows; lane j of vector v is coordinate (v lanes + j) mod 3 of its row.
+        hn::Vec<Doubles> low[3], high[3];
+        for (auto& v : low) v = hn::Set(d, infinity);
+        for (auto& v : high) v = hn::Set(d, -infinity);
+        auto tiny = hn::Zero(d);
+        const auto safe = hn::Set(d, smallest_safe_coordinate), one = hn::Set(d, 1.0);
+        for (; i + 3 * lanes <= count; i += 3 * lanes) {
+            for (std::size_t v = 0; v < 3; ++v) {
+                const auto x = hn::LoadU(d, data + i + v * lanes);
+                low[v] = hn::Min(low[v], x);
+                high[v] = hn::Max(high[v], x);
+                const auto small = hn::And(hn::Lt(hn::Abs(x), safe), hn::Ne(x, hn::Zero(d)));
+                tiny = hn::Max(tiny, hn::IfThenElseZero(small, one));
+            }
+        }
+        HWY_ALIGN double buffer[8];
+        for (std::size_t v = 0; v < 3; ++v) {
+            hn::Store(low[v], d, buffer);
+            for (std::size_t j = 0; j < lanes; ++j) look(buffer[j], v * lanes + j);
+            hn::Store(high[v], d, buffer);
+            for (std::size_t j = 0; j < lanes; ++j) look(buffer[j], v * lanes + j);
+        }
+        extent.tiny = hn::GetLane(hn::MaxOfLanes(d, tiny)) > 0;
+    }
+    for (; i < count; ++i) look(data[i], i);
+    return extent;
+}
+
+HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
+    return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
+}
+
+void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest, Counters& counters) {
+    const Doubles d;
+    constexpr std::size_t tile = 256;
+    HWY_ALIGN double x[tile], y[tile], z[tile];
+    struct Best {
+        double squared = infinity;
+        Index begin = 0;  // of the tile that has it
+    };
+    std::vector<Best> best(rows.size());
+    const auto count = static_cast<std::size_t>(b.rows());
+    for (std::size_t begin = 0; begin < count; begin += tile) {
+        const double* const data = b.data() + 3 * begin;
+        for (std::size_t i = 0; i < tile; ++i) {  // the last tile repeats the last point
+            const double* const p = data + 3 * std::min(i, count - 1 - begin);
+            x[i] = p[0], y[i] = p[1], z[i] = p[2];
+        }
+        for (std::size_t q = 0; q < rows.size(); ++q) {
+            const double* const p = a.row(rows[q]).data();
+            const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]);
+            auto least = hn::Set(d, infinity);
+            for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
+                least = hn::Min(least, squares(hn::Sub(px, hn::Load(d, x + i)), hn::Sub(py, hn::Load(d, y + i)), hn::Sub(pz, hn::Load(d, z + i))));
+            }
+            const double squared = hn::GetLane(hn::MinOfLanes(d, least));
+            if (squared < best[q].squared) best[q] = {squared, static_cast<Index>(begin)};
+        }
+    }
+    counters.point_distances += rows.size() * count;
+    counters.closest_point_queries += rows.size();
+    for (std::size_t q = 0; q < rows.size(); ++q) {
+        if (!(best[q].squared > farthest.squared)) continue;
+        Index j = best[q].begin;
+        while (squared_distance(a.row(rows[q]).data(), b.row(j).data()) != best[q].squared) ++j;
+        farthest = {best[q].squared, rows[q], j};
+    }
+}
+
+// --- leaves and nodes -------------------------------------------------------------------------------------------------
+
+struct Nearest {
+    double squared = infinity;
+    std::size_t leaf = 0;
+    Index row = -1;
+};
+
+HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (&p)[3], Nearest& nearest) {
+    const Doubles d;
+    const PointLeaf& points = b.content.leaves[leaf];
+    HWY_ALIGN double distances[block_points];
+    auto least = hn::Set(d, infinity);
+    for (std::size_t i = 0; i < block_points; i += hn::Lanes(d)) {
+        const auto s = squares(hn::Sub(hn::Set(d, p[0]), hn::Load(d, points.x + i)), hn::Sub(hn::Set(d, p[1]), hn::Load(d, points.y + i)),
+                               hn::Sub(hn::Set(d, p[2]), hn::Load(d, points.z + i)));
+        hn::Store(s, d, distances + i);
+        least = hn::Min(least, s);
+    }
+    const double squared = hn::GetLane(hn::MinOfLanes(d, least));
+    if (!(squared < nearest.squared)) return;
+    std::size_t i = 0;
+    while (distances[i] != squared) ++i;
+    nearest = {squared, leaf, points.row[i]};
+}
+
+// The nearest point of B, or any at squared distance <= enough; `nearest` is what is known, all of `scanned` included.
+// Distances to boxes are rounded as those to points (kernel/box.h), so a box that is no nearer than the nearest point has
+// no nearer one.
+HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough, std::size_t scanned, Nearest& nearest,
+                       Counters& counters) {
+    const Doubles d;
+    struct Entry {
+        double squared;
+        std::size_t level, index;
+    };
+    Entry stack[(block_children - 1) * 12 + 1];  // 8^12 leaves are more than an Index counts
+    std::size_t size = 0;
+    Entry at{0, b.levels(), 0};
+    const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]), zero = hn::Zero(d);
+    while (true) {
+        if (at.level == 0) {
+            if (at.index != scanned) {
+                scan_leaf(b, at.index, p, nearest);
+                counters.point_distances += block_points;
+                if (nearest.squared <= enough) return;
+            }
+        } else {
+            const BlockNode& node = b.nodes[b.level_begin[at.level - 1] + at.index];
+            ++counters.node_visits;
+            HWY_ALIGN double distances[block_children];
+            unsigned mask = 0;
+            for (std::size_t i = 0; i < block_children; i += hn::Lanes(d)) {
+                const auto out = [&](std::size_t k, hn::Vec<Doubles> q) HWY_ATTR {
+                    return hn::Max(hn::Max(hn::Sub(hn::Load(d, node.low[k] + i), q), hn::Sub(q, hn::Load(d, node.high[k] + i))), zero);
+                };
+                const auto s = squares(out(0, px), out(1, py), out(2, pz));
+                hn::Store(s, d, distances + i);
+                std::uint8_t bits[8] = {};
+                hn::StoreMaskBits(d, hn::Lt(s, hn::Set(d, nearest.squared)), bits);
+                mask |= static_cast<unsigned>(bits[0]) << i;
+            }
+            // Farthest first, so that the nearest is popped first; of equals the one that comes first.
+            const std::size_t base = size;
+            for (; mask != 0; mask &= mask - 1) {
+                const auto c = static_cast<std::size_t>(std::countr_zero(mask));
+                std::size_t place = size++;
+                for (; place > base && stack[place - 1].squared <= distances[c]; --place) stack[place] = stack[place - 1];
+                stack[place] = {distances[c], at.level - 1, at.index * block_children + c};
+            }
+        }
+        do {
+            if (size == 0) return;
+            at = stack[--size];
+        } while (!(at.squared < nearest.squared));
+    }
+}
+
+void raise(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
+    const double p[3] = {leaf.x[i], leaf.y[i], leaf.z[i]};
+    const double enough = state.farthest.squared;
+    Nearest nearest;
+    scan_leaf(b, state.last_leaf, p, nearest);
+    state.counters.point_distances += block_points;
+    if (nearest.squared <= enough) return;
+    if (home != state.last_leaf) {
+        scan_leaf(b, home, p, nearest);
+        state.counters.point_distances += block_points;
+    }
+    if (!(nearest.squared <= enough)) {
+        ++state.counters.closest_point_queries;
+        search(b, p, enough, home, nearest, state.counters);
+    }
+    state.last_leaf = nearest.leaf;
+    if (nearest.squared > enough) state.farthest = {nearest.squared, leaf.row[i], nearest.row};
+}
+
+// The leaf of B whose points come at the same place of the order.
+std::size_t home_of(const PointBlocks& b, std::uint32_t key) {
+    const auto& keys = b.content.keys;
+    const auto after = std::upper_bound(keys.begin(), keys.end(), key);
+    return after == keys.begin() ? 0 : static_cast<std::size_t>(after - keys.begin()) - 1;
+}
+
+void raise_by_samples(const PointBlocks& b, const PointLeaves& a, ScanState& state) {
+    for (std::size_t l = 0; l < a.leaves.size(); l += 4) raise(b, a.leaves[l], 0, home_of(b, a.keys[l]), state);
+}
+
+struct LeafBox {
+    hn::Vec<Doubles> low[3], high[3];
+};
+
+HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
+    const Doubles d;
+    LeafBox box;
+    const double* const axes[] = {leaf.x, leaf.y, leaf.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+        auto low = hn::Load(d, axes[k]), high = low;
+        for (std::size_t i = hn::Lanes(d); i < block_points; i += hn::Lanes(d)) {
+            low = hn::Min(low, hn::Load(d, axes[k] + i));
+            high = hn::Max(high, hn::Load(d, axes[k] + i));
+        }
+        box.low[k] = hn::MinOfLanes(d, low);
+        box.high[k] = hn::MaxOfLanes(d, high);
+    }
+    return box;
+}
+
+// Whether some point of the leaf is within the squared distance `enough` of the whole box, for which the farthest corner
+// decides: every operation of squared_distance is monotone in |a - b|.
+HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double enough) {
+    const Doubles d;
+    auto least = hn::Set(d, infinity);
+    for (std::size_t i = 0; i < block_points; i += hn::Lanes(d)) {
+        const auto far = [&](std::size_t k, const double* axis) HWY_ATTR {
+            const auto q = hn::Load(d, axis + i);
+            return hn::Max(hn::Abs(hn::Sub(box.low[k], q)), hn::Abs(hn::Sub(box.high[k], q)));
+        };
+        least = hn::Min(least, squares(far(0, points.x), far(1, points.y), far(2, points.z)));
+    }
+    return hn::GetLane(hn::MinOfLanes(d, least)) <= enough;
+}
+
+void raise_by_leaves(const PointBlocks& b, const PointLeaves& a, std::size_t begin, std::size_t end, ScanState& state) {
+    for (std::size_t l = begin; l < end; ++l) {
+        const PointLeaf& leaf = a.leaves[l];
+        const std::size_t home = home_of(b, a.keys[l]);
+        const LeafBox box = box_of(leaf);
+        ++state.counters.bound_tests;
+        if (covers(b.content.leaves[home], box, state.farthest.squared)) continue;
+        if (home != state.last_leaf) {
+            ++state.counters.bound_tests;
+            if (covers(b.content.leaves[state.last_leaf], box, state.farthest.squared)) continue;
+        }
+        for (std::size_t i = 0; i < block_points; ++i) {
+            if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // repeats: the end of the last leaf
+            raise(b, leaf, i, home, state);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hausbench {
+
+HWY_EXPORT(extent_of);
+HWY_EXPORT(raise_by_scan);
+HWY_EXPORT(raise_by_samples);
+HWY_EXPORT(raise_by_leaves);
+
+Extent extent_of(const Points& points) { return HWY_DYNAMIC_DISPATCH(extent_of)(points); }
+
+void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest, Counters& counters) {
+    HWY_DYNAMIC_DISPATCH(raise_by_scan)(a, rows, b, farthest, counters);
+}
+
+void raise_by_samples(const PointBlocks& b, const PointLeaves& a, ScanState& state) {
+    HWY_DYNAMIC_DISPATCH(raise_by_samples)(b, a, state);
+}
+
+void raise_by_leaves(const PointBlocks& b, const PointLeaves& a, std::size_t begin, std::size_t end, ScanState& state) {
+    HWY_DYNAMIC_DISPATCH(raise_by_leaves)(b, a, begin, end, state);
+}
+
+}  // namespace hausbench
+#endif

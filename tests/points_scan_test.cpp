@@ -1,0 +1,298 @@
+// scan against naive, bit by bit, on many scenes; and what it is built of.
+#include "kernel/morton.h"
+#include "kernel/near_grid.h"
+#include "kernel/point_blocks.h"
+#include "points/scan_search.h"
+#include "random.h"
+#include "registry.h"
+#include "scenes.h"
+#include "session.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+namespace hausbench {
+namespace {
+
+Points shuffled(Random& random, Points points) {
+    for (auto i = static_cast<Index>(points.rows()); i > 1; --i) points.row(i - 1).swap(points.row(random.below(i)));
+    return points;
+}
+
+Points noisy(Random& random, Points points, double size) {
+    for (Index i = 0; i < points.rows(); ++i) points.row(i) += random.vector(size).transpose();
+    return points;
+}
+
+Points stacked(const Points& a, const Points& b) {
+    Points both(a.rows() + b.rows(), 3);
+    both << a, b;
+    return both;
+}
+
+// On a sphere: a surface, unlike a cloud.
+Points sphere(Random& random, Index count) {
+    Points points = cloud(random, count);
+    points.rowwise().normalize();
+    return points;
+}
+
+// Points at distances 2^-k from one corner: no single grid resolves them.
+Points at_all_scales(Random& random, Index count, int most) {
+    Points points = cloud(random, count);
+    for (Index i = 0; i < count; ++i) points.row(i) *= std::ldexp(1.0, -random.below(most));
+    return points;
+}
+
+Points gridded(Points points, double cells) { return (points * cells).array().round() / cells; }
+
+struct Pair {
+    std::string name;
+    Points a, b;
+};
+
+Pair random_pair(Random& random, int kind, Index na, Index nb) {
+    const double small = std::pow(10.0, -random.below(9));
+    switch (kind) {
+        case 0: return {"clouds", cloud(random, na), cloud(random, nb)};
+        case 1: {
+            const Points b = sphere(random, nb);
+            return {"the same, shuffled", shuffled(random, b), b};
+        }
+        case 2: {
+            const Points b = sphere(random, nb);
+            return {"noise", noisy(random, shuffled(random, b), small), b};
+        }
+        case 3: {
+            const Points some = cloud(random, 1 + nb / 50);
+            Points b(nb, 3);
+            for (Index j = 0; j < nb; ++j) b.row(j) = some.row(random.below(static_cast<Index>(some.rows())));
+            return {"duplicates", noisy(random, b, small), b};
+        }
+        case 4: {
+            const double cells = 1 + random.below(20);
+            return {"grids", gridded(cloud(random, na), cells), gridded(cloud(random, nb), cells)};
+        }
+        case 5: {
+            const Vec3 along = random.vector();
+            Points a(na, 3), b(nb, 3);
+            for (Index i = 0; i < na; ++i) a.row(i) = random.unit() * along;
+            for (Index j = 0; j < nb; ++j) b.row(j) = random.unit() * along;
+            return {"collinear", a, b};
+        }
+        case 6: return {"one point in A", cloud(random, 1), cloud(random, nb)};
+        case 7: return {"one point in B", cloud(random, na), cloud(random, 1)};
+        case 8: {
+            Points a = cloud(random, na);
+            a.col(random.below(3)).array() += std::pow(10.0, random.below(16));
+            return {"far away", a, cloud(random, nb)};
+        }
+        case 9: return {"huge", cloud(random, na, 1e300), cloud(random, nb, std::pow(10.0, 280 + random.below(28)))};
+        case 10: return {"tiny", cloud(random, na, 1e-300), cloud(random, nb, std::pow(10.0, -300 - random.below(20)))};
+        case 11: return {"all scales", at_all_scales(random, na, 60), at_all_scales(random, nb, 1000)};
+        case 12: {
+            const Points b = sphere(random, nb);
+            return {"an outlier", stacked(noisy(random, b, small), cloud(random, 1, 5)), b};
+        }
+        case 13: {  // a cluster that the grid sees as one cell
+            const Points b = stacked(cloud(random, nb, 1e-6), rows({{1, 1, 1}, {-1, -1, -1}}));
+            return {"cluster", noisy(random, shuffled(random, b), 1e-6 * small), b};
+        }
+        default: {
+            Points a = cloud(random, na), b = cloud(random, nb);
+            a.col(2).setZero();
+            b.col(2).setZero();
+            return {"plane", a, b};
+        }
+    }
+}
+constexpr int kinds = 15;
+
+Result answer(const std::string& solver, const Pair& pair, const Pose& pose, const QuerySet& queries = {},
+              const ParameterMap& given = {}) {
+    const SolverEntry& entry = find_solver(solver);
+    const Session session(entry, Options(solver, entry.info.parameters, given), Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
+    Query query;
+    query.pose = pose;
+    query.tolerance.value = 1e-9;
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+void expect_same(const Pair& pair, const Pose& pose, const Result& scan, const std::string& where) {
+    const Result naive = answer("naive", pair, pose);
+    EXPECT_EQ(scan.bounds.lower, naive.bounds.lower) << where;
+    EXPECT_EQ(scan.bounds.upper, naive.bounds.upper) << where;
+    EXPECT_EQ(scan.status, naive.status) << where;
+    const Vec3 apart = scan.witness.source_point - scan.witness.target_point;
+    const Vec3 expected = naive.witness.source_point - naive.witness.target_point;
+    if (naive.witness.source_element >= 0 && expected.cwiseAbs().maxCoeff() < 1e150 && expected.cwiseAbs().maxCoeff() > 1e-150) {
+        EXPECT_EQ(squared_distance(apart.data(), Vec3(0, 0, 0).data()), squared_distance(expected.data(), Vec3(0, 0, 0).data())) << where;
+    }
+}
+
+// The number of pairs from which on a tree is built: always, as it comes, never.
+const std::vector<ParameterMap>& variants() {
+    static const std::vector<ParameterMap> list = {
+        {{"tree_from", std::int64_t{0}}}, {}, {{"tree_from", std::int64_t{1'000'000'000'000}}}};
+    return list;
+}
+
+TEST(Scan, SameBitsAsNaiveOnManyScenes) {
+    Random random(31);
+    for (int i = 0; i < 2000; ++i) {
+        const Index most = i % 100 == 0 ? 3000 : i % 10 == 0 ? 700 : 100;
+        const Pair pair = random_pair(random, i % kinds, 1 + random.below(most), 1 + random.below(most));
+        const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
+        const ParameterMap& given = variants()[static_cast<std::size_t>(random.below(3))];
+        QuerySet queries;
+        queries.moves = random.below(3) == 0;  // then the tree is built beforehand
+        expect_same(pair, Pose{}, answer("scan", pair, Pose{}, queries, given), where);
+    }
+}
+
+TEST(Scan, SameBitsAsNaiveAtEveryPose) {
+    Random random(32);
+    for (int i = 0; i < 150; ++i) {
+        const Pair pair = random_pair(random, i % kinds, 1 + random.below(300), 1 + random.below(300));
+        const SolverEntry& entry = find_solver("scan");
+        QuerySet queries;
+        queries.moves = true;
+        queries.count = 5;
+        const Scene scene{PointSet{pair.a}, PointSet{pair.b}};
+        const Session moving(entry, Options("scan", entry.info.parameters, {}), scene, queries);
+        const Session once(entry, Options("scan", entry.info.parameters, variants()[0]), scene, {});
+        for (int p = 0; p < 5; ++p) {
+            const Pose pose = turned(0.6, 0.8, random.vector(std::pow(10.0, random.below(6) - 3)));
+            Query query;
+            query.pose = pose;
+            query.tolerance.value = 1e-9;
+            Trace trace;
+            const std::string where = "scene " + std::to_string(i) + ", " + pair.name + ", pose " + std::to_string(p);
+            expect_same(pair, pose, moving.solve(query, trace), where);
+            expect_same(pair, pose, once.solve(query, trace), where + ", tree built while solving");
+        }
+    }
+}
+
+TEST(Scan, SameWorkOnEveryVectorTarget) {
+    Random random(33);
+    std::vector<Pair> pairs;
+    for (int i = 0; i < 3 * kinds; ++i) pairs.push_back(random_pair(random, i % kinds, 1 + random.below(900), 1 + random.below(900)));
+    std::vector<std::int64_t> targets;
+    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
+    std::vector<Result> first;
+    for (const std::int64_t target : targets) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(target);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const Result result = answer("scan", pairs[i], Pose{}, {}, variants()[i % 2]);
+            if (first.size() < pairs.size()) {
+                first.push_back(result);
+                continue;
+            }
+            const std::string where = std::string(hwy::TargetName(target)) + ", " + pairs[i].name;
+            EXPECT_EQ(result.bounds.lower, first[i].bounds.lower) << where;
+            EXPECT_EQ(result.bounds.upper, first[i].bounds.upper) << where;
+            EXPECT_EQ(result.witness.source_element, first[i].witness.source_element) << where;
+            EXPECT_EQ(result.witness.target_element, first[i].witness.target_element) << where;
+            EXPECT_EQ(result.counters, first[i].counters) << where;
+        }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+}
+
+TEST(Scan, StopsWithBoundsThatHold) {
+    Random random(34);
+    const Pair pair = random_pair(random, 2, 0, 5000);
+    const Result whole = answer("naive", pair, Pose{});
+    const SolverEntry& entry = find_solver("scan");
+    for (const ParameterMap& given : variants()) {
+        const Session session(entry, Options("scan", entry.info.parameters, given), Scene{PointSet{pair.a}, PointSet{pair.b}}, {});
+        for (const std::uint64_t budget : {0, 1, 5, 20}) {
+            Query query;
+            query.tolerance.value = 1e-9;
+            query.budget = budget;
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            EXPECT_EQ(to_string(result.status), to_string(Status::budget)) << budget;
+            EXPECT_LE(result.bounds.lower, whole.bounds.lower) << budget;
+            EXPECT_GE(result.bounds.upper, whole.bounds.upper) << budget;
+            EXPECT_LE(result.bounds.upper, 2 * diagonal(pair.b)) << budget;
+        }
+    }
+}
+
+TEST(PointBlocks, BoxesHoldTheirPointsAndEveryPointIsThereOnce) {
+    Random random(35);
+    for (int i = 0; i < 4 * kinds; ++i) {
+        const Points points = random_pair(random, i % kinds, 1, 1 + random.below(i < kinds ? 20 : 5000)).b;
+        if (magnitude(points) > 1e100) continue;  // scenes are scaled before
+        const PointBlocks blocks(points);
+        std::multiset<Index> rows;
+        ASSERT_TRUE(std::is_sorted(blocks.content.keys.begin(), blocks.content.keys.end()));
+        for (std::size_t l = 0; l < blocks.content.leaves.size(); ++l) {
+            const PointLeaf& leaf = blocks.content.leaves[l];
+            for (std::size_t k = 0; k < block_points; ++k) {
+                ASSERT_EQ(Vec3(points.row(leaf.row[k])), Vec3(leaf.x[k], leaf.y[k], leaf.z[k]));
+                if (k == 0 || leaf.row[k] != leaf.row[k - 1]) rows.insert(leaf.row[k]);
+                std::size_t child = l;  // up to the root
+                for (std::size_t level = 0; level < blocks.levels(); ++level) {
+                    const BlockNode& node = blocks.nodes[blocks.level_begin[level] + child / block_children];
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
+                        const double x = points(leaf.row[k], static_cast<Index>(axis));
+                        ASSERT_LE(node.low[axis][child % block_children], x);
+                        ASSERT_GE(node.high[axis][child % block_children], x);
+                    }
+                    child /= block_children;
+                }
+                ASSERT_EQ(child, 0U);
+            }
+        }
+        ASSERT_EQ(rows.size(), static_cast<std::size_t>(points.rows()));
+        ASSERT_EQ(std::set<Index>(rows.begin(), rows.end()).size(), rows.size());
+    }
+}
+
+TEST(NearGrid, GuessesAreTruePointsAndMarksReachAllNearOnes) {
+    Random random(36);
+    for (int i = 0; i < 8 * kinds; ++i) {
+        const Pair pair = random_pair(random, i % kinds, 20, 1 + random.below(2000));
+        if (magnitude(pair.a) > 1e100 || magnitude(pair.b) > 1e100) continue;
+        const NearGrid grid(pair.b, extent_of(pair.b).box);
+        for (Index p = 0; p < pair.a.rows(); ++p) {
+            const double* const point = pair.a.row(p).data();
+            const NearGrid::Guess& guess = grid.guess(point);
+            ASSERT_EQ(Vec3(pair.b.row(guess.row)), Vec3(guess.point[0], guess.point[1], guess.point[2]));
+            const double squared = squared_distance(point, guess.point);
+            std::vector<std::uint8_t> flags(grid.cells());
+            grid.mark(point, distance_at_most(squared, true), flags);
+            for (Index j = 0; j < pair.b.rows(); ++j) {
+                if (squared_distance(point, pair.b.row(j).data()) > squared) continue;
+                ASSERT_TRUE(flags[grid.cell_of(pair.b.row(j).data())]) << pair.name;
+            }
+        }
+    }
+}
+
+TEST(Extent, EqualsThePlainPass) {
+    Random random(37);
+    for (Index count = 1; count < 60; ++count) {
+        for (const double least : {0.0, 1e-300}) {
+            Points points = cloud(random, count);
+            points(random.below(count), random.below(3)) = least;
+            const Extent extent = extent_of(points);
+            EXPECT_EQ(extent.box.low, Vec3(points.colwise().minCoeff()));
+            EXPECT_EQ(extent.box.high, Vec3(points.colwise().maxCoeff()));
+            EXPECT_EQ(extent.tiny, least > 0);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace hausbench
