@@ -16,6 +16,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -44,13 +46,32 @@ private:
 
 struct Outcome {
     int status = 0;  // as waitpid gives it
-    bool timed_out = false;
+    bool timed_out = false, too_big = false;
     std::string errors;  // the end of what it wrote on standard error
 };
 
 constexpr std::size_t errors_kept = 16384;
 
-Outcome run(std::vector<std::string> words, double seconds_limit) {
+// What the process has in memory; 0 when it is gone.
+std::int64_t resident_bytes(pid_t process) {
+    std::ifstream in(fmt::format("/proc/{}/statm", process));
+    std::int64_t size = 0, resident = 0;
+    in >> size >> resident;
+    return resident * ::sysconf(_SC_PAGE_SIZE);
+}
+
+// Three quarters of what the machine, or the container, has to give now. No more than that is known to be harmless.
+std::int64_t spare_bytes() {
+    std::int64_t spare = std::numeric_limits<std::int64_t>::max(), number = 0;
+    std::string key, unit;
+    for (std::ifstream in("/proc/meminfo"); in >> key >> number && std::getline(in, unit);)
+        if (key == "MemAvailable:") spare = number * 1024;
+    for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
+        if (std::ifstream in(file); in >> number) spare = std::min(spare, number);  // "max" is no number
+    return spare / 4 * 3;
+}
+
+Outcome run(std::vector<std::string> words, double seconds_limit, std::int64_t bytes_limit) {
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -90,9 +111,10 @@ Outcome run(std::vector<std::string> words, double seconds_limit) {
         return true;
     };
     for (;;) {
-        if (!outcome.timed_out && Clock::now() >= deadline) {
-            outcome.timed_out = true;
-            ::kill(child, SIGKILL);
+        if (!outcome.timed_out && !outcome.too_big) {
+            outcome.timed_out = Clock::now() >= deadline;
+            outcome.too_big = resident_bytes(child) > bytes_limit;
+            if (outcome.timed_out || outcome.too_big) ::kill(child, SIGKILL);
         }
         listen(20);
         const pid_t done = ::waitpid(child, &outcome.status, WNOHANG);
@@ -108,6 +130,9 @@ std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     const std::size_t newline = text.rfind('\n');
     text = newline == std::string::npos ? text : text.substr(newline + 1);
+    // It may quote the file, which may hold what a terminal obeys.
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
     constexpr std::string_view prefix = "hausbench: ";  // the program puts it before its messages
     return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
 }
@@ -115,12 +140,18 @@ std::string last_line(std::string text) {
 }  // namespace
 
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
-                          const std::string& format, double seconds_limit) {
+                          const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
     const TemporaryFolder folder;
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "load", file.string(), out.string()};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
-    const Outcome outcome = run(words, seconds_limit);
+    if (bytes_limit == 0) bytes_limit = spare_bytes();
+    const Outcome outcome = run(words, seconds_limit, bytes_limit);
+    if (outcome.too_big)
+        throw InputError(
+            fmt::format("{}: the reader was stopped when it took more than {} MB of memory: the file is damaged, or "
+                        "too large for this machine",
+                        file.string(), bytes_limit / 1'000'000));
     if (outcome.timed_out)
         throw InputError(fmt::format("{}: the reader did not finish within {} s", file.string(), seconds_limit));
     const std::string said = last_line(outcome.errors);
@@ -134,6 +165,9 @@ LoadedShape load_isolated(const std::filesystem::path& program, const std::files
     const int code = WEXITSTATUS(outcome.status);
     if (code == 127) throw InputError(program.string() + ": cannot be started");
     if (code == 2 && !said.empty()) throw InputError(said);
+    if (code == 4)  // the program's own, where an allocation failed
+        throw InputError(file.string() +
+                         ": the reader ran out of memory: the file is damaged, or too large for this machine");
     if (code != 0)
         throw InputError(fmt::format("{}: the reader failed with exit code {}: {}", file.string(), code, said));
     return read_shape(out);

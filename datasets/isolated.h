@@ -3,11 +3,15 @@
 
 #include "load.h"
 
+#include <cstdint>
+
 namespace hausbench {
 
 // Starts `program load FILE OUT.h5 [--format F]` (the harness's hidden verb), waits, reads the shape it wrote. Throws
-// InputError with the child's own message, or "the reader was killed by signal N", or "did not finish within N s".
+// InputError with the child's own message, or "the reader was killed by signal N", or "did not finish within N s", or
+// "was stopped when it took more than N MB of memory". `bytes_limit` is on its resident set (a limit on the address
+// space would end sanitizer builds at once); 0: three quarters of the memory that is free.
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
-                          const std::string& format = "", double seconds_limit = 120);
+                          const std::string& format = "", double seconds_limit = 120, std::int64_t bytes_limit = 0);
 
 }  // namespace hausbench

@@ -149,6 +149,9 @@ std::string extension_of(const std::filesystem::path& file) {
     return extension.empty() ? "" : extension.substr(1);
 }
 
+// What gzip makes of numbers is about a tenth of them; a thousandth, which it can reach, is nothing but repetition.
+constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;
+
 // The whole file, inflated where it is gzipped (zlib goes by its first two bytes).
 std::string read_all(const std::filesystem::path& file) {
     errno = 0;
@@ -165,6 +168,12 @@ std::string read_all(const std::filesystem::path& file) {
         if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
         if (count == 0) return bytes;
         bytes.append(buffer.data(), static_cast<std::size_t>(count));
+        const z_off_t taken = gzoffset(in.get());  // of the file; -1 where it does not say
+        if (taken > 0 && bytes.size() > inflated_anyway && bytes.size() / inflation > static_cast<std::size_t>(taken))
+            throw InputError(
+                fmt::format("{}: inflates to more than {} times its size, which no mesh does: inflate it "
+                            "by hand if it is sound",
+                            file.string(), inflation));
     }
 }
 

@@ -12,6 +12,14 @@
 namespace hausbench::readers {
 namespace {
 
+// assimp 5.2.5 either finds no valid file in UTF-16 text (AC, Collada, Irrlicht), or makes every number of it 0 (ASE).
+void refuse_utf16(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string mark(2, ' ');
+    if (in.read(mark.data(), 2) && (mark == "\xff\xfe" || mark == "\xfe\xff"))
+        throw InputError(file.string() + ": is UTF-16 text, which its reader does not understand: convert it to UTF-8");
+}
+
 struct Tally {
     std::int64_t meshes = 0, polygons = 0;
 };
@@ -30,6 +38,7 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
 
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format) {
     const std::string name = file.string();
+    refuse_utf16(file);
     std::string extension = file.extension().string();
     if (!extension.empty()) extension.erase(0, 1);
     Assimp::Importer importer;
@@ -51,8 +60,11 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     if (!scene) {
         std::string why = importer.GetErrorString();
         std::replace(why.begin(), why.end(), '\n', ' ');
-        throw InputError(name + ": cannot be read: " + (why.empty() ? "assimp gives no reason" : why));
+        throw InputError(name + ": cannot be read: " + (why.empty() ? "assimp gives no reason" : why) +
+                         "; if it is sound, convert it to OBJ, PLY, STL or OFF");
     }
+    if (tally.meshes == 0)
+        throw InputError(name + ": assimp finds no mesh in it; if there is one, convert it to OBJ, PLY, STL or OFF");
 
     Soup soup;
     soup.objects = std::max<std::int64_t>(tally.meshes, 1);

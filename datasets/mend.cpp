@@ -37,6 +37,22 @@ template <class F> void each_line(std::string_view bytes, F f) {
     }
 }
 
+// Whether all of the word is a number, one beyond double or a NaN included: what is read of it is looked at later.
+bool is_number(std::string_view word) {
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error != std::errc::invalid_argument && end == word.data() + word.size();
+}
+
+// A stream would take "1.5D3" and "3.1+e2" for 1.5 and 3.1, and leave the rest.
+void check_coordinates(const std::string& name, std::string_view line, std::uint32_t number) {
+    for (int k = 0; k < 3; ++k) {
+        const std::string_view word = next_word(line);
+        if (!word.empty() && !is_number(word)) refuse(name, fmt::format("line {}: '{}' is no number", number, word));
+    }
+}
+
 void put_line(Mended& mended, std::string_view text, std::uint32_t number) {
     mended.bytes.append(text).push_back('\n');
     mended.lines.push_back(number);
@@ -87,6 +103,7 @@ Mended mend_obj(const std::string& name, std::string bytes) {
     each_line(bytes, [&](std::string_view line, std::uint32_t number) {
         const std::string_view keyword = next_word(line);
         if (keyword == "v") {
+            check_coordinates(name, line.substr(0, line.find('#')), number);
             put_line(mended, fmt::format("v {}", line), number);
             mended.point_lines.push_back(number);
         } else if (keyword == "o" || keyword == "g") {
@@ -158,6 +175,7 @@ Mended mend_off(const std::string& name, const std::string& bytes) {
         }
         if (next_word(rest).empty() || (left_points == 0 && left_faces == 0)) return;
         const bool point = left_points > 0;
+        if (point) check_coordinates(name, line, number);
         (point ? mended.point_lines : mended.face_lines).push_back(number);
         --(point ? left_points : left_faces);
         std::string text(line);
@@ -231,6 +249,7 @@ Mended mend_stl(const std::string& name, std::string bytes) {
             ++mended.objects;
             put_line(mended, "solid", number);  // its name could be a keyword
         } else if (keyword == "vertex") {
+            check_coordinates(name, line, number);
             put_line(mended, fmt::format("vertex {}", line), number);
         } else if (keyword == "facet" || keyword == "endfacet" || keyword == "endsolid") {
             if (keyword == "facet") mended.face_lines.push_back(number);

@@ -94,6 +94,11 @@ Mended mend_ply(const std::string& name, const std::string& bytes) {
         int coordinates = 0, corners = 0;
         for (Property& property : element.properties) {
             const bool list = !property.count_type.empty();
+            if (element.is_vertices() && list && property.name.starts_with("vertex_ind"))
+                throw InputError(
+                    fmt::format("{}: its vertices have the list '{}': a line 'element face ...' before it "
+                                "is missing",
+                                name, property.name));
             least += text ? 2 : sizes.at(list ? property.count_type : property.type);
             if (element.is_vertices() && !list &&
                 (property.name == "x" || property.name == "y" || property.name == "z")) {

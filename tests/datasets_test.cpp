@@ -237,6 +237,17 @@ TEST_F(Files, GzippedAndMisnamedFiles) {
     std::ifstream in(file, std::ios::binary);
     const std::string packed{std::istreambuf_iterator<char>(in), {}};
     refused("cut.ply.gz", packed.substr(0, packed.size() - 20), {"inflated"});
+
+    out = gzopen((folder_.path() / "bomb.obj.gz").c_str(), "wb");
+    const std::string blank(1 << 20, ' ');
+    for (int megabyte = 0; megabyte < 80; ++megabyte) gzwrite(out, blank.data(), static_cast<unsigned>(blank.size()));
+    gzclose(out);
+    try {
+        load_file(folder_.path() / "bomb.obj.gz");
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("times its size"), std::string::npos) << error.what();
+    }
     EXPECT_TRUE(same_bits(mesh_of(load("a.js", text, "ply")).vertices, awkward().vertices));
 }
 
@@ -253,6 +264,7 @@ TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
     refused("minus.obj", three + "f 1 2 -9\n", {"line 4", "but there are 3"});
     refused("zero.obj", three + "f 0 1 2\n", {"line 4", "'0'"});
     refused("word.obj", three + "f 1 two 3\n", {"line 4", "'two'"});
+    refused("fortran.obj", "v 0 0 0\nv 1.5D3 0 0\nv 0 1 0\nf 1 2 3\n", {"line 2", "'1.5D3'"});
     refused("edges.obj", three + "f 1 2\n", {"three corners"});
 
     refused("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", {"line 4", "vertex 1 (from 0)"});
@@ -260,6 +272,7 @@ TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
     refused("minus.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", {"line 6", "face 0"});
     refused("cut.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"1 of 2 faces"});
     refused("memory.off", "OFF\n3000000000 1 0\n0 0 0\n", {"announces 3000000000"});
+    refused("fortran.off", "OFF\n3 1 0\n0 0 0\n1 0 3.1+e2\n0 1 0\n3 0 1 2\n", {"line 4", "'3.1+e2'"});
     refused("no.off", "hello\n", {"OFF"});
 
     refused("nan.ply", ply_head + "0 0 0\n0 nan 0\n0 0 1\n0 1 0\n3 0 1 2\n3 0 1 3\n", {"1 of 4 vertices"});
@@ -288,11 +301,19 @@ TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
             "solid x\n" + ascii_facet +
                 "facet\nouter loop\nvertex 0 0 0\nvertex 0 NaN 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n",
             {"line 12", "vertex 4 (from 0)"});
+    refused("fortran.stl",
+            "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 0 1d3 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\n",
+            {"line 5", "'1d3'"});
     refused("four.stl",
             "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 "
             "0\nendloop\nendfacet\nendsolid\n",
             {"line 9", "4 vertices"});
     refused("nothing.stl", "solid\nendsolid\n", {"no vertices"});
+    refused("wide.ase", std::string("\xff\xfe*\0M\0", 6), {"UTF-16", "UTF-8"});
+    refused("faceless.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "property list uchar int vertex_indices\nend_header\n0 0 0\n",
+            {"element face"});
 
     refused("junk.gltf", "{ this is not JSON", {"cannot be read"});
     EXPECT_THROW(load_file(folder_.path() / "absent.obj"), InputError);
@@ -416,9 +437,9 @@ protected:
         std::filesystem::permissions(file, std::filesystem::perms::owner_all);
         return file;
     }
-    std::string message(const std::string& body, double seconds = 60) const {
+    std::string message(const std::string& body, double seconds = 60, std::int64_t bytes = 0) const {
         try {
-            load_isolated(script(body), "mesh.obj", "", seconds);
+            load_isolated(script(body), "mesh.obj", "", seconds, bytes);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -437,8 +458,12 @@ TEST_F(Isolated, TheChildsFailuresAreTold) {
     EXPECT_EQ(message("echo noise >&2; echo 'hausbench: mesh.obj: line 3: bad' >&2; exit 2"), "mesh.obj: line 3: bad");
     EXPECT_NE(message("kill -SEGV $$").find("killed by signal 11"), std::string::npos);
     EXPECT_NE(message("sleep 60", 0.2).find("did not finish within 0.2 s"), std::string::npos);
+    EXPECT_NE(message("exec dd if=/dev/zero of=/dev/null bs=200M", 60, 50'000'000).find("more than 50 MB of memory"),
+              std::string::npos);
+    EXPECT_EQ(message("printf 'mesh.obj: \\033[2J\\r' >&2; exit 2"), "mesh.obj: ?[2J");
     EXPECT_NE(message("exec 2>&-; sleep 60", 0.2).find("did not finish"), std::string::npos);
     EXPECT_NE(message("echo oh >&2; exit 3").find("exit code 3: oh"), std::string::npos);
+    EXPECT_NE(message("echo 'hausbench: out of memory' >&2; exit 4").find("ran out of memory"), std::string::npos);
     EXPECT_NE(message("exit 0").find("shape.h5"), std::string::npos);
     EXPECT_THROW(load_isolated(folder_.path() / "absent", "mesh.obj"), InputError);
 }
