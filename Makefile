@@ -33,13 +33,14 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test types experiments figures tidy format asan clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile types experiments figures tidy format asan clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
 	@echo 'make build        the program, build/release/hausbench'
 	@echo 'make datasets     fetch the models that experiments name'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
+	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
@@ -142,8 +143,12 @@ test: build/release/build.ninja
 	@$(MAKE) --no-print-directory types
 	$(PYTHON) -m pytest -q tests
 
+# All of tests/hostile/files.toml, some of which are in packages that nothing else needs (50 MB).
+hostile: build
+	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs tests/hostile
+
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis datasets/fetch.py tests/analysis tests/datasets_py
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 
 asan: build/asan/build.ninja

