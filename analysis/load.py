@@ -86,6 +86,7 @@ class Cases:
     trace_begin: Ints
     trace_end: Ints
     from_trace: Ints
+    extras: Texts
     lower_check: Texts
     upper_check: Texts
     build: Texts
@@ -160,6 +161,10 @@ class Results:
     def options(self, case: int) -> dict[str, Any]:
         options: dict[str, Any] = json.loads(self.cases.options[case] or "{}")
         return options
+
+    def extras(self, case: int) -> dict[str, float]:
+        """Numbers that the solver reports of itself, by name."""
+        return {name: float(value) for name, value in json.loads(self.cases.extras[case] or "{}").items()}
 
     @cached_property
     def _repeats_by_case(self) -> tuple[Ints, Ints]:

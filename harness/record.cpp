@@ -84,6 +84,18 @@ std::string_view to_string(Verdict verdict) {
     return names[std::size_t(verdict)];
 }
 
+json extras_json(const std::map<std::string, double>& extras) {
+    json object = json::object();
+    for (const auto& [name, value] : extras) object[name] = number(value);
+    return object;
+}
+
+std::map<std::string, double> extras_of(const json& object) {
+    std::map<std::string, double> extras;
+    for (const auto& [name, value] : object.items()) extras[name] = number(value);
+    return extras;
+}
+
 json to_json(const Outcome& o) {
     json counters = json::object();
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
@@ -99,6 +111,7 @@ json to_json(const Outcome& o) {
             {"witness", {vector_json(o.witness.source_point), vector_json(o.witness.target_point), o.witness.source_element,
                          o.witness.target_element}},
             {"counters", counters},
+            {"extras", extras_json(o.extras)},
             {"prepare_seconds", number(o.prepare_seconds)},
             {"prepare_bytes", o.prepare_bytes},
             {"solve_seconds", number(o.solve_seconds)},
@@ -121,6 +134,7 @@ Outcome outcome_from_json(const json& j) {
     const json& w = j.at("witness");
     o.witness = {vector_of(w.at(0)), vector_of(w.at(1)), w.at(2), w.at(3)};
     for (const CounterField& field : counter_fields) o.counters.*field.member = j.at("counters").at(std::string(field.name));
+    o.extras = extras_of(j.at("extras"));
     o.prepare_seconds = number(j.at("prepare_seconds"));
     o.prepare_bytes = j.at("prepare_bytes");
     o.solve_seconds = number(j.at("solve_seconds"));

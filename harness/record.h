@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ struct Outcome {
     Witness witness{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()),
                     Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), -1, -1};
     Counters counters;
+    std::map<std::string, double> extras;  // what the solver reports of itself, where that is a single number
     double prepare_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t prepare_bytes = -1;
     double solve_seconds = std::numeric_limits<double>::quiet_NaN();
@@ -89,6 +91,9 @@ Outcome outcome_from_json(const nlohmann::json& json);
 
 ParameterValue parameter_of(const nlohmann::json& value);
 nlohmann::json options_json(const ParameterMap& options);
+
+nlohmann::json extras_json(const std::map<std::string, double>& extras);
+std::map<std::string, double> extras_of(const nlohmann::json& object);
 
 // JSON has no NaN or infinity: these become texts.
 nlohmann::json number(double value);

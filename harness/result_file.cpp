@@ -102,6 +102,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.integer("peak_bytes", [](const Row& r) { return r.outcome.peak_bytes; });
     c.integer("from_trace", [](const Row& r) { return r.outcome.from_trace; });
     c.text("lower_check", [](const Row& r) { return std::string(to_string(r.check.lower)); });
+    c.text("extras", [](const Row& r) { return extras_json(r.outcome.extras).dump(); });
     c.text("upper_check", [](const Row& r) { return std::string(to_string(r.check.upper)); });
     c.text("build", [](const Row& r) { return r.outcome.build; });
     c.text("machine", [](const Row& r) { return r.outcome.machine; });
@@ -284,6 +285,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.integers("peak_bytes"), [](Row& r, auto v) { r.outcome.peak_bytes = v; });
     each(c.integers("from_trace"), [](Row& r, auto v) { r.outcome.from_trace = v != 0; });
     each(c.texts("lower_check"), [](Row& r, Text v) { r.check.lower = verdict_of(v); });
+    each(c.texts("extras"), [](Row& r, Text v) { r.outcome.extras = extras_of(nlohmann::json::parse(v)); });
     each(c.texts("upper_check"), [](Row& r, Text v) { r.check.upper = verdict_of(v); });
     each(c.texts("build"), [](Row& r, Text v) { r.outcome.build = v; });
     each(c.texts("machine"), [](Row& r, Text v) { r.outcome.machine = v; });

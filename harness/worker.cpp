@@ -123,6 +123,9 @@ private:
         outcome.bounds = result.bounds;
         outcome.witness = result.witness;
         outcome.counters = result.counters;
+        for (const auto& [name, values] : result.extras) {
+            if (values.size() == 1) outcome.extras[name] = values.front();
+        }
         outcome.prepare_seconds = session_->prepare_seconds();
         outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
         outcome.preparation = session_->preparation();

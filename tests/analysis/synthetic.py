@@ -38,7 +38,7 @@ CASE: dict[str, Any] = {
     "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3,
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
     "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "trace_begin": 0, "trace_end": 0, "from_trace": 0,
-    "lower_check": "holds", "upper_check": "not checked",
+    "extras": "{}", "lower_check": "holds", "upper_check": "not checked",
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
