@@ -5,7 +5,9 @@
 
 #include "../scene.h"
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -13,8 +15,13 @@ namespace hausbench {
 
 inline constexpr double unit_roundoff = 0x1p-53;
 
-inline double next_up(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
-inline double next_down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
+// As std::nextafter towards +infinity, but inlined.
+inline double next_up(double x) {
+    if (x == 0) return std::numeric_limits<double>::denorm_min();
+    if (!(x < std::numeric_limits<double>::infinity())) return x;
+    return std::bit_cast<double>(std::bit_cast<std::int64_t>(x) + (x > 0 ? 1 : -1));
+}
+inline double next_down(double x) { return -next_up(-x); }
 
 // --- point to point -------------------------------------------------------------------------------------------------
 //
@@ -83,5 +90,20 @@ inline double surface_distance_at_least(double certified, double magnitude, int 
     const double low = level == 0 ? certified : next_down(certified - 2.5 * level * unit_roundoff * magnitude);
     return low > 0 ? low : 0;
 }
+
+// The three together, for one scene; `certify` off leaves the widening out, to measure what it costs and to show what goes
+// wrong without it.
+struct SurfaceRounding {
+    double magnitude;
+    bool certify = true;
+
+    double at_most(double squared, int level) const {
+        return certify ? surface_distance_at_most(squared, magnitude, level) : std::sqrt(squared);
+    }
+    double piece_at_most(double squared, double squared_edge, int level) const {
+        return certify ? piece_distance_at_most(squared, squared_edge, magnitude, level)
+                       : std::sqrt(squared) + std::sqrt(squared_edge);
+    }
+};
 
 }  // namespace hausbench

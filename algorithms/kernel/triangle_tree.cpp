@@ -1,6 +1,7 @@
 #include "triangle_tree.h"
 
 #include "rounding.h"
+#include "textbook.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernel/triangle_tree.cpp"
@@ -65,6 +66,21 @@ void tree_closest(const WideTree& tree, const TriangleBlock* blocks, const Vec3&
     });
 }
 
+void tree_textbook(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double squared_enough,
+                   ClosestPoint& best, Counters& counters) {
+    const LocalPoint p(tree.frame, point);
+    walk(tree, p, best.squared_distance, counters.node_visits, [&](std::size_t leaf, double& squared) {
+        const TriangleBlock& block = blocks[leaf];
+        for (int i = 0; i < block.count; ++i) {
+            ++counters.point_triangle_distances;
+            const TrianglePoint found = textbook_closest_point(point, block.at(i));
+            if (found.squared_distance <= best.squared_distance) offer(best, found, block.triangle[i]);
+        }
+        squared = best.squared_distance;
+        return best.triangle < 0 || best.squared_distance > squared_enough;
+    });
+}
+
 void tree_certify(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double nearest, double& least,
                   Counters& counters) {
     const LocalPoint p(tree.frame, point);
@@ -82,6 +98,7 @@ HWY_AFTER_NAMESPACE();
 namespace hausbench {
 
 HWY_EXPORT(tree_closest);
+HWY_EXPORT(tree_textbook);
 HWY_EXPORT(tree_certify);
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh, WideTree&& tree) : mesh_(&mesh), tree_(std::move(tree)) {
@@ -109,6 +126,14 @@ ClosestPoint TriangleTree::closest(const Vec3& point, const ClosestHints& hints,
     best.squared_distance = hints.squared_radius;
     const std::int32_t first = hints.warm_triangle >= 0 ? leaf_of_[static_cast<std::size_t>(hints.warm_triangle)] : -1;
     HWY_DYNAMIC_DISPATCH(tree_closest)(tree_, blocks_.get(), point, hints.squared_enough, first, best, counters);
+    return best;
+}
+
+ClosestPoint TriangleTree::textbook_closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const {
+    ++counters.closest_point_queries;
+    ClosestPoint best;
+    best.squared_distance = hints.squared_radius;
+    HWY_DYNAMIC_DISPATCH(tree_textbook)(tree_, blocks_.get(), point, hints.squared_enough, best, counters);
     return best;
 }
 

@@ -20,6 +20,10 @@ public:
     // O(log n) on well-behaved meshes, O(n) at worst (the centre of a sphere).
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
+    // The same with textbook_closest_point (textbook.h), triangle by triangle: what a program without care would answer.
+    // Distances that are NaN are passed over; `triangle` is -1 where all are.
+    ClosestPoint textbook_closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
+
     // As certified_distance_by_scan, to the bit. O(log n) and what is equally near.
     double certified_distance(const Vec3& point, Counters& counters) const;
 

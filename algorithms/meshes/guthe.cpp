@@ -12,11 +12,14 @@
 //
 // Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound does no harm, as
 // the bounds of what is purged are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
-// Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 152
+// With certify = false nothing is widened or certified, and with kernel = textbook distances are those that textbooks give:
+// both are there to be compared with, and their bounds may be wrong.
+// Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes a piece that waits.
 #include "kernel/deadline.h"
 #include "kernel/octree.h"
 #include "kernel/rounding.h"
+#include "kernel/textbook.h"
 #include "solver.h"
 
 #include <algorithm>
@@ -40,26 +43,40 @@ struct Piece {
     Index source;    // triangle of A
     Index best;      // triangle of B whose bound was least
     int level;
+};
 
-    bool operator<(const Piece& other) const { return upper < other.upper; }
+// Which piece to split next: the heap moves these, and the pieces stay where they are.
+struct Waiting {
+    double upper;
+    std::uint32_t piece;
+
+    bool operator<(const Waiting& other) const { return upper < other.upper; }
+};
+
+struct Choices {
+    bool textbook = false, certify = true;
 };
 
 // One query at work.
 class Search {
 public:
     Search(const TriangleMesh& a, const TriangleMesh& b, const TriangleOctree* octree, Points posed_vertices,
-           const Query& query, Trace& trace)
+           const Query& query, Trace& trace, const Choices& choices)
         : a_(a), b_(b), octree_(octree), points_(std::move(posed_vertices)), query_(query), trace_(trace),
-          deadline_(query.time_limit), magnitude_(std::max(magnitude(points_), magnitude(b.vertices))) {}
+          textbook_(choices.textbook), deadline_(query.time_limit),
+          rounding_{std::max(magnitude(points_), magnitude(b.vertices)), choices.certify} {}
 
     Result run();
 
 private:
     ClosestPoint closest(const Vec3& point, Index warm);
+    double squared_distance(const Vec3& point, const Triangle& triangle) const;
+    void squared_distances(const std::array<Vertex, 6>& points, const Triangle& triangle, BlockFeet& feet) const;
     Vertex vertex_at(const Vec3& point, Index warm, Index source, int level);
     bool measure_vertices();
     void push_triangles();
-    void push(Piece&& piece);
+    void push(const Piece& piece);
+    Piece pop();
     void split(const Piece& piece);
     double upper() const { return std::max(settled_, heap_.empty() ? 0.0 : heap_.front().upper); }
     double certified_lower();
@@ -71,11 +88,14 @@ private:
     Points points_;
     const Query& query_;
     Trace& trace_;
+    bool textbook_;
     Deadline deadline_;
-    double magnitude_;
+    SurfaceRounding rounding_;
     Counters counters_;
     std::vector<Vertex> vertices_;  // of A
-    std::vector<Piece> heap_;
+    std::vector<Waiting> heap_;
+    std::vector<Piece> pieces_;
+    std::vector<std::uint32_t> free_;  // places in pieces_
     double settled_ = 0;            // the largest upper bound of what was purged
     Vertex farthest_;
     Index farthest_source_ = -1;
@@ -86,7 +106,38 @@ private:
 ClosestPoint Search::closest(const Vec3& point, Index warm) {
     ClosestHints hints;
     hints.warm_triangle = warm;
-    return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
+    if (!textbook_) return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
+
+    ClosestPoint best;
+    if (octree_) {
+        best = octree_->textbook_closest(point, hints, counters_);
+    } else {
+        ++counters_.closest_point_queries;
+        for (Index i = 0; i < b_.triangles.rows(); ++i) {
+            ++counters_.point_triangle_distances;
+            const TrianglePoint found = textbook_closest_point(point, triangle_of(b_, i));
+            if (found.squared_distance <= best.squared_distance) offer(best, found, i);
+        }
+    }
+    // All were NaN: something has to be answered.
+    if (best.triangle < 0) best = {best.squared_distance, triangle_of(b_, 0).a, 0};
+    return best;
+}
+
+double Search::squared_distance(const Vec3& point, const Triangle& triangle) const {
+    return (textbook_ ? textbook_closest_point(point, triangle) : closest_point(point, triangle)).squared_distance;
+}
+
+void Search::squared_distances(const std::array<Vertex, 6>& points, const Triangle& triangle, BlockFeet& feet) const {
+    if (textbook_) {
+        for (std::size_t k = 0; k < 6; ++k) feet.squared_distance[k] = squared_distance(points[k].point, triangle);
+        return;
+    }
+    PointBlock block;
+    for (std::size_t lane = 0; lane < block_width; ++lane) {
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = points[std::min<std::size_t>(lane, 5)].point[k];
+    }
+    closest_points(block, triangle, feet);
 }
 
 Vertex Search::vertex_at(const Vec3& point, Index warm, Index source, int level) {
@@ -119,19 +170,34 @@ bool Search::measure_vertices() {
     return true;
 }
 
-void Search::push(Piece&& piece) {
+void Search::push(const Piece& piece) {
     // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
     // pieces whose vertices share a nearest triangle.
-    if (piece.upper <= surface_distance_at_most(farthest_.squared, magnitude_, piece.level) || piece.level == most_levels) {
+    if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level) || piece.level == most_levels) {
         settled_ = std::max(settled_, piece.upper);
         return;
     }
     ++counters_.queue_pushes;
-    heap_.push_back(std::move(piece));
+    std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
+    if (free_.empty()) {
+        pieces_.push_back(piece);
+    } else {
+        place = free_.back();
+        free_.pop_back();
+        pieces_[place] = piece;
+    }
+    heap_.push_back({piece.upper, place});
     std::push_heap(heap_.begin(), heap_.end());
 }
 
-double lipschitz_bound(const std::array<Vertex, 3>& corners, double magnitude, int level) {
+Piece Search::pop() {
+    std::pop_heap(heap_.begin(), heap_.end());
+    free_.push_back(heap_.back().piece);
+    heap_.pop_back();
+    return pieces_[free_.back()];
+}
+
+double lipschitz_bound(const std::array<Vertex, 3>& corners, const SurfaceRounding& rounding, int level) {
     double edges[3];  // edges[k] is opposite corner k
     for (std::size_t k = 0; k < 3; ++k) {
         edges[k] = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
@@ -139,7 +205,7 @@ double lipschitz_bound(const std::array<Vertex, 3>& corners, double magnitude, i
     double bound = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k) {
         const double longest = std::max(edges[(k + 1) % 3], edges[(k + 2) % 3]);
-        bound = std::min(bound, piece_distance_at_most(corners[k].squared, longest, magnitude, level));
+        bound = std::min(bound, rounding.piece_at_most(corners[k].squared, longest, level));
     }
     return bound;
 }
@@ -160,7 +226,7 @@ void Search::push_triangles() {
                     most = std::max(most, other.squared);
                 } else {
                     ++counters_.point_triangle_distances;
-                    most = std::max(most, closest_point(other.point, near).squared_distance);
+                    most = std::max(most, squared_distance(other.point, near));
                 }
             }
             ++counters_.bound_tests;
@@ -169,8 +235,8 @@ void Search::push_triangles() {
                 piece.best = corner.triangle;
             }
         }
-        piece.upper = std::min(surface_distance_at_most(least, magnitude_, 0), lipschitz_bound(piece.corners, magnitude_, 0));
-        push(std::move(piece));
+        piece.upper = std::min(rounding_.at_most(least, 0), lipschitz_bound(piece.corners, rounding_, 0));
+        push(piece);
     }
 }
 
@@ -194,15 +260,10 @@ void Search::split(const Piece& piece) {
     for (std::size_t s = 0; s < near.size(); ++s) {
         if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
         const Triangle triangle = triangle_of(b_, near[s]);
-        std::array<double, 6> squared;
-        for (std::size_t k = 0; k < 6; ++k) {
-            if (v[k].triangle == near[s]) {
-                squared[k] = v[k].squared;
-            } else {
-                ++counters_.point_triangle_distances;
-                squared[k] = closest_point(v[k].point, triangle).squared_distance;
-            }
-        }
+        BlockFeet feet;
+        squared_distances(v, triangle, feet);
+        const double* squared = feet.squared_distance;
+        counters_.point_triangle_distances += 6;
         for (std::size_t c = 0; c < 4; ++c) {
             ++counters_.bound_tests;
             const double most = std::max({squared[children[c][0]], squared[children[c][1]], squared[children[c][2]]});
@@ -214,17 +275,18 @@ void Search::split(const Piece& piece) {
     }
     for (std::size_t c = 0; c < 4; ++c) {
         Piece child{{v[children[c][0]], v[children[c][1]], v[children[c][2]]}, 0, piece.source, best[c], level};
-        child.upper = std::min({piece.upper, surface_distance_at_most(least[c], magnitude_, level),
-                                lipschitz_bound(child.corners, magnitude_, level)});
-        push(std::move(child));
+        child.upper = std::min({piece.upper, rounding_.at_most(least[c], level),
+                                lipschitz_bound(child.corners, rounding_, level)});
+        push(child);
     }
 }
 
 double Search::certified_lower() {
+    if (!rounding_.certify) return std::sqrt(farthest_.squared);
     if (certified_ < 0) {
         const double distance = octree_ ? octree_->certified_distance(farthest_.point, counters_)
                                         : certified_distance_by_scan(b_, farthest_.point, counters_);
-        certified_ = surface_distance_at_least(distance, magnitude_, farthest_level_);
+        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_level_);
     }
     return certified_;
 }
@@ -248,7 +310,7 @@ Result Search::run() {
         const Vec3 point = b_.vertices.row(b_.triangles(0, 0));
         double most = 0;
         for (Index v = 0; v < points_.rows(); ++v) most = std::max(most, squared_length(Vec3(points_.row(v)) - point));
-        settled_ = surface_distance_at_most(most, magnitude_, 0);
+        settled_ = rounding_.at_most(most, 0);
         return farthest_.triangle < 0 ? Result{.status = Status::time_limit, .bounds = {0, settled_}, .witness = {},
                                                .counters = counters_, .extras = {}}
                                       : result(Status::time_limit);
@@ -273,11 +335,9 @@ Result Search::run() {
         }
         if (counters_.subdivisions >= query_.budget) return result(Status::budget);
         if (counters_.subdivisions % 64 == 0 && deadline_.passed()) return result(Status::time_limit);
-        std::pop_heap(heap_.begin(), heap_.end());
-        const Piece piece = heap_.back();
-        heap_.pop_back();
+        const Piece piece = pop();
         // The lower bound may have risen since it was pushed.
-        if (piece.upper <= surface_distance_at_most(farthest_.squared, magnitude_, piece.level)) {
+        if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level)) {
             settled_ = std::max(settled_, piece.upper);
         } else {
             split(piece);
@@ -287,7 +347,7 @@ Result Search::run() {
 
 class Guthe final : public Solver {
 public:
-    explicit Guthe(const Options&) {}
+    explicit Guthe(const Options& options) : choices_{options.text("kernel") == "textbook", options.flag("certify")} {}
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
         if (element_count(scene.target) <= scan_at_most) return {};
@@ -306,10 +366,11 @@ public:
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
         const bool has = prepared_->has(Structure::octree, Side::target);
         const TriangleOctree* octree = has ? &prepared_->octree(Side::target) : nullptr;
-        return Search(*source_, *target_, octree, std::move(points), query, trace).run();
+        return Search(*source_, *target_, octree, std::move(points), query, trace, choices_).run();
     }
 
 private:
+    Choices choices_;
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const Prepared* prepared_ = nullptr;
@@ -326,6 +387,13 @@ SolverEntry guthe_solver() {
     info.certified = true;
     info.traces = true;
     info.may_need = {{Structure::octree, Side::target}};
+    info.parameters = {
+        {.name = "kernel", .default_value = std::string("robust"), .unit = "", .paper_value = "",
+         .description = "the distance of a point to a triangle; textbook: not certified, to show how it fails",
+         .choices = {"robust", "textbook"}},
+        {.name = "certify", .default_value = true, .unit = "", .paper_value = "",
+         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost", .choices = {}},
+    };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
 }
 
