@@ -95,6 +95,10 @@ void add_noise(Points& points, double amplitude, std::uint64_t seed) {
             points(i, k) += amplitude * (2 * random.uniform(static_cast<std::uint64_t>(3 * i + k)) - 1);
 }
 
+void quantise(Points& points, double cells) {
+    points = points.unaryExpr([&](double x) { return std::floor(x * cells + 0.5) / cells; }).eval();
+}
+
 void normalise(Points& points) {
     const double length = diagonal(points);
     if (!(length > 0)) throw InputError("normalise: all points are one");
@@ -166,6 +170,7 @@ const std::vector<Recipe>& operations() {
     static const std::vector<Recipe> list = {
         {"vertices", {}},
         {"weld", {}},
+        {"quantise", {{"cells", true, 1, 0x1p53}}},
         {"sample", {{"count", true, 1, 1e8}, seed}},
         {"simplify", {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}}},
         {"remesh", {{"edge", false, 1e-4, 1}}},
@@ -209,6 +214,8 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
         made.shape = simplify(mesh(), static_cast<Index>(wanted));
     } else if (operation == "remesh")
         made.shape = remesh(mesh(), real("edge") * diagonal(points));
+    else if (operation == "quantise")
+        quantise(points, real("cells"));
     else if (operation == "noise")
         add_noise(points, real("amplitude") * diagonal(points), seed());
     else if (operation == "subdivide")

@@ -9,6 +9,7 @@ namespace hausbench {
 // vertices   a mesh becomes the set of its vertices
 // weld       vertices (or points) with equal coordinates become one
 // sample     count, seed: points spread over the surface, by area; of a point set, `count` of its points
+// quantise   cells: each coordinate becomes the nearest multiple of 1 / cells, as in voxel data; equal points all stay
 // simplify   ratio, or triangles: edge collapse (CGAL, Lindstrom and Turk 1998) down to that many triangles
 // remesh     edge: even edges of this length, a fraction of the diagonal (CGAL, isotropic remeshing, 3 rounds)
 // noise      amplitude, seed: each vertex moves within a cube of half this edge, a fraction of the diagonal

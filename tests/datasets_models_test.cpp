@@ -112,7 +112,12 @@ TEST(Generate, MeshesAreWhatTheySay) {
     EXPECT_EQ(element_count(plane), 32);
     EXPECT_NEAR(area(mesh_of(plane)), 1, 1e-14);
     EXPECT_TRUE((mesh_of(plane).vertices.col(2).array() == 0.25).all());
-    for (const Shape& shape : {ball, cube, torus, plane}) EXPECT_EQ(shape_problem(shape), "");
+    const Shape gear = generate("gear", {{"teeth", 10}, {"steps", 8}, {"rings", 3}, {"layers", 2}, {"outer", 2}, {"root", 1.5}, {"bore", 0.5}, {"height", 0.25}});
+    EXPECT_EQ(element_count(gear), 4 * 10 * 8 * (3 + 2));
+    EXPECT_TRUE(closed(mesh_of(gear)));
+    EXPECT_GT(volume(mesh_of(gear)), 0.25 * 3.1 * (1.5 * 1.5 - 0.5 * 0.5));
+    EXPECT_LT(volume(mesh_of(gear)), 0.25 * 3.2 * (2.0 * 2.0 - 0.5 * 0.5));
+    for (const Shape& shape : {ball, cube, torus, plane, gear}) EXPECT_EQ(shape_problem(shape), "");
 }
 
 TEST(Generate, PointsHaveTheirDistribution) {
@@ -200,6 +205,10 @@ TEST(Derive, MovesAndScales) {
     const double most = (noisy - before).cwiseAbs().maxCoeff();
     EXPECT_LE(most, 0.01 * length);
     EXPECT_GT(most, 0.0095 * length);
+    const Points gridded = points_of(derived("quantise", {{"cells", 5}}, ball).shape);
+    EXPECT_LE((gridded - before).cwiseAbs().maxCoeff(), 0.1 + 1e-15);
+    EXPECT_EQ(gridded, points_of(derived("quantise", {{"cells", 5}}, PointSet{gridded}).shape));
+    EXPECT_EQ(gridded, Points(Points((5 * gridded).array().round()).array() / 5));
     EXPECT_THROW(derive("rotate", {{"x", 0}, {"y", 0}, {"z", 0}, {"t", 1}}, {ball, {}}), InputError);
     EXPECT_THROW(derive("normalise", {}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
     EXPECT_THROW(derive("subdivide", {{"levels", 1}}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
