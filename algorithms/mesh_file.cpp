@@ -78,6 +78,9 @@ MeshFormat mesh_format_of(const fs::path& file) {
 }
 
 void write_mesh_file(const fs::path& file, const Shape& shape, MeshFormat format) {
+    if (kind_of(shape) == ShapeKind::surface) {
+        throw InputError(fmt::format("{}: an algebraic surface has no triangles to write: export a model derived from it by 'triangulate'", file.string()));
+    }
     const Points& points = points_of(shape);
     const auto* mesh = std::get_if<TriangleMesh>(&shape);
     const Index faces = mesh ? Index(mesh->triangles.rows()) : 0;

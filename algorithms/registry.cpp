@@ -17,6 +17,8 @@ SolverEntry nohd_as_printed_solver();
 SolverEntry ohd_as_printed_solver();
 SolverEntry scan_solver();        // points/scan.cpp
 SolverEntry guthe_solver();       // meshes/guthe.cpp
+SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
+SolverEntry surface_enclosure_solver();  // surfaces/surface_enclosure.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
 SolverEntry external_solver();    // peers/external.cpp
@@ -35,6 +37,8 @@ std::vector<SolverEntry>& list_of_solvers() {
         ohd_as_printed_solver(),
         scan_solver(),
         guthe_solver(),
+        interval_subdivision_solver(),
+        surface_enclosure_solver(),
 #ifdef HAUSBENCH_HAS_KDTREE
         kdtree_solver(),
 #endif

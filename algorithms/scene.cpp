@@ -5,13 +5,18 @@
 namespace hausbench {
 
 ShapeKind kind_of(const Shape& shape) {
-    return std::holds_alternative<PointSet>(shape) ? ShapeKind::points : ShapeKind::mesh;
+    constexpr ShapeKind kinds[] = {ShapeKind::points, ShapeKind::mesh, ShapeKind::surface};  // in the order of the variant
+    return kinds[shape.index()];
 }
 
-std::string_view to_string(ShapeKind kind) { return kind == ShapeKind::points ? "points" : "mesh"; }
+std::string_view to_string(ShapeKind kind) {
+    constexpr std::string_view names[] = {"points", "mesh", "surface"};
+    return names[static_cast<std::size_t>(kind)];
+}
 
 const Points& points_of(const Shape& shape) {
     if (const auto* set = std::get_if<PointSet>(&shape)) return set->points;
+    if (const auto* surface = std::get_if<AlgebraicSurface>(&shape)) return surface->box;
     return std::get<TriangleMesh>(shape).vertices;
 }
 
@@ -19,7 +24,8 @@ Points& points_of(Shape& shape) { return const_cast<Points&>(points_of(static_ca
 
 Index element_count(const Shape& shape) {
     if (const auto* set = std::get_if<PointSet>(&shape)) return static_cast<Index>(set->points.rows());
-    return static_cast<Index>(std::get<TriangleMesh>(shape).triangles.rows());
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return static_cast<Index>(mesh->triangles.rows());
+    return 1;
 }
 
 double diagonal(const Points& points) {

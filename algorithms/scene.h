@@ -30,18 +30,25 @@ struct TriangleMesh {
     Triangles triangles;
 };
 
-using Shape = std::variant<PointSet, TriangleMesh>;
+// The points of a closed box where a polynomial in x, y, z vanishes: never empty, as all shapes. A solver that finds that
+// this one is throws InputError when it prepares.
+struct AlgebraicSurface {
+    std::string polynomial;  // as kernel/polynomial.h reads it; its coefficients are the numbers written, not their roundings
+    Points box;              // two rows: the least and the largest corner, the first below the second in each coordinate
+};
 
-enum class ShapeKind { points, mesh };
+using Shape = std::variant<PointSet, TriangleMesh, AlgebraicSurface>;
+
+enum class ShapeKind { points, mesh, surface };
 
 ShapeKind kind_of(const Shape& shape);
 std::string_view to_string(ShapeKind kind);
 
-// The points of a point set, the vertices of a mesh.
+// The points of a point set, the vertices of a mesh, the two corners of the box of a surface.
 const Points& points_of(const Shape& shape);
 Points& points_of(Shape& shape);
 
-// Points of a point set, triangles of a mesh.
+// Points of a point set, triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
 // Length of the diagonal of the axis-aligned box of the points.
@@ -60,6 +67,7 @@ struct Pose {
 
 // A posed is, by definition, the points fl(R v + t) that this function returns: (r0 x + r1 y) + r2 z + t, rounded after
 // each operation, in that order. The identity pose returns the same bits. Every bound and witness is about that shape.
+// Surfaces stand still: a session refuses other poses.
 Points posed(const Points& points, const Pose& pose);
 
 // The source A moves by the pose; the target B stands.

@@ -75,7 +75,10 @@ Session::Session(const SolverEntry& entry, const Options& options, Scene scene, 
     Points& source = points_of(scene_->source);
     Points& target = points_of(scene_->target);
     const double largest = std::max(magnitude(source), magnitude(target));
-    if (!entry.info.original_coordinates && largest > 0) {
+    moveable_ = kind_of(scene_->source) != ShapeKind::surface;
+    // The coefficients of a surface belong to its coordinates.
+    const bool scalable = moveable_ && kind_of(scene_->target) != ShapeKind::surface;
+    if (!entry.info.original_coordinates && scalable && largest > 0) {
         std::frexp(largest, &exponent_);
         exponent_ = -exponent_;
         lost_ = std::max(scale(source, exponent_), scale(target, exponent_));
@@ -135,6 +138,9 @@ double Session::widening(const Pose& pose) const {
 
 Result Session::solve(const Query& query, Trace& trace) const {
     check(query);
+    if (!moveable_ && !query.pose.is_identity()) {
+        throw InputError("query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it first");
+    }
     Query scaled = query;
     Result previous;
     if (exponent_ != 0) {

@@ -15,14 +15,15 @@ enum class Leave { out_what_is_not_needed, nothing_out };
 class Session {
 public:
     // Takes the scene over, scales it by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
-    // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers get it as it is), builds the
+    // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers and surfaces stay as they are), builds the
     // structures, prepares the solver. Throws InputError for shapes the solver does not take.
     Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries,
             Leave leave = Leave::out_what_is_not_needed);
 
     // The query's lengths (tolerance, cutoff, translation), the result's and the trace's are in the units of the input.
     // Bounds are rounded outward where scaling back is inexact. Starts the trace, and ends it if the solver traces.
-    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite.
+    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite,
+    // a pose other than the identity where the source is an algebraic surface.
     Result solve(const Query& query, Trace& trace) const;
 
     const Prepared& prepared() const { return *prepared_; }
@@ -36,6 +37,7 @@ private:
 
     std::unique_ptr<Scene> scene_;
     bool traces_ = false;
+    bool moveable_ = true;                   // the source may be posed: it is no algebraic surface
     int exponent_ = 0;                       // scaled = original * 2^exponent
     double lost_ = 0;                        // what a scaled coordinate may have lost to underflow
     double largest_ = 0, smallest_ = 0;      // nonzero |coordinate| of the source, scaled

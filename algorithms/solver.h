@@ -3,7 +3,8 @@
 // that registry.cpp lists. Read points/naive.cpp next.
 //
 // What a solver may rely on (session.h sees to it): shapes are non-empty and finite, and unless it asks for
-// `original_coordinates` the scene is scaled by a power of two so that the largest |coordinate| is in [0.5, 1).
+// `original_coordinates` the scene is scaled by a power of two so that the largest |coordinate| is in [0.5, 1). Scenes
+// with an algebraic surface are never scaled.
 #pragma once
 
 #include "kernel/counters.h"
@@ -23,8 +24,8 @@
 namespace hausbench {
 
 struct ShapeSet {
-    bool points = false, mesh = false;
-    bool contains(ShapeKind kind) const { return kind == ShapeKind::points ? points : mesh; }
+    bool points = false, mesh = false, surface = false;
+    bool contains(ShapeKind kind) const { return kind == ShapeKind::points ? points : kind == ShapeKind::mesh ? mesh : surface; }
 };
 
 // How small the gap upper - lower must get.

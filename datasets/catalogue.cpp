@@ -5,6 +5,7 @@
 #include "hash.h"
 #include "isolated.h"
 #include "shape_file.h"
+#include "surface_file.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -114,6 +115,13 @@ ModelInfo read_model(const std::filesystem::path& manifest, const std::string& n
             throw InputError(table.where("sha256") + ": sha256 must be 64 digits of 0-9 and a-f");
     } else if (model.source == "generated") {
         model.recipe = table.text("recipe");
+        if (model.recipe == "surface") {
+            table.allow("polynomial");
+            table.allow("box");
+            model.surface = surface_of(content, table.where("polynomial"));
+            table.refuse_other_keys();
+            return model;
+        }
         const Recipe& recipe = recipe_named(recipes(), model.recipe, table.where("recipe") + ": recipe");
         model.numbers = table.numbers(recipe);
         table.refuse_other_keys();
@@ -137,6 +145,7 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
     Sha256 hash;
     hash.add("shape").add(shapes_version).add(model.source).add(model.recipe).add(model.format).add(input);
     for (const auto& [name, value] : model.numbers) hash.add(name).add(fmt::format("{:a}", value));
+    if (model.surface) hash.add(describe(*model.surface));
     return hash.hex();
 }
 
@@ -220,7 +229,7 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
             if (model.source == "derived") {
                 loaded = derive(model.recipe, model.numbers, read_shape(origin_shape));
             } else if (model.source == "generated") {
-                loaded.shape = generate(model.recipe, model.numbers);
+                loaded.shape = model.surface ? Shape(*model.surface) : generate(model.recipe, model.numbers);
                 loaded.report.format = "generated";
             } else {
                 loaded = load_isolated(program_, file, model.format);

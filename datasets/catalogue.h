@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -22,6 +23,7 @@ struct ModelInfo {
     // generated: recipe; derived: operation and `from`
     std::string recipe, from;
     std::map<std::string, double> numbers;  // parameters of the recipe or operation
+    std::optional<AlgebraicSurface> surface;  // of the recipe "surface"
 };
 
 struct ResolvedModel {

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "readers.h"
+#include "surface_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -187,6 +188,11 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     if (std::filesystem::is_directory(status)) throw InputError(name + ": is a directory, not a file");
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
         throw InputError(name + ": is empty");
+    if (format.empty() && lower_case(name).ends_with(".surface.toml")) {
+        LoadedShape loaded{read_surface_file(file), {}};
+        loaded.report.format = "surface";
+        return loaded;
+    }
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty()) throw InputError(name + ": has no extension: say its format");
     if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off")

@@ -24,7 +24,8 @@ struct LoadedShape {
 };
 
 // OBJ, PLY, STL and OFF (also gzipped) in float64 through CGAL, everything else through assimp. A file with vertices
-// and no faces is a point set. `format` ("obj", ...) overrides the file's extension. Throws InputError, one line that
+// and no faces is a point set; NAME.surface.toml is an algebraic surface (surface_file.h).
+// `format` ("obj", ...) overrides the file's extension. Throws InputError, one line that
 // names the file, the place and the remedy, for a missing, empty or unparsable file, no vertices, a NaN or infinite
 // coordinate (which vertex), an index out of range. A hostile file may still crash the reader: see isolated.h.
 LoadedShape load_file(const std::filesystem::path& file, const std::string& format = "");

@@ -3,6 +3,7 @@
 #include "error.h"
 #include "hash.h"
 #include "hdf5.h"
+#include "kernel/polynomial.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -40,11 +41,13 @@ LoadedShape read_unchecked(const std::filesystem::path& path) {
         throw std::runtime_error("is not a shape file of this version");
     LoadedShape loaded;
     const std::string kind = file.text_attribute("", "kind");
-    const Points points = points_from(file.read_doubles("coordinates"));
+    const Points points = points_from(file.read_doubles("coordinates"));  // of a surface, the corners of its box
     if (kind == "mesh")
         loaded.shape = TriangleMesh{points, triangles_from(file.read_indices("triangles"))};
     else if (kind == "points")
         loaded.shape = PointSet{points};
+    else if (kind == "surface")
+        loaded.shape = AlgebraicSurface{file.text_attribute("", "polynomial"), points};
     else
         throw std::runtime_error("is of unknown kind '" + kind + "'");
 
@@ -81,6 +84,7 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
             const Triangles& t = mesh->triangles;
             file.write("triangles", std::vector<Index>(t.data(), t.data() + t.size()), 3);
         }
+        if (const auto* surface = std::get_if<AlgebraicSurface>(&loaded.shape)) file.attribute("", "polynomial", surface->polynomial);
         file.close();
         std::filesystem::rename(temporary, path);
     } catch (...) {
@@ -105,6 +109,7 @@ LoadedShape read_shape(const std::filesystem::path& path) {
 }
 
 std::string shape_problem(const Shape& shape) {
+    if (const auto* surface = std::get_if<AlgebraicSurface>(&shape)) return surface_problem(*surface);
     const Points& points = points_of(shape);
     if (points.rows() == 0) return "holds no points";
     for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -130,6 +135,7 @@ std::string content_hash(const Shape& shape) {
     hash.add(to_string(kind_of(shape)));
     add_matrix(hash, points_of(shape));
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) add_matrix(hash, mesh->triangles);
+    if (const auto* surface = std::get_if<AlgebraicSurface>(&shape)) hash.add(surface->polynomial);
     return hash.hex();
 }
 

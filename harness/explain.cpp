@@ -138,7 +138,10 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "MODELS\n";
     for (const ModelRow& model : plan.models) {
         text += fmt::format("  {:<28} {:>9} {}, diagonal {:.6g}\n", model.info->name, model.resolved.elements,
-                            model.resolved.kind == ShapeKind::points ? "points" : "triangles", model.resolved.diagonal);
+                            model.resolved.kind == ShapeKind::points    ? "points"
+                            : model.resolved.kind == ShapeKind::surface ? "surface"
+                                                                        : "triangles",
+                            model.resolved.diagonal);
     }
     text += "RUN\n";
     double total = 0;

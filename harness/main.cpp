@@ -131,10 +131,10 @@ int dispatch(int argc, char** argv) {
     MeasureRequest request;
     std::vector<std::string> parameters;
     bool measure_json = false;
-    auto* measure_verb = app.add_subcommand("measure", "bound the distance from A to B (meshes or point sets in any common format)");
+    auto* measure_verb = app.add_subcommand("measure", "bound the distance from A to B (meshes or point sets in any common format, or algebraic surfaces as .surface.toml)");
     measure_verb->add_option("A", request.source, "source file: h(A,B) = max over a in A of the distance from a to B")->required();
     measure_verb->add_option("B", request.target, "target file")->required();
-    measure_verb->add_option("--solver", request.solver, "see `hausbench list` (default: guthe for meshes, earlybreak for points)");
+    measure_verb->add_option("--solver", request.solver, "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
     measure_verb->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")->capture_default_str();
     measure_verb->add_option("--of", request.of, "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a fraction of the lower bound")
         ->capture_default_str()->check(CLI::IsMember({"diagonal", "absolute", "lower"}));

@@ -73,7 +73,8 @@ Measured measure(const MeasureRequest& request) {
     measured.target_elements = element_count(target.shape);
     measured.diagonal = diagonal(points_of(source.shape));
     const bool points = measured.source_kind == ShapeKind::points && measured.target_kind == ShapeKind::points;
-    measured.solver = !request.solver.empty() ? request.solver : points ? "earlybreak" : "guthe";
+    const bool surfaces = measured.source_kind == ShapeKind::surface && measured.target_kind == ShapeKind::surface;
+    measured.solver = !request.solver.empty() ? request.solver : points ? "earlybreak" : surfaces ? "surface_enclosure" : "guthe";
     const SolverEntry& entry = find_solver(measured.solver);
     if (const auto why = refusal(entry.info, measured.source_kind, measured.target_kind); !why.empty()) {
         throw InputError(fmt::format("{} and {}: {}; choose another with --solver", request.source.string(), request.target.string(), why));
@@ -119,7 +120,8 @@ nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
 
 std::string describe(const Measured& m, const MeasureRequest& request) {
     const auto shape = [](const std::filesystem::path& file, ShapeKind kind, Index elements, const LoadReport& report) {
-        std::string text = fmt::format("{}, {} {}", file.string(), elements, kind == ShapeKind::points ? "points" : "triangles");
+        std::string text = kind == ShapeKind::surface ? fmt::format("{}, an algebraic surface", file.string())
+                                                      : fmt::format("{}, {} {}", file.string(), elements, kind == ShapeKind::points ? "points" : "triangles");
         if (report.precision != "float64") text += fmt::format(", {} coordinates", report.precision);
         if (report.unreferenced.value_or(0) > 0) text += fmt::format(", {} unreferenced vertices dropped", *report.unreferenced);
         return text;

@@ -3,6 +3,7 @@
 #include "error.h"
 #include "hdf5.h"
 #include "machine.h"
+#include "surface_file.h"
 #include "verify.h"
 
 #include <fmt/format.h>
@@ -387,10 +388,20 @@ void describe_run(ResultFile& result, const Experiment& experiment, const std::s
     result.integers = {{"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}};
 }
 
+namespace {
+
+// The equation of a surface is what it is.
+std::string note_of(const ModelInfo& model) {
+    if (!model.surface) return model.note;
+    return describe(*model.surface) + (model.note.empty() ? "" : "; " + model.note);
+}
+
+}  // namespace
+
 ModelRecord record_of(const ModelRow& model) {
     const ResolvedModel& r = model.resolved;
     return {model.info->name, r.content_hash, std::string(to_string(r.kind)), r.report.precision, model.info->source, model.info->licence,
-            model.info->note, r.elements,     r.vertices,                     r.report.unreferenced.value_or(-1), r.diagonal};
+            note_of(*model.info), r.elements,     r.vertices,                     r.report.unreferenced.value_or(-1), r.diagonal};
 }
 
 void write_result(const fs::path& file, const ResultFile& result) {

@@ -1,5 +1,7 @@
 #include "verify.h"
 
+#include "verify_surface.h"
+
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Interval_nt.h>
 #include <CGAL/Simple_cartesian.h>
@@ -173,6 +175,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     for (const auto& [key, members] : scenes) {
         const Shape *source = load(std::get<0>(key)), *target = load(std::get<1>(key));
         if (!source || !target) continue;
+        const bool surfaces = kind_of(*source) == ShapeKind::surface && kind_of(*target) == ShapeKind::surface;
         const Checker checker(*source, *target);
         double best = 0;  // the largest verified lower bound; 0 always holds
         std::map<std::vector<double>, bool> known;  // many rows share a witness and a bound
@@ -189,6 +192,14 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
             }
             const std::vector<double> same{p[0], p[1], p[2], double(outcome.witness.source_element), outcome.bounds.lower};
             double shown = 0;
+            if (surfaces) {
+                rows[i].check.lower = check_surface_lower(std::get<AlgebraicSurface>(*source), std::get<AlgebraicSurface>(*target), outcome.bounds.lower, p, shown);
+                if (rows[i].check.lower == Verdict::holds) best = std::max(best, outcome.bounds.lower);
+                if (rows[i].check.lower == Verdict::unsound) {
+                    rows[i].check.reason = fmt::format("lower {:.17g}: the target has a point {:.17g} from the witness", outcome.bounds.lower, shown);
+                }
+                continue;
+            }
             const auto before = known.find(same);
             const bool holds = before != known.end() ? before->second : std::isfinite(outcome.bounds.lower) &&
                                checker.lower_holds(outcome.bounds.lower, outcome.witness, rows[i].asked.pose, shown);
@@ -196,6 +207,17 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
             rows[i].check.lower = holds ? Verdict::holds : Verdict::unsound;
             if (holds) best = std::max(best, outcome.bounds.lower);
             else rows[i].check.reason = fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", outcome.bounds.lower, shown);
+        }
+        // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified.
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t i : members) {
+            if (rows[i].asked.certified == 1 && rows[i].check.lower == Verdict::holds) least = std::min(least, rows[i].outcome.bounds.upper);
+        }
+        for (std::size_t i : members) {
+            const double lower = rows[i].outcome.bounds.lower;
+            if (rows[i].check.lower != Verdict::no_witness || !(lower > least) || least < best) continue;
+            rows[i].check.lower = Verdict::unsound;
+            rows[i].check.reason = fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row", lower, least);
         }
         for (std::size_t i : members) {
             const Bounds& b = rows[i].outcome.bounds;

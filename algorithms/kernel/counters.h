@@ -15,6 +15,8 @@ struct Counters {
     std::uint64_t bound_tests = 0;               // upper bounds of an element of A evaluated
     std::uint64_t subdivisions = 0;              // elements of A split
     std::uint64_t queue_pushes = 0;
+    std::uint64_t box_distances = 0;             // box to box, or to the piece of a surface in a box
+    std::uint64_t polynomial_evaluations = 0;    // a polynomial bounded over a box
 
     bool operator==(const Counters&) const = default;
 };
@@ -25,7 +27,7 @@ struct CounterField {
 };
 
 // The one list that files, tables and tests go by.
-inline constexpr std::array<CounterField, 7> counter_fields{{
+inline constexpr std::array<CounterField, 9> counter_fields{{
     {"point_distances", &Counters::point_distances},
     {"point_triangle_distances", &Counters::point_triangle_distances},
     {"node_visits", &Counters::node_visits},
@@ -33,6 +35,8 @@ inline constexpr std::array<CounterField, 7> counter_fields{{
     {"bound_tests", &Counters::bound_tests},
     {"subdivisions", &Counters::subdivisions},
     {"queue_pushes", &Counters::queue_pushes},
+    {"box_distances", &Counters::box_distances},
+    {"polynomial_evaluations", &Counters::polynomial_evaluations},
 }};
 
 }  // namespace hausbench

@@ -1,0 +1,230 @@
+#include "surface_tree.h"
+
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+constexpr int deepest = 46;  // by then a box is a few ulps wide
+
+Vec3 clamped(const Vec3& p, const Box& box) { return p.cwiseMax(box.low).cwiseMin(box.high); }
+
+bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
+
+Interval squared(const std::array<Interval, 3>& v) { return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]); }
+
+// At least n.(y - c) over the piece, for the middle c of its box; see the header.
+double reach(const LinearForm& f, const Vec3& n) {
+    const Vec3 q = n.cwiseProduct(f.half);
+    const auto cost = [&](double l) {
+        return std::max(-l * f.rest.inf(), -l * f.rest.sup()) + std::abs(q[0] - l * f.slope[0]) + std::abs(q[1] - l * f.slope[1]) +
+               std::abs(q[2] - l * f.slope[2]);
+    };
+    double best = 0, least = cost(0);
+    for (int k = 0; k < 3; ++k) {  // convex and piecewise linear in l: the minimum is at a corner
+        if (f.slope[k] == 0) continue;
+        const double l = q[k] / f.slope[k], c = cost(l);
+        if (c < least) best = l, least = c;
+    }
+    const Interval l(best);
+    double sum = (-l * f.rest).sup();
+    for (int k = 0; k < 3; ++k) sum += magnitude(Interval(n[k]) * Interval(f.half[k]) - l * Interval(f.slope[k]));
+    return sum;
+}
+
+Interval along(const Vec3& n, const Vec3& p, const Vec3& c) {
+    Interval sum(0.0);
+    for (int k = 0; k < 3; ++k) sum += Interval(n[k]) * (Interval(p[k]) - Interval(c[k]));
+    return sum;
+}
+
+Interval length(const Vec3& n) { return CGAL::sqrt(squared({Interval(n[0]), Interval(n[1]), Interval(n[2])})); }
+
+}  // namespace
+
+SurfaceTree::SurfaceTree(const AlgebraicSurface& surface)
+    : box_{surface.box.row(0), surface.box.row(1)},
+      evaluator_(Polynomial(surface.polynomial)),
+      derivatives_{FormEvaluator(polynomial().derivative(0)), FormEvaluator(polynomial().derivative(1)), FormEvaluator(polynomial().derivative(2))} {
+    const LinearForm whole = evaluator_.linear(box_);
+    if (holds_zero(whole.range())) nodes_.push_back({box_, whole});
+}
+
+bool SurfaceTree::may_split(std::int32_t i) const { return (*this)[i].depth < deepest; }
+
+void SurfaceTree::split(std::int32_t i, Counters& counters) {
+    const Node node = (*this)[i];
+    if (node.first >= 0) return;
+    const auto first = static_cast<std::int32_t>(nodes_.size());
+    const Vec3& m = node.form.middle;
+    for (int c = 0; c < 8; ++c) {
+        Box box = node.box;
+        for (int k = 0; k < 3; ++k) (c >> k & 1 ? box.low : box.high)[k] = m[k];
+        ++counters.polynomial_evaluations;
+        const LinearForm f = evaluator_.linear(box);
+        if (holds_zero(f.range())) nodes_.push_back({box, f, -1, 0, node.depth + 1});
+    }
+    Node& split = nodes_[static_cast<std::size_t>(i)];
+    split.first = first;
+    split.count = static_cast<std::int32_t>(nodes_.size()) - first;
+}
+
+LinearForm SurfaceTree::form(const Box& box, Counters& counters) {
+    ++counters.polynomial_evaluations;
+    return evaluator_.linear(box);
+}
+
+Interval SurfaceTree::derivative(int axis, const Box& box, Counters& counters) {
+    ++counters.polynomial_evaluations;
+    return derivatives_[static_cast<std::size_t>(axis)].range(Form::modified_affine, box);
+}
+
+// Newton's method along the gradient, in the coordinates that the box leaves free.
+Vec3 SurfaceTree::onto(Vec3 y) const {
+    const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
+    for (int step = 0; step < 8; ++step) {
+        Vec3 g;
+        const double f = polynomial().value(y, g);
+        if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) break;
+        for (int tries = 0; tries < 3; ++tries) {
+            const double size = g.squaredNorm();
+            if (!(size > 0)) return y;
+            const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
+            if (to == inside || tries == 2) {
+                y = inside;
+                break;
+            }
+            for (int k = 0; k < 3; ++k) {
+                if (to[k] != inside[k]) y[k] = inside[k], g[k] = 0;
+            }
+            if (g.squaredNorm() > 0) {
+                Vec3 fresh;
+                polynomial().value(y, fresh);
+                for (int k = 0; k < 3; ++k) g[k] = g[k] == 0 ? 0 : fresh[k];
+                break;  // the value has changed as well: next step
+            }
+        }
+    }
+    return y;
+}
+
+std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters) const {
+    Vec3 g;
+    const double f = polynomial().value(p, g);
+    const double ulps = 0x1p-51 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
+    for (int tried = 0; tried < 2; ++tried) {
+        int axis = 0;
+        g.cwiseAbs().maxCoeff(&axis);
+        if (!(std::abs(g[axis]) > 0)) return std::nullopt;
+        double room = 1.5 * std::abs(f / g[axis]) + ulps;
+        for (int step = 0; step < 4; ++step, room *= 16) {
+            const double low = std::max(box_.low[axis], p[axis] - room), high = std::min(box_.high[axis], p[axis] + room);
+            std::array<Interval, 3> at{Interval(p[0]), Interval(p[1]), Interval(p[2])};
+            counters.polynomial_evaluations += 2;
+            at[std::size_t(axis)] = Interval(low);
+            const Interval first = polynomial().natural(at);
+            at[std::size_t(axis)] = Interval(high);
+            const Interval last = polynomial().natural(at);
+            if ((first.sup() <= 0 && last.inf() >= 0) || (first.inf() >= 0 && last.sup() <= 0)) {
+                return SurfacePoint{p, std::max(high - p[axis], p[axis] - low)};
+            }
+        }
+        g[axis] = 0;
+    }
+    return std::nullopt;
+}
+
+// The nearest point of the tangent plane in the box, again and again; then onto the surface itself.
+std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess, Counters& counters) const {
+    ++counters.closest_point_queries;
+    Vec3 y = onto(clamped(guess, box_));
+    double distance = (p - y).squaredNorm();
+    for (int step = 0; step < 24; ++step) {
+        Vec3 g, to = p;
+        const double f = polynomial().value(y, g);
+        for (int tries = 0; tries < 3; ++tries) {
+            const double size = g.squaredNorm();
+            if (!(size > 0)) break;
+            const Vec3 foot = to - ((f + g.dot(to - y)) / size) * g, inside = clamped(foot, box_);
+            if (foot == inside) {
+                to = foot;
+                break;
+            }
+            for (int k = 0; k < 3; ++k) {
+                if (foot[k] == inside[k]) continue;
+                to[k] = inside[k];  // stays on that side of the box, and the plane is met in the others
+            }
+            Vec3 free = g;
+            for (int k = 0; k < 3; ++k) {
+                if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
+            }
+            const double left = free.squaredNorm();
+            if (!(left > 0)) break;
+            to = clamped(Vec3(to - ((f + g.dot(to - y)) / left) * free), box_);
+            break;
+        }
+        to = onto(clamped(to, box_));
+        const double next = (p - to).squaredNorm();
+        if (!(next < distance)) {  // too far along the tangent: half the way, a few times
+            to = onto(Vec3(0.5 * (y + to)));
+            const double half = (p - to).squaredNorm();
+            if (!(half < distance)) break;
+            distance = half;
+        } else {
+            const bool done = next > distance * (1 - 1e-13);
+            distance = next;
+            if (done) {
+                y = to;
+                break;
+            }
+        }
+        y = to;
+    }
+    return prove(y, counters);
+}
+
+Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p) {
+    const LinearForm& f = piece.form;
+    const Vec3 normal = f.slope.cwiseQuotient(f.half);
+    const double size = normal.squaredNorm(), rest = 0.5 * (f.rest.inf() + f.rest.sup());
+    Vec3 y = clamped(p, piece.box);
+    if (!(size > 0) || !std::isfinite(size)) return y;
+    for (int i = 0; i < 3; ++i) y = clamped(Vec3(y - ((normal.dot(y - f.middle) + rest) / size) * normal), piece.box);
+    return y;
+}
+
+double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p) {
+    std::array<Interval, 3> gap;
+    for (int k = 0; k < 3; ++k) {  // rounded down: what is negated was rounded up
+        const double before = -(p[k] - piece.box.low[k]), after = -(piece.box.high[k] - p[k]);
+        gap[std::size_t(k)] = Interval(std::max(std::max(before, after), 0.0));
+    }
+    double best = CGAL::sqrt(squared(gap)).inf();
+    const Vec3 n = p - guess_on(piece, p);
+    const Interval size = length(n);
+    if (!(size.inf() > 0) || !std::isfinite(size.sup())) return best;
+    const double shown = (Interval((along(n, p, piece.form.middle) - Interval(reach(piece.form, n))).inf()) / size).inf();
+    return std::max(best, shown);
+}
+
+double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p) {
+    const LinearForm& f = piece.form;
+    std::array<Interval, 3> far;
+    for (int k = 0; k < 3; ++k) far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
+    const double corners = CGAL::sqrt(squared(far)).sup();
+    // |y - p|^2 is the square along n plus the square across it, which is at most that of p - c and that of the box.
+    const Vec3 n = guess_on(piece, f.middle) - p;
+    const Interval size = length(n);
+    if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;
+    const Interval before = along(n, f.middle, p);
+    const double high = (Interval((before + Interval(reach(f, n))).sup()) / size).sup();
+    const double low = (Interval((-before + Interval(reach(f, -n))).sup()) / size).sup();
+    const double straight = std::max(std::max(high, low), 0.0);
+    const Interval t = before / CGAL::square(size);
+    std::array<Interval, 3> across;
+    for (int k = 0; k < 3; ++k) across[std::size_t(k)] = Interval(f.middle[k]) - Interval(p[k]) - t * Interval(n[k]);
+    const Interval aside = CGAL::sqrt(squared(across)) + length(f.half);
+    return std::min(corners, CGAL::sqrt(CGAL::square(Interval(straight)) + CGAL::square(Interval(aside.sup()))).sup());
+}
+
+}  // namespace hausbench

@@ -1,0 +1,69 @@
+// An algebraic surface as a tree of boxes that is refined where it is asked, with what the bounds of surface_enclosure.cpp
+// need: linear enclosures of its pieces, and points that are proven to lie on it.
+//
+// All functions want UpwardRounding (kernel/interval.h).
+#pragma once
+
+#include "kernel/counters.h"
+#include "kernel/interval_form.h"
+
+#include <optional>
+
+namespace hausbench {
+
+// A point of the surface is no farther than `error` from `at`: the polynomial changes its sign on a segment through it that
+// lies in the box of the surface.
+struct SurfacePoint {
+    Vec3 at;
+    double error;
+};
+
+class SurfaceTree {
+public:
+    struct Node {
+        Box box;
+        LinearForm form;          // of the polynomial over the box
+        std::int32_t first = -1;  // child; -1: not split yet
+        std::int32_t count = 0;   // children kept
+        std::int32_t depth = 0;
+    };
+
+    explicit SurfaceTree(const AlgebraicSurface& surface);
+
+    const Node& operator[](std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
+    std::size_t size() const { return nodes_.size(); }  // 0: the surface has no point in its box
+    const Box& box() const { return box_; }
+    const Polynomial& polynomial() const { return evaluator_.polynomial(); }
+
+    // Makes the children that may hold a point of the surface, once. References into the tree do not outlive it.
+    void split(std::int32_t i, Counters& counters);
+    bool may_split(std::int32_t i) const;  // the box is still larger than rounding
+
+    // f over any box, and its derivative along an axis.
+    LinearForm form(const Box& box, Counters& counters);
+    Interval derivative(int axis, const Box& box, Counters& counters);
+
+    // A proven point near the point of the surface that is nearest to p, searched for from a guess; where several are
+    // near, any. Empty where none could be proven, which says nothing.
+    std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& guess, Counters& counters) const;
+
+private:
+    std::optional<SurfacePoint> prove(const Vec3& p, Counters& counters) const;
+    Vec3 onto(Vec3 y) const;
+
+    Box box_;
+    FormEvaluator evaluator_;
+    std::array<FormEvaluator, 3> derivatives_;
+    std::vector<Node> nodes_;
+};
+
+// A guess at the point of a piece (box and linear enclosure) next to p.
+Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p);
+
+// No point of the piece is nearer to p; and none, of any box, farther (a bound that is first-order in the box's size only
+// where p sees the piece at a slant). Proof: for n of length 1 and any l, n.(y - c) = q.u with q = n r, and on the surface
+// slope.u = -e, so q.u = (q - l slope).u - l e <= sum |q - l slope| + sup(-l e).
+double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p);
+double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p);
+
+}  // namespace hausbench

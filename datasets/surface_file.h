@@ -1,0 +1,26 @@
+// Algebraic surfaces written as text: files NAME.surface.toml, and models of recipe "surface" in the manifest.
+//
+//     polynomial = "x^2/4 + y^2/4 - z^2/9"     # the surface is where it vanishes; see kernel/polynomial.h
+//     box = [[-2, 2], [-2, 2], [-2, 2]]        # in x, y and z
+#pragma once
+
+#include "scene.h"
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <string>
+
+namespace hausbench {
+
+// The two keys of a table that may have others. `where` begins every message. Throws InputError for a missing key, a text
+// that is no polynomial (its column), a box that is not three pairs of numbers or has no volume.
+AlgebraicSurface surface_of(const toml::table& table, const std::string& where);
+
+// Throws InputError also for what is no TOML, and for other keys.
+AlgebraicSurface read_surface_file(const std::filesystem::path& file);
+
+// "x^2 + y^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]"
+std::string describe(const AlgebraicSurface& surface);
+
+}  // namespace hausbench

@@ -1,0 +1,17 @@
+// Re-checks a lower bound on algebraic surfaces from its witness p, without the solver's trees and bounds; the expansion
+// of a polynomial over a box (kernel/interval_form.h) is shared, and tested on its own.
+//
+// A has a point within e of p if its polynomial changes sign on a segment of half length e through p within the box. B has
+// none within r = lower + e of p if for every box of a subdivision either 0 is not in f(box), or the box is r away, or for
+// some m the function |y - p|^2 - r^2 - m f(y) is nowhere negative in it.
+#pragma once
+
+#include "record.h"
+
+namespace hausbench {
+
+// `holds`; `unsound` where p is no proven point of A or B has a proven point nearer than `lower`, which `shown` is then (0 in
+// the first case); `not_checked` where a million boxes do not settle it.
+Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p, double& shown);
+
+}  // namespace hausbench
