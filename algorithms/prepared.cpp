@@ -6,12 +6,15 @@
 namespace hausbench {
 
 std::string to_string(const Need& need) {
-    constexpr const char* names[] = {"octree", "point octree", "R-tree", "point blocks"};
+    constexpr const char* names[] = {"octree", "point octree", "R-tree", "point blocks",
+                                     "BVH",    "swept sphere BVH", "point BVH", "adjacency"};
     return std::string(need.side == Side::source ? "source " : "target ") + names[static_cast<std::size_t>(need.structure)];
 }
 
 bool fits(Structure structure, ShapeKind kind) {
-    return kind == ShapeKind::mesh || (kind == ShapeKind::points && structure != Structure::octree);
+    const bool of_points = structure == Structure::point_octree || structure == Structure::rtree ||
+                           structure == Structure::point_blocks || structure == Structure::point_bvh;
+    return kind == ShapeKind::mesh || (kind == ShapeKind::points && of_points);
 }
 
 Prepared::Prepared(const Scene& scene, const Needs& needs) {
@@ -28,6 +31,10 @@ Prepared::Prepared(const Scene& scene, const Needs& needs) {
             case Structure::octree: bytes = octree_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
             case Structure::point_octree: bytes = point_octree_[side].emplace(points_of(shape)).bytes(); break;
             case Structure::rtree: bytes = rtree_[side].emplace(points_of(shape)).bytes(); break;
+            case Structure::bvh: bytes = bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
+            case Structure::swept_bvh: bytes = swept_bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
+            case Structure::point_bvh: bytes = point_bvh_[side].emplace(points_of(shape)).bytes(); break;
+            case Structure::adjacency: bytes = adjacency_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
             case Structure::point_blocks: bytes = point_blocks_[side].emplace(points_of(shape)).bytes(); break;
         }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
@@ -41,6 +48,10 @@ bool Prepared::has(Structure structure, Side side) const {
         case Structure::octree: return octree_[at].has_value();
         case Structure::point_octree: return point_octree_[at].has_value();
         case Structure::rtree: return rtree_[at].has_value();
+        case Structure::bvh: return bvh_[at].has_value();
+        case Structure::swept_bvh: return swept_bvh_[at].has_value();
+        case Structure::point_bvh: return point_bvh_[at].has_value();
+        case Structure::adjacency: return adjacency_[at].has_value();
         case Structure::point_blocks: return point_blocks_[at].has_value();
     }
     return false;
@@ -56,6 +67,10 @@ const Kind& Prepared::get(const std::optional<Kind> (&built)[2], Structure struc
 }
 
 const TriangleOctree& Prepared::octree(Side side) const { return get(octree_, Structure::octree, side); }
+const TriangleBvh& Prepared::bvh(Side side) const { return get(bvh_, Structure::bvh, side); }
+const SweptSphereBvh& Prepared::swept_bvh(Side side) const { return get(swept_bvh_, Structure::swept_bvh, side); }
+const PointBvh& Prepared::point_bvh(Side side) const { return get(point_bvh_, Structure::point_bvh, side); }
+const Adjacency& Prepared::adjacency(Side side) const { return get(adjacency_, Structure::adjacency, side); }
 const PointOctree& Prepared::point_octree(Side side) const { return get(point_octree_, Structure::point_octree, side); }
 const RTree& Prepared::rtree(Side side) const { return get(rtree_, Structure::rtree, side); }
 const PointBlocks& Prepared::point_blocks(Side side) const { return get(point_blocks_, Structure::point_blocks, side); }

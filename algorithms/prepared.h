@@ -1,10 +1,13 @@
 // Structures built once for a scene, before any query: exactly those that a solver declared it needs, each timed.
 #pragma once
 
+#include "kernel/adjacency.h"
+#include "kernel/bvh.h"
 #include "kernel/octree.h"
 #include "kernel/point_blocks.h"
 #include "kernel/point_octree.h"
 #include "kernel/rtree.h"
+#include "kernel/swept_sphere.h"
 #include "scene.h"
 
 #include <compare>
@@ -21,6 +24,10 @@ enum class Structure {
     point_octree,  // PointOctree, of points (or of the vertices of a mesh)
     rtree,         // RTree, likewise
     point_blocks,  // PointBlocks, likewise
+    bvh,           // TriangleBvh, of a mesh
+    swept_bvh,     // SweptSphereBvh, of a mesh
+    point_bvh,     // PointBvh, of points (or of the vertices of a mesh)
+    adjacency,     // Adjacency, of a mesh
 };
 enum class Side { source, target };
 
@@ -53,11 +60,15 @@ public:
 
     // Over the elements (triangles) of that side, unposed. Throws std::logic_error if it was not declared.
     const TriangleOctree& octree(Side side) const;
+    const TriangleBvh& bvh(Side side) const;
+    const SweptSphereBvh& swept_bvh(Side side) const;
+    const Adjacency& adjacency(Side side) const;
 
     // Over the points of that side, unposed; they throw likewise.
     const PointOctree& point_octree(Side side) const;
     const RTree& rtree(Side side) const;
     const PointBlocks& point_blocks(Side side) const;
+    const PointBvh& point_bvh(Side side) const;
 
     const std::vector<PreparationTime>& times() const { return times_; }
 
@@ -72,6 +83,10 @@ private:
     std::optional<PointOctree> point_octree_[2];
     std::optional<RTree> rtree_[2];
     std::optional<PointBlocks> point_blocks_[2];
+    std::optional<TriangleBvh> bvh_[2];
+    std::optional<SweptSphereBvh> swept_bvh_[2];
+    std::optional<PointBvh> point_bvh_[2];
+    std::optional<Adjacency> adjacency_[2];
     std::vector<PreparationTime> times_;
     mutable std::map<Need, int> uses_;
 };

@@ -1,0 +1,140 @@
+// Adjacency and swept sphere volumes.
+#include "exact.h"
+#include "kernel/adjacency.h"
+#include "kernel/swept_sphere.h"
+#include "prepared.h"
+#include "tree_meshes.h"
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+TEST(Adjacency, AsByAMapOfEdges) {
+    for (const auto& [name, mesh] : tree_meshes()) {
+        std::map<std::pair<Index, Index>, std::multiset<Index>> expected;
+        for (Index i = 0; i < mesh.triangles.rows(); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                const auto [low, high] = std::minmax({mesh.triangles(i, k), mesh.triangles(i, (k + 1) % 3)});
+                expected[{low, high}].insert(i);
+            }
+        }
+        const Adjacency adjacency(mesh);
+        ASSERT_EQ(static_cast<std::size_t>(adjacency.edges()), expected.size()) << name;
+        for (Index i = 0; i < mesh.triangles.rows(); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                const auto [low, high] = std::minmax({mesh.triangles(i, k), mesh.triangles(i, (k + 1) % 3)});
+                const auto& wanted = expected.at({low, high});
+                const auto found = adjacency.triangles(adjacency.edge(i, k));
+                ASSERT_TRUE(std::equal(found.begin(), found.end(), wanted.begin(), wanted.end())) << name;
+                std::multiset<Index> others = wanted;
+                others.erase(i);
+                const Index neighbour = adjacency.neighbour(i, k);
+                EXPECT_EQ(neighbour, wanted.size() == 2 && others.size() == 1 ? *others.begin() : -1) << name;
+            }
+        }
+        EXPECT_GE(adjacency.bytes(), 24u * static_cast<std::size_t>(mesh.triangles.rows()));
+    }
+}
+
+TEST(Adjacency, GridHasTheEdgesOfEuler) {
+    Random random(1);
+    const Adjacency adjacency(triangle_grid(random, 10, 0));
+    EXPECT_EQ(adjacency.edges(), 100 + 162 - 1);  // vertices + triangles - 1 of a disc
+    int borders = 0;
+    for (Index i = 0; i < 162; ++i) {
+        for (int k = 0; k < 3; ++k) borders += adjacency.neighbour(i, k) < 0;
+    }
+    EXPECT_EQ(borders, 36);
+}
+
+// Exactly: distances from q to the points are within the bounds. Roots are compared squared.
+void expect_bounds(const SweptSphere& volume, const Vec3& q, std::span<const Vec3> points, const std::string& where) {
+    const exact::Rational least = distance_at_least(volume, q), most = distance_at_most(volume, q);
+    for (const Vec3& point : points) {
+        const exact::Rational squared = exact::squared_distance(exact::vector(q), exact::vector(point));
+        ASSERT_TRUE(squared >= least * least) << where;
+        ASSERT_TRUE(squared <= most * most) << where;
+    }
+}
+
+TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
+    Random random(2);
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 size(1, std::pow(10, random.real(-18, 0)), std::pow(10, random.real(-18, 0)));
+        const Eigen::Quaterniond turn = Eigen::Quaterniond(random.real(-1, 1), random.real(-1, 1), random.real(-1, 1), random.unit()).normalized();
+        const Vec3 offset = i % 2 == 0 ? random.vector() : 1e8 * random.vector();
+        std::vector<Vec3> points;
+        const int count = 1 + random.below(40);
+        for (int k = 0; k < count; ++k) points.push_back(turn * random.vector().cwiseProduct(size) + offset);
+        const SweptSphere volume = swept_sphere_around(points);
+        for (int k = 0; k < 20; ++k) {
+            const Vec3 q = k % 2 == 0 ? points[static_cast<std::size_t>(random.below(count))] : Vec3(random.vector(3) + offset);
+            expect_bounds(volume, q, points, "set " + std::to_string(i));
+        }
+        // Not just a ball: a thin set has a thin volume.
+        const double thickness = std::max(std::min(size[1], size[2]), 1e-12 * offset.cwiseAbs().maxCoeff());
+        if (count > 10 && thickness < 1e-3) {
+            EXPECT_LT(volume.radius, 0.5) << i;
+        }
+    }
+    // A flat rectangle is its own volume.
+    std::vector<Vec3> flat;
+    for (int i = 0; i < 100; ++i) flat.emplace_back(0.1 * (i % 10), 0.03 * (i / 10), 0);
+    EXPECT_LT(swept_sphere_around(flat).radius, 1e-10);
+    EXPECT_NEAR(distance_at_least(swept_sphere_around(flat), Vec3(0.3, 0.1, 2)), 2, 1e-10);
+}
+
+TEST(SweptSphere, EveryChildIsAround) {
+    int checked = 0;
+    for (const auto& [name, mesh] : tree_meshes()) {
+        if (mesh.triangles.rows() > 400) continue;
+        const SweptSphereBvh bvh(mesh);
+        Random random(3);
+        // The triangles below each child, from the leaves up.
+        std::vector<std::vector<Vec3>> below(bvh.tree().nodes.size());
+        for (std::size_t n = below.size(); n-- > 0;) {
+            const WideNode& node = bvh.tree().nodes[n];
+            for (int c = 0; c < node.count; ++c) {
+                std::vector<Vec3> corners;
+                if (node.child[c] >= 0) {
+                    corners = below[static_cast<std::size_t>(node.child[c])];
+                } else {
+                    for (const Index i : bvh.tree().leaf(static_cast<std::size_t>(~node.child[c]))) {
+                        const Triangle t = triangle_of(mesh, i);
+                        corners.insert(corners.end(), {t.a, t.b, t.c});
+                    }
+                }
+                expect_bounds(bvh.volume(n, c), query_near(mesh, random), corners, name);
+                below[n].insert(below[n].end(), corners.begin(), corners.end());
+                ++checked;
+            }
+        }
+        EXPECT_GT(bvh.bytes(), below.size() * sizeof(SweptSphere));
+    }
+    EXPECT_GT(checked, 1000);
+}
+
+TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
+    Random random(4);
+    const Scene scene{triangle_soup(random, 50, 0.1), triangle_soup(random, 90, 0.1)};
+    const Prepared prepared(scene, {{Structure::bvh, Side::target}, {Structure::swept_bvh, Side::source},
+                                    {Structure::point_bvh, Side::target}, {Structure::adjacency, Side::source}});
+    EXPECT_EQ(prepared.bvh(Side::target).tree().order.size(), 90u);
+    EXPECT_EQ(prepared.swept_bvh(Side::source).tree().order.size(), 50u);
+    EXPECT_EQ(prepared.point_bvh(Side::target).tree().order.size(), 270u);
+    EXPECT_EQ(prepared.adjacency(Side::source).edges(), 150);
+    EXPECT_THROW((void)prepared.bvh(Side::source), std::logic_error);
+    ASSERT_EQ(prepared.times().size(), 4u);
+    EXPECT_EQ(prepared.times()[0].name, "target BVH");
+    for (const PreparationTime& time : prepared.times()) EXPECT_GT(time.bytes, 0u) << time.name;
+    EXPECT_TRUE(fits(Structure::point_bvh, ShapeKind::points));
+    EXPECT_FALSE(fits(Structure::bvh, ShapeKind::points));
+    EXPECT_FALSE(fits(Structure::adjacency, ShapeKind::points));
+}
+
+}  // namespace
+}  // namespace hausbench
