@@ -3,6 +3,7 @@
 
 #include "random.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,12 +66,12 @@ inline std::vector<NamedMesh> tree_meshes() {
     add("huge", triangle_soup(random, 300, 0.1)).vertices *= 0x1p399;
     // Ever closer to a corner: deep trees.
     TriangleMesh& nested = add("nested", triangle_soup(random, 300, 0.5));
-    for (Index i = 0; i < nested.vertices.rows(); ++i) nested.vertices.row(i) *= std::pow(0.5, i / 9);
+    for (Index i = 0; i < nested.vertices.rows(); ++i) nested.vertices.row(i) *= std::ldexp(1.0, -static_cast<int>(i / 9));
     for (int i = 0; all.size() < 200; ++i) {
         const Index count = 1 + random.below(60);
         const std::string name = "random " + std::to_string(i);
         if (i % 3 == 0) add(name, triangle_grid(random, 2 + count / 6, 0.1));
-        if (i % 3 == 1) add(name, triangle_soup(random, count, std::pow(10, random.real(-4, 0))));
+        if (i % 3 == 1) add(name, triangle_soup(random, count, std::ldexp(1.0, -random.below(14))));
         if (i % 3 == 2) {  // shared corners, needles, overlaps
             TriangleMesh& mesh = add(name, triangle_soup(random, count, 0.2));
             for (Index t = 0; t < mesh.triangles.rows(); ++t) {
@@ -89,7 +90,7 @@ inline Vec3 query_near(const TriangleMesh& mesh, Random& random) {
         case 0: return random.vector(2 * size);
         case 1: return vertex;
         case 2: return vertex + random.vector(1e-7 * size);
-        case 3: return vertex + std::pow(10, random.real(0, 60)) * random.vector(1);
+        case 3: return vertex + random.vector(std::ldexp(1.0, random.below(200)));
         case 4: return 0.5 * (vertex + Vec3(mesh.vertices.row(random.below(static_cast<Index>(mesh.vertices.rows())))));
         default: return Vec3(0.0625 * random.below(32), 0.0625 * random.below(32), 0.25 * random.below(3));
     }

@@ -1,0 +1,115 @@
+// Work counters on small scenes, exactly as committed in counters_baseline.toml: they are the same on every machine,
+// compiler and instruction set, so that any change is a change of the algorithm.
+//
+// Where a change is meant: HAUSBENCH_BASELINE_REASON='why the counters change' build/release/tests/counters_test
+// writes the file anew; commit it together with the change.
+#include "kernel/bvh.h"
+#include "kernel/octree.h"
+#include "registry.h"
+#include "scenes.h"
+#include "session.h"
+#include "tree_meshes.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+namespace hausbench {
+namespace {
+
+constexpr const char* file = HAUSBENCH_BASELINE;
+
+using Counts = std::map<std::string, Counters>;
+
+Counts solver_counts(const std::string& name) {
+    const SolverEntry& entry = find_solver(name);
+    std::vector<TestScene> scenes = mesh_scenes();
+    scenes.push_back(test_scene("large sheets", sheet(24, 0.05, 0.2), sheet(40, 0, 0.1)));
+    scenes.push_back(test_scene("fine on coarse", sheet(40, 0, 0.1), sheet(12, 0.05, 0.2)));
+    Counts counts;
+    for (const TestScene& test : scenes) {
+        if (test.name.find("scale") != std::string::npos) continue;  // the same counts as unscaled
+        const Session session(entry, Options(name, entry.info.parameters, {}), test.scene, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-5 * magnitude(points_of(test.scene.source)) + 1e-12};
+        Trace trace;
+        counts[test.name] = session.solve(query, trace).counters;
+    }
+    return counts;
+}
+
+template <class Tree>
+Counts tree_counts() {
+    Counts counts;
+    for (const auto& [name, mesh] : tree_meshes()) {
+        if (name.starts_with("random")) continue;
+        const Tree tree(mesh);
+        Random random(9);
+        Counters& counters = counts[name];
+        Index warm = -1;
+        for (int i = 0; i < 200; ++i) {
+            ClosestHints hints;
+            if (i % 2 != 0) hints.warm_triangle = warm;
+            warm = tree.closest(query_near(mesh, random), hints, counters).triangle;
+        }
+    }
+    return counts;
+}
+
+std::map<std::string, Counts> all_counts() {
+    std::map<std::string, Counts> all;
+    all["guthe"] = solver_counts("guthe");
+    all["bvh"] = tree_counts<TriangleBvh>();
+    all["octree"] = tree_counts<TriangleOctree>();
+    return all;
+}
+
+void write(const std::map<std::string, Counts>& all, const std::string& reason) {
+    std::ofstream out(file);
+    out << "# Written by tests/counters_test.cpp, which says how to write it anew.\n";
+    out << "reason = \"" << reason << "\"\n";
+    for (const auto& [group, counts] : all) {
+        out << "\n[" << group << "]\n";
+        for (const auto& [name, counters] : counts) {
+            std::string fields;
+            for (const CounterField& field : counter_fields) {
+                const std::uint64_t value = counters.*field.member;
+                if (value != 0) fields += fmt::format("{}{} = {}", fields.empty() ? "" : ", ", field.name, value);
+            }
+            out << fmt::format("\"{}\" = {{ {} }}\n", name, fields);
+        }
+    }
+}
+
+TEST(Counters, AreThoseOfTheBaseline) {
+    const auto all = all_counts();
+    if (const char* reason = std::getenv("HAUSBENCH_BASELINE_REASON")) {
+        ASSERT_GT(std::string(reason).size(), 10u) << "HAUSBENCH_BASELINE_REASON must say why the counters change";
+        write(all, reason);
+    }
+    const toml::table baseline = toml::parse_file(file);
+    int compared = 0;
+    for (const auto& [group, counts] : all) {
+        const auto* expected = baseline[group].as_table();
+        ASSERT_NE(expected, nullptr) << file << " has no [" << group << "]";
+        EXPECT_EQ(expected->size(), counts.size()) << group;
+        for (const auto& [name, counters] : counts) {
+            for (const CounterField& field : counter_fields) {
+                const std::int64_t value = (*expected)[name][field.name].value_or(std::int64_t{0});
+                EXPECT_EQ(static_cast<std::int64_t>(counters.*field.member), value)
+                    << group << ", " << name << ": " << field.name << ". If the change is meant, run\n  "
+                    << "HAUSBENCH_BASELINE_REASON='why' build/release/tests/counters_test\n"
+                    << "and commit tests/counters_baseline.toml with it.";
+                ++compared;
+            }
+        }
+    }
+    EXPECT_GT(compared, 200);
+}
+
+}  // namespace
+}  // namespace hausbench
