@@ -101,7 +101,11 @@ private:
                 result_.note = "more boxes are needed than 'most_cells' allows";
                 return Status::stalled;
             }
-            if (!a_.may_split(top.node)) return Status::precision_floor;
+            if (!a_.may_split(top.node)) {
+                if (bounds.gap() <= 1e-9 * fallback()) return Status::precision_floor;
+                result_.note = "next to a point that is about equally far from much of the target: too many boxes there";
+                return Status::stalled;
+            }
             queue_.pop();
             a_.split(top.node, result_.counters);
             ++splits;
@@ -272,7 +276,7 @@ private:
             if (top.least >= best - precision) return std::max(std::min(top.least, best - 0.5 * precision), 0.0);
             // No point of A in this cell is farther from B than the answer: its lower bound is of no interest.
             if (best + cell_size <= result_.bounds.lower || !b_.may_split(top.node)) return top.least;
-            if (++pops > 20000 || (pops % 64 == 0 && deadline_.passed())) return top.least;
+            if (++pops > (best == infinity ? 200 : 20000) || (pops % 64 == 0 && deadline_.passed())) return top.least;
             queue.pop();
             if (pops > 3) {
                 const Vec3 guess = guess_on(b_[top.node], p);

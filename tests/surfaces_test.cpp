@@ -1,0 +1,277 @@
+// What solvers of algebraic surfaces promise, on pairs whose distance is known, and the numbers of Shou 2014.
+#include "error.h"
+#include "random.h"
+#include "registry.h"
+#include "session.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+AlgebraicSurface surface(const std::string& polynomial, double size = 2) {
+    AlgebraicSurface s{polynomial, Points(2, 3)};
+    s.box.row(0).setConstant(-size);
+    s.box.row(1).setConstant(size);
+    return s;
+}
+
+const AlgebraicSurface cone_1 = surface("x^2/4 + y^2/4 - z^2/9"), cone_2 = surface("x^2/16 + y^2/4 - z^2/9");
+const double h_cones = 0.79885958582385, true_h = std::sqrt(43.0) / 3 - 4.0 / 3;
+
+Session session_of(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b, const ParameterMap& given = {}) {
+    const SolverEntry& entry = find_solver(solver);
+    return Session(entry, Options(entry.info.name, entry.info.parameters, given), {a, b}, {});
+}
+
+Result solve(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b, double tolerance, const ParameterMap& given = {}, double seconds = 10) {
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, tolerance};
+    query.time_limit = seconds;
+    Trace trace;
+    return session_of(solver, a, b, given).solve(query, trace);
+}
+
+ParameterMap subdivision(int depth, const std::string& pairs, const std::string& form = "modified_affine") {
+    return {{"depth", std::int64_t(depth)}, {"pairs", pairs}, {"form", form}};
+}
+
+Bounds published(int depth, const std::string& pairs, const std::string& form = "modified_affine") {
+    const Bounds first = solve("interval_subdivision", cone_1, cone_2, 100, subdivision(depth, pairs, form)).bounds;
+    const Bounds second = solve("interval_subdivision", cone_2, cone_1, 100, subdivision(depth, pairs, form)).bounds;
+    return {std::max(first.lower, second.lower), std::max(first.upper, second.upper)};
+}
+
+TEST(IntervalSubdivision, GivesThePapersInterval) {
+    const Bounds all = published(6, "all"), pruned = published(6, "pruned");
+    EXPECT_NEAR(all.lower, std::sqrt(17.0) / (4 * std::sqrt(2.0)), 1e-12);
+    EXPECT_NEAR(all.upper, std::sqrt(103.0) / (8 * std::sqrt(2.0)), 1e-12);
+    EXPECT_EQ(all.lower, pruned.lower);
+    EXPECT_EQ(all.upper, pruned.upper);
+    // As printed: the midpoint and the half-width, to their last digits.
+    EXPECT_NEAR((all.lower + all.upper) / 2, 0.81295637135, 1e-10);
+    EXPECT_NEAR((all.upper - all.lower) / 2, 0.08408738455, 1e-10);
+}
+
+TEST(IntervalSubdivision, ConvergesOnThePapersPair) {
+    const double widths[] = {0.1682, 0.0835, 0.0422};
+    for (int depth = 6; depth <= 8; ++depth) {
+        const Bounds b = published(depth, "pruned");
+        EXPECT_LE(b.lower, true_h) << depth;
+        EXPECT_GE(b.upper, true_h) << depth;
+        EXPECT_NEAR(b.gap(), widths[depth - 6], 1e-4) << depth;
+    }
+}
+
+TEST(IntervalSubdivision, PruningChangesNoBitAndSavesAThousandfold) {
+    for (const std::string form : {"natural", "centred", "affine", "modified_affine"}) {
+        const Bounds all = published(4, "all", form), pruned = published(4, "pruned", form);
+        EXPECT_EQ(all.lower, pruned.lower) << form;
+        EXPECT_EQ(all.upper, pruned.upper) << form;
+    }
+    const AlgebraicSurface sphere = surface("(x - 1/3)^2 + y^2 + z^2 - 2"), torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
+    for (const auto& [a, b] : {std::pair{sphere, torus}, {torus, sphere}, {cone_1, sphere}, {sphere, sphere}}) {
+        const Result all = solve("interval_subdivision", a, b, 100, subdivision(5, "all")), pruned = solve("interval_subdivision", a, b, 100, subdivision(5, "pruned"));
+        EXPECT_EQ(all.bounds.lower, pruned.bounds.lower);
+        EXPECT_EQ(all.bounds.upper, pruned.bounds.upper);
+    }
+    for (const auto& [a, b] : {std::pair{cone_1, cone_2}, {cone_2, cone_1}}) {
+        const Result all = solve("interval_subdivision", a, b, 100, subdivision(6, "all")), pruned = solve("interval_subdivision", a, b, 100, subdivision(6, "pruned"));
+        EXPECT_GE(all.counters.box_distances, 1000 * pruned.counters.box_distances);
+    }
+}
+
+TEST(IntervalSubdivision, MissesWhereVoxelsHoldNoSurface) {
+    // Kept by rounding alone: the published lower end takes such voxels for points of the source.
+    const AlgebraicSurface almost = surface("(z^2 - 1/4)*(x^2 + y^2 + (z - 1)^2 + 1/1000)"), plane = surface("z^2 - 1/4");
+    const Result result = solve("interval_subdivision", almost, plane, 100, subdivision(6, "pruned"));
+    const Result certified = solve("surface_enclosure", almost, plane, 1e-3);
+    EXPECT_GT(result.bounds.lower, certified.bounds.upper);
+    EXPECT_EQ(to_string(certified.status), "converged");
+}
+
+TEST(IntervalSubdivision, SaysWhyItStops) {
+    const Result coarse = solve("interval_subdivision", cone_1, cone_2, 1e-3, subdivision(4, "all"));
+    EXPECT_EQ(coarse.status, Status::stalled);
+    EXPECT_NE(coarse.note.find("depth"), std::string::npos);
+    EXPECT_TRUE(coarse.witness.source_point.array().isNaN().all());
+}
+
+struct Known {
+    std::string name;
+    AlgebraicSurface a, b;
+    double h;  // from a to b
+    double tolerance;
+};
+
+std::vector<Known> gallery() {
+    const auto s = [](const std::string& text) { return surface(text); };
+    const AlgebraicSurface ball = s("x^2 + y^2 + z^2 - 1");
+    return {
+        {"cones", cone_1, cone_2, h_cones, 1e-6},
+        {"cones, the other way", cone_2, cone_1, true_h, 1e-6},
+        {"concentric spheres", ball, s("x^2 + y^2 + z^2 - 9/4"), 0.5, 5e-3},
+        {"offset spheres", ball, s("(x - 1/4)^2 + y^2 + z^2 - 1"), 0.25, 1e-5},
+        {"sphere to torus", ball, s("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"), std::sqrt(2.0) - 0.5, 1e-4},
+        {"torus to sphere", s("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"), ball, 0.5, 1e-3},
+        {"ellipsoid to sphere", s("x^2/2.25 + y^2 + z^2 - 1"), ball, 0.5, 1e-5},
+        {"parallel planes", s("z"), s("z - 1/2"), 0.5, 1e-9},
+        {"slanted planes", s("z"), s("z - x/4"), std::sqrt(0.25 / 1.0625), 1e-6},
+        {"tangent spheres", s("(x - 1/2)^2 + y^2 + z^2 - 1/4"), ball, 1, 5e-3},
+        {"the same sphere", ball, s("2*x^2 + 2*y^2 + 2*z^2 - 2"), 0, 1e-3},
+        {"cone to plane", cone_1, s("z"), 2, 1e-6},
+        {"planes that cross to one of them", s("x*y"), s("x"), 2, 1e-6},
+    };
+}
+
+TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
+    for (const Known& k : gallery()) {
+        const Result result = solve("surface_enclosure", k.a, k.b, k.tolerance);
+        EXPECT_LE(result.bounds.lower, k.h * (1 + 1e-14) + 1e-15) << k.name;
+        EXPECT_GE(result.bounds.upper, k.h * (1 - 1e-14) - 1e-15) << k.name;
+        EXPECT_EQ(to_string(result.status), "converged") << k.name << ", gap " << result.bounds.gap() << ", " << result.note;
+    }
+}
+
+TEST(SurfaceSolvers, AskedForMoreTheyGiveMore) {
+    const Result fine = solve("surface_enclosure", cone_2, cone_1, 1e-10);
+    EXPECT_EQ(to_string(fine.status), "converged");
+    EXPECT_LE(fine.bounds.lower, true_h);
+    EXPECT_GE(fine.bounds.upper, true_h);
+    const Vec3 w = fine.witness.source_point.cwiseAbs();
+    EXPECT_LT((w - Vec3(2, std::sqrt(7.0) / 3, 2)).norm(), 1e-4);
+    EXPECT_NEAR((fine.witness.source_point - fine.witness.target_point).norm(), true_h, 1e-6);
+}
+
+// The distance by dense sampling of A against dense sampling of B: coarse, but by nothing the solvers use.
+double sampled(const Vec3& axes_a, const Vec3& centre_a, const Vec3& axes_b, const Vec3& centre_b) {
+    const auto points = [](const Vec3& axes, const Vec3& centre, int n) {
+        std::vector<Vec3> all;
+        for (int i = 0; i <= n; ++i) {
+            for (int j = 0; j < 2 * n; ++j) {
+                const double u = M_PI * i / n, v = M_PI * j / n;
+                all.push_back(centre + axes.cwiseProduct(Vec3(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u))));
+            }
+        }
+        return all;
+    };
+    const auto a = points(axes_a, centre_a, 16), b = points(axes_b, centre_b, 40);
+    double most = 0;
+    for (const Vec3& p : a) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const Vec3& q : b) least = std::min(least, (p - q).squaredNorm());
+        most = std::max(most, std::sqrt(least));
+    }
+    return most;
+}
+
+// Ellipsoids inside the box; samples of A are at most 0.28 from any point of A, and those of B 0.12 from any of B.
+TEST(SurfaceSolvers, RandomQuadricPairs) {
+    Random random(11);
+    const auto eighths = [&](int least, int most) { return (least + random.below(most - least + 1)) / 8.0; };
+    const auto text = [](const Vec3& axes, const Vec3& c) {
+        std::string out;
+        for (int k = 0; k < 3; ++k) {
+            out += (k ? " + (" : "(") + std::string(1, "xyz"[k]) + " - (0 - 1)*" + std::to_string(std::abs(c[k])) + ")^2/" + std::to_string(axes[k]) + "^2";
+            if (c[k] > 0) out.replace(out.rfind("- (0 - 1)*"), 10, "- ");
+        }
+        return out + " - 1";
+    };
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 axes_a(eighths(4, 11), eighths(4, 11), eighths(4, 11)), axes_b(eighths(4, 11), eighths(4, 11), eighths(4, 11));
+        const Vec3 c_a(eighths(-4, 4), eighths(-4, 4), eighths(-4, 4)), c_b(eighths(-4, 4), eighths(-4, 4), eighths(-4, 4));
+        const double about = sampled(axes_a, c_a, axes_b, c_b);
+        const Result result = solve("surface_enclosure", surface(text(axes_a, c_a)), surface(text(axes_b, c_b)), 0.01, {}, 20);
+        EXPECT_LE(result.bounds.lower, about + 0.28) << i;
+        EXPECT_GE(result.bounds.upper, about - 0.12) << i;
+        EXPECT_EQ(to_string(result.status), "converged") << i << " gap " << result.bounds.gap() << text(axes_a, c_a) << " | " << text(axes_b, c_b);
+        const Result other = solve("interval_subdivision", surface(text(axes_a, c_a)), surface(text(axes_b, c_b)), 100, subdivision(5, "pruned"));
+        EXPECT_LE(result.bounds.lower, other.bounds.upper) << i;
+    }
+}
+
+TEST(SurfaceSolvers, WithoutChangeOfSignTheyStallAndHold) {
+    const AlgebraicSurface twice = surface("(x^2 + y^2 + z^2 - 1)^2"), ball = surface("x^2 + y^2 + z^2 - 9/4");
+    for (const auto& [a, b] : {std::pair{twice, ball}, {ball, twice}, {twice, twice}}) {
+        const Result result = solve("surface_enclosure", a, b, 1e-3);
+        const double h = &a == &b || (a.polynomial == b.polynomial) ? 0 : 0.5;
+        EXPECT_EQ(to_string(result.status), "stalled");
+        EXPECT_LE(result.bounds.lower, h);
+        EXPECT_GE(result.bounds.upper, h);
+        EXPECT_NE(result.note.find("sign"), std::string::npos) << result.note;
+    }
+}
+
+TEST(SurfaceSolvers, RefuseWhatIsEmpty) {
+    const AlgebraicSurface empty = surface("x^2 + y^2 + z^2 + 1"), outside = surface("x - 3"), ball = surface("x^2 + y^2 + z^2 - 1");
+    for (const char* solver : {"interval_subdivision", "surface_enclosure"}) {
+        for (const AlgebraicSurface& none : {empty, outside}) {
+            for (const bool source : {true, false}) {
+                try {
+                    session_of(solver, source ? none : ball, source ? ball : none);
+                    FAIL() << solver;
+                } catch (const InputError& error) {
+                    EXPECT_NE(std::string(error.what()).find("no point in its box"), std::string::npos) << error.what();
+                }
+            }
+        }
+    }
+}
+
+TEST(SurfaceSolvers, KeepTheContract) {
+    for (const SolverEntry& entry : solvers()) {
+        if (!entry.info.source.surface) continue;
+        for (const Known& k : gallery()) {
+            if (k.tolerance < 1e-6) continue;
+            const Session one(entry, Options(entry.info.name, entry.info.parameters, {}), {k.a, k.b}, {});
+            const std::string where = entry.info.name + " on " + k.name;
+            const auto ask = [&](auto&& change) {
+                Query query;
+                query.tolerance = {Tolerance::Of::absolute, 0.05};
+                change(query);
+                Trace trace(Trace::Mode::on);
+                const Result result = one.solve(query, trace);
+                EXPECT_LE(result.bounds.lower, result.bounds.upper) << where;
+                if (entry.info.certified) {
+                    EXPECT_LE(result.bounds.lower, k.h + 1e-15) << where;
+                    EXPECT_GE(result.bounds.upper, k.h * (1 - 1e-15)) << where;
+                    for (const TraceSample& s : trace.samples()) EXPECT_TRUE(s.lower <= k.h + 1e-15 && s.upper >= k.h * (1 - 1e-15)) << where;
+                }
+                EXPECT_FALSE(trace.samples().empty()) << where;
+                const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+                EXPECT_EQ(result.status == Status::converged, close) << where;
+                return result;
+            };
+            const Result first = ask([](Query&) {}), again = ask([](Query&) {});
+            EXPECT_EQ(first.bounds.lower, again.bounds.lower) << where;
+            EXPECT_EQ(first.bounds.upper, again.bounds.upper) << where;
+            EXPECT_EQ(first.counters, again.counters) << where;
+            for (const std::uint64_t budget : {0, 1, 20}) ask([&](Query& q) { q.budget = budget; });
+            ask([](Query& q) { q.time_limit = 0; });
+            if (!entry.info.certified) continue;
+            if (k.h > 0.1) {
+                EXPECT_GT(ask([&](Query& q) { q.cutoff = 0.5 * k.h; q.tolerance.value = 1e-6; }).bounds.lower, 0.5 * k.h) << where;
+                EXPECT_LE(ask([&](Query& q) { q.cutoff = 1.5 * k.h; q.tolerance.value = 1e-6; }).bounds.upper, 1.5 * k.h) << where;
+            }
+        }
+    }
+}
+
+TEST(Session, SurfacesStandStillAndStayUnscaled) {
+    const Session session = session_of("surface_enclosure", cone_1, cone_2);
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, 0.1};
+    query.pose.translation = Vec3(1, 0, 0);
+    Trace trace;
+    EXPECT_THROW((void)session.solve(query, trace), InputError);
+    const SolverEntry& naive = find_solver("naive");
+    EXPECT_THROW(Session(naive, Options("naive", {}, {}), {cone_1, cone_2}, {}), InputError);
+    const AlgebraicSurface wide = surface("z", 300), other = surface("z - 100", 300);
+    EXPECT_NEAR(solve("surface_enclosure", wide, other, 1e-6).bounds.upper, 100, 1e-6);
+}
+
+}  // namespace
+}  // namespace hausbench
