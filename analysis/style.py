@@ -63,6 +63,7 @@ LOOKS: Final[dict[str, Look]] = {
     "cgal": Look("CGAL", "#882255", "X", (0, (1, 1))),
     # surfaces, other programs
     "interval_subdivision": Look("interval subdivision", "#000000", "d"),
+    "surface_enclosure": Look("surface enclosure (ours)", "#D55E00", "h"),
     "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5))),
 }
 

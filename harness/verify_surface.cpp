@@ -49,19 +49,27 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
 
     std::array<Interval, 3> linear;
     Interval constant = -square;
-    double dot = 0;
+    Vec3 rough;  // of `linear`
     for (int k = 0; k < 3; ++k) {
         const Interval d = Interval(form.middle[k]) - Interval(p[k]);
         constant += CGAL::square(d);
         linear[std::size_t(k)] = 2.0 * d * Interval(form.half[k]);
-        dot += linear[std::size_t(k)].sup() * form.slope[k];
+        rough[k] = linear[std::size_t(k)].sup();
     }
+    // Which m is best hangs on whether the nearest point lies on a side of the box: least squares where it does not.
+    std::array<double, 4> candidates{};
     const double slope = form.slope.squaredNorm();
-    const Interval m(slope > 0 ? dot / slope : 0.0);
-    Interval least = constant - m * form.rest;
-    double spread = 0;
-    for (int k = 0; k < 3; ++k) spread += magnitude(linear[std::size_t(k)] - m * Interval(form.slope[k]));
-    if (least.inf() >= spread) return Found::nothing;
+    if (slope > 0) candidates[3] = rough.dot(form.slope) / slope;
+    for (int k = 0; k < 3; ++k) {
+        if (form.slope[k] != 0) candidates[std::size_t(k)] = rough[k] / form.slope[k];
+    }
+    for (const double candidate : candidates) {
+        const Interval m(candidate);
+        const Interval least = constant - m * form.rest;
+        double spread = 0;
+        for (int k = 0; k < 3; ++k) spread += magnitude(linear[std::size_t(k)] - m * Interval(form.slope[k]));
+        if (least.inf() >= spread) return Found::nothing;
+    }
 
     if (CGAL::sqrt(far).sup() < lower && changes_sign(value_at(f.polynomial(), box.low), value_at(f.polynomial(), box.high))) {
         shown = CGAL::sqrt(far).sup();

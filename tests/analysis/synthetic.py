@@ -19,7 +19,7 @@ import numpy as np
 
 NAN = float("nan")
 COUNTERS = ("point_distances", "point_triangle_distances", "node_visits", "closest_point_queries", "bound_tests",
-            "subdivisions", "queue_pushes")
+            "subdivisions", "queue_pushes", "box_distances", "polynomial_evaluations")
 TEXT = h5py.string_dtype("utf-8")
 
 META: dict[str, Any] = {

@@ -1,0 +1,89 @@
+"""The stems of algebraic surfaces, from files with known numbers."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from synthetic import ResultFile, spread
+
+from analysis import command, shou2014_convergence, shou2014_example, surfaces_gallery
+from analysis.load import load
+
+DIRECTIONS = (("first to second", 0.64, 0.85), ("second to first", 0.73, 0.90))
+
+
+def records(path: Path, stem: str) -> list[dict[str, str]]:
+    with (path / "tables" / f"{stem}.csv").open(encoding="utf-8") as opened:
+        return list(csv.DictReader(opened))
+
+
+def subdivision(file: ResultFile, label: str, depth: int, form: str, distances: int, **more: Any) -> None:
+    for scene, low, high in DIRECTIONS:
+        file.case("interval_subdivision", scene, spread(2.0, 3), label=label, lower=low, upper=high, certified=0,
+                  prepare_seconds=0.5, options={"depth": depth, "form": form, "pairs": label.split()[0]},
+                  counters={"box_distances": distances, "polynomial_evaluations": 7}, lower_check="no witness",
+                  tolerance=10.0, tolerance_of="absolute", **more)
+
+
+def test_example_joins_both_directions(tmp_path: Path) -> None:
+    file = ResultFile("shou2014_example")
+    subdivision(file, "all pairs", 6, "modified_affine", 5000)
+    subdivision(file, "pruned pairs", 6, "modified_affine", 5)
+    file.write(tmp_path)
+    assert command.main(file.stem, shou2014_example.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    first, second = records(tmp_path, file.stem)
+    assert (float(first["lower"]), float(first["upper"])) == (0.73, 0.90)
+    assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
+    assert float(first["distance_seconds"]) == pytest.approx(4.0) and second["box_distances"] == "10"
+    text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+    assert "| 1000 |" in text and "789694" in text and "0.81295637135" in text
+
+
+def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:
+    file = ResultFile("shou2014_convergence")
+    for depth in (5, 6):
+        for form in shou2014_convergence.FORMS:
+            subdivision(file, "pruned pairs", depth, form, 50)
+    subdivision(file, "all pairs", 6, "modified_affine", 5000, status="timeout")
+    for tolerance in (1e-2, 1e-4):
+        for scene, low, high in DIRECTIONS:
+            file.case("surface_enclosure", scene, spread(0.1, 3), lower=low, upper=high, tolerance=tolerance,
+                      tolerance_of="absolute", prepare_seconds=0.01)
+    file.write(tmp_path)
+    assert command.main(file.stem, shou2014_convergence.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    published, ours = shou2014_convergence.collect(load(tmp_path / f"{file.stem}.h5"))
+    assert {key[0] for key in published} == {"pruned pairs"} and len(published) == 8 and sorted(ours) == [1e-4, 1e-2]
+    assert len(records(tmp_path, file.stem)) == 10
+    assert "All four forms give the same interval" in (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+
+
+def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
+    file = ResultFile("surfaces_gallery")
+    box = "[-2, 2] x [-2, 2] x [-2, 2]"
+    for solver, low, high, status in (("interval_subdivision", 0.6, 0.7, "unsound"), ("surface_enclosure", 0.49, 0.51, "ok")):
+        file.case(solver, "spheres", spread(0.1, 1), lower=low, upper=high, status=status, scene_note="h = 0.5; constant",
+                  prepare_seconds=0.0, certified=int(solver == "surface_enclosure"), witness_source=[1.0, 0, 0],
+                  witness_target=[1.5, 0, 0])
+    file.models[0]["note"] = f"x^2 + y^2 + z^2 - 1 = 0 in {box}; a ball"
+    file.models[1]["note"] = f"x^2 + y^2 + z^2 - 9/4 = 0 in {box}"
+    file.write(tmp_path)
+    assert command.main(file.stem, surfaces_gallery.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    held = {r["solver"]: r["holds"] for r in records(tmp_path, file.stem)}
+    assert held == {"interval_subdivision": "0", "surface_enclosure": "1"}
+    assert "(unsound)" in (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+
+
+def test_kept_voxels_cover_the_surface() -> None:
+    surface = surfaces_gallery.SurfaceText("(x - 1/2)^2*2 + y^2 - -z^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]")
+    kept = surface.kept(16)
+    angles = np.random.default_rng(5).uniform(0, 2 * np.pi, (500, 2))
+    points = np.stack([0.5 + np.sqrt(0.5) * np.cos(angles[:, 0]), np.sin(angles[:, 0]) * np.cos(angles[:, 1]),
+                       np.sin(angles[:, 0]) * np.sin(angles[:, 1])])
+    assert kept[tuple(np.floor((points + 2) * 4).astype(int))].all()
+    assert not kept[0, 0, 0] and not kept[10, 8, 8]  # a corner, and the middle of the body
+    with pytest.raises(ValueError, match="not the note"):
+        surfaces_gallery.SurfaceText("a mesh")
