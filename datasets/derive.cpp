@@ -1,6 +1,7 @@
 #include "derive.h"
 
 #include "error.h"
+#include "surfaces/surface_mesh.h"
 #include "random.h"
 
 #include <fmt/format.h>
@@ -171,6 +172,7 @@ const std::vector<Recipe>& operations() {
         {"vertices", {}},
         {"weld", {}},
         {"quantise", {{"cells", true, 1, 0x1p53}}},
+        {"triangulate", {{"cells", true, 1, 512}}},
         {"sample", {{"count", true, 1, 1e8}, seed}},
         {"simplify", {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}}},
         {"remesh", {{"edge", false, 1e-4, 1}}},
@@ -195,6 +197,13 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
     const auto seed = [&] { return static_cast<std::uint64_t>(numbers.at("seed")); };
     const auto mesh = [&]() -> const TriangleMesh& { return mesh_of(origin.shape, operation); };
     const auto* as_mesh = std::get_if<TriangleMesh>(&origin.shape);
+    if (const auto* surface = std::get_if<AlgebraicSurface>(&origin.shape)) {
+        if (operation != "triangulate") throw InputError("operation '" + operation + "' takes no algebraic surface: triangulate it first");
+        LoadReport report = origin.report;
+        report.format = "derived";
+        return {triangulate(*surface, index("cells")), report};
+    }
+    if (operation == "triangulate") throw InputError("operation 'triangulate' takes an algebraic surface, not a mesh or points");
     LoadedShape made{origin.shape, origin.report};
     made.report.format = "derived";
     made.report.polygons = 0;

@@ -14,6 +14,8 @@ namespace hausbench {
 // remesh     edge: even edges of this length, a fraction of the diagonal (CGAL, isotropic remeshing, 3 rounds)
 // noise      amplitude, seed: each vertex moves within a cube of half this edge, a fraction of the diagonal
 // subdivide  levels: each triangle in four at the midpoints of its edges; the surface stays the same but for rounding
+// triangulate  cells: an algebraic surface becomes a mesh by marching tetrahedra (surfaces/surface_mesh.h), the only
+//            operation that takes one
 // scale      factor, about the origin
 // normalise  box centred at the origin, diagonal 1
 // translate  x, y, z: fractions of the diagonal

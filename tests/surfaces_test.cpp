@@ -3,6 +3,7 @@
 #include "random.h"
 #include "registry.h"
 #include "session.h"
+#include "surfaces/surface_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -166,6 +167,52 @@ double sampled(const Vec3& axes_a, const Vec3& centre_a, const Vec3& axes_b, con
         most = std::max(most, std::sqrt(least));
     }
     return most;
+}
+
+TEST(MeshBridge, OverlapsWithTheEnclosure) {
+    constexpr int cells = 32;
+    int closed = 0;
+    for (const Known& k : gallery()) {
+        const TriangleMesh a = triangulate(k.a, cells), b = triangulate(k.b, cells);
+        const MeshDeviation of_a = deviation(k.a, a, cells), of_b = deviation(k.b, b, cells);
+        EXPECT_GE(of_a.mesh_to_surface, 0) << k.name;
+        if (!(of_a.mesh_to_surface + of_a.surface_to_mesh + of_b.mesh_to_surface + of_b.surface_to_mesh < 1)) continue;
+        ++closed;
+        const SolverEntry& guthe = find_solver("guthe");
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-3};
+        Trace trace;
+        const Bounds bounds = Session(guthe, Options("guthe", guthe.info.parameters, {}), {a, b}, {}).solve(query, trace).bounds;
+        EXPECT_LE(bounds.lower - of_a.mesh_to_surface - of_b.surface_to_mesh, k.h) << k.name;
+        EXPECT_GE(bounds.upper + of_a.surface_to_mesh + of_b.mesh_to_surface, k.h) << k.name;
+        std::printf("%-34s %6d triangles, mesh to surface %.2e, surface to mesh %.2e\n", k.name.c_str(), int(a.triangles.rows()),
+                    of_a.mesh_to_surface, of_a.surface_to_mesh);
+    }
+    EXPECT_GE(closed, 10);
+}
+
+TEST(MeshBridge, DeviatesByTheSquareOfACell) {
+    const AlgebraicSurface ball = surface("x^2 + y^2 + z^2 - 1");
+    double before = 0;
+    for (const int cells : {8, 16, 32}) {
+        const TriangleMesh mesh = triangulate(ball, cells);
+        const MeshDeviation d = deviation(ball, mesh, cells);
+        double truth = 0;  // of the mesh's vertices and centroids, which lie inside
+        for (Index t = 0; t < mesh.triangles.rows(); ++t) {
+            Vec3 middle = Vec3::Zero();
+            for (int k = 0; k < 3; ++k) middle += mesh.vertices.row(mesh.triangles(t, k)).transpose() / 3;
+            truth = std::max(truth, std::abs(1 - middle.norm()));
+        }
+        EXPECT_GE(d.mesh_to_surface, truth);
+        EXPECT_GE(d.surface_to_mesh, truth / 2);
+        EXPECT_LT(d.surface_to_mesh, 4.0 / cells);
+        if (before > 0) {
+            EXPECT_LT(d.mesh_to_surface, 0.5 * before);
+        }
+        before = d.mesh_to_surface;
+    }
+    EXPECT_LT(before, 0.02);
+    EXPECT_THROW(triangulate(surface("(x^2 + y^2 + z^2 - 1)^2"), 16), InputError);
 }
 
 // Ellipsoids inside the box; samples of A are at most 0.28 from any point of A, and those of B 0.12 from any of B.

@@ -222,6 +222,7 @@ void Polynomial::finish() {
 }
 
 Polynomial Polynomial::derivative(int axis) const {
+    const UpwardRounding upward;
     Polynomial out;
     for (Term term : terms_) {
         int& p = term.powers[static_cast<std::size_t>(axis)];

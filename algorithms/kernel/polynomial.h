@@ -34,7 +34,7 @@ public:
     const std::vector<Term>& terms() const { return terms_; }
     int degree(int axis) const { return degrees_[static_cast<std::size_t>(axis)]; }
 
-    Polynomial derivative(int axis) const;  // wants UpwardRounding
+    Polynomial derivative(int axis) const;  // sets the rounding mode for itself, too
 
     // In double arithmetic, for guesses that are proven otherwise. O(terms).
     double value(const Vec3& at) const;
