@@ -108,21 +108,22 @@ def make(results: Results, out: Path) -> list[Path]:
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
-    """One line a workload, one mark a solver; failures at the right border by their letter."""
+    """One line a workload, one mark a solver; those that did not end are right of the frame, with the letter why."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.2 * len(scenes)))
     looks = {label: style.Look(title_of(solver, label), look.colour, look.marker) for solver, label in labels
              for look in [style.look(solver, label)]}
     for i, scene in enumerate(scenes):
-        failed = []
+        failed = 0
         for _, label in labels:
             cell = cells.get((scene, label))
             if cell and cell.time.n:
                 ax.plot(cell.time.value, i, **style.filled_marker(looks[label]))
             elif cell:
-                failed.append(f"{looks[label].title}: {cell.text()}")
-        if failed:
-            ax.text(0.99, i, "; ".join(failed), transform=ax.get_yaxis_transform(), ha="right", va="center",
-                    fontsize=4.5, color="#333333")
+                at = 1.03 + 0.09 * failed
+                failed += 1
+                ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks[label]))
+                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(cell.status, "?"), transform=ax.get_yaxis_transform(),
+                        va="center", fontsize=6, color="#333333")
     known = [cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)] or [1.0]
     ax.set_xscale("log")
     ax.set_xlim(min(known) / 2, max(known) * 4)

@@ -126,8 +126,8 @@ private:
             if (squared > state.farthest.squared) rest.push_back({squared, i});
         }
         state.counters.point_distances += static_cast<std::uint64_t>(a.rows());
-        // While an outlier is in sight, passes over B are cheaper than a tree.
-        for (std::size_t before = static_cast<std::size_t>(a.rows()); !rest.empty() && rest.size() <= before / 4;) {
+        // One pass over B for the farthest guesses, and more while each decides half of the rest: cheaper than a tree.
+        for (std::size_t before = 2 * rest.size(); !rest.empty() && rest.size() <= before / 2;) {
             before = rest.size();
             raise_by_farthest(a, b, rest, batch, state);
             drop_decided(rest, state);
