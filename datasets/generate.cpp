@@ -149,6 +149,37 @@ TriangleMesh torus(int rings, int sides, double major, double minor) {
     return builder.mesh();
 }
 
+// A rectangle, bore to rim by height, swept around the axis; the rim follows the teeth: a quarter of each is tip, a quarter
+// root, the flanks between them straight.
+TriangleMesh gear(int teeth, int steps, int rings, int layers, double outer, double root, double bore, double height) {
+    const auto rim = [&](int step) {
+        const double phase = 4.0 * step / steps;  // tip, flank, root, flank
+        if (phase <= 1) return outer;
+        if (phase < 2) return outer + (root - outer) * (phase - 1);
+        if (phase <= 3) return root;
+        return root + (outer - root) * (phase - 3);
+    };
+    const int around = teeth * steps, across = 2 * (rings + layers);
+    MeshBuilder builder;
+    for (int i = 0; i < around; ++i) {
+        const Circle turn = circle_point(i, around);
+        const auto vertex = [&](double part, double z) {
+            const double radius = bore + (rim(i % steps) - bore) * part;
+            builder.vertex(radius * turn.cosine, radius * turn.sine, height * (z - 0.5));
+        };
+        for (int j = 0; j < rings; ++j) vertex(static_cast<double>(j) / rings, 0);
+        for (int j = 0; j < layers; ++j) vertex(1, static_cast<double>(j) / layers);
+        for (int j = rings; j > 0; --j) vertex(static_cast<double>(j) / rings, 1);
+        for (int j = layers; j > 0; --j) vertex(0, static_cast<double>(j) / layers);
+    }
+    for (int i = 0; i < around; ++i)
+        for (int j = 0; j < across; ++j) {
+            const int i1 = (i + 1) % around, j1 = (j + 1) % across;
+            builder.square(i * across + j, i1 * across + j, i1 * across + j1, i * across + j1);
+        }
+    return builder.mesh();
+}
+
 TriangleMesh plane(int n, double z) {
     MeshBuilder builder;
     for (int i = 0; i <= n; ++i)
@@ -195,6 +226,15 @@ const std::vector<Recipe>& recipes() {
                                                {"sides", true, 3, 16384},
                                                {"major", false, 1e-100, 1e100},
                                                {"minor", false, 1e-100, 1e100}}},
+                                             {"gear",
+                                              {{"teeth", true, 3, 4096},
+                                               {"steps", true, 4, 4096},
+                                               {"rings", true, 1, 4096},
+                                               {"layers", true, 1, 4096},
+                                               {"outer", false, 1e-100, 1e100},
+                                               {"root", false, 1e-100, 1e100},
+                                               {"bore", false, 1e-100, 1e100},
+                                               {"height", false, 1e-100, 1e100}}},
                                              {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
                                              {"gaussian_points",
                                               {count,
@@ -237,6 +277,8 @@ Shape generate(const std::string& recipe, const Numbers& numbers) {
     if (recipe == "icosphere") return icosphere(whole("level"), real("radius"));
     if (recipe == "cube") return cube(whole("subdivisions"));
     if (recipe == "torus") return torus(whole("rings"), whole("sides"), real("major"), real("minor"));
+    if (recipe == "gear")
+        return gear(whole("teeth"), whole("steps"), whole("rings"), whole("layers"), real("outer"), real("root"), real("bore"), real("height"));
     if (recipe == "plane") return plane(whole("n"), real("z"));
     if (recipe == "gaussian_points")
         return gaussian_points(whole("count"), seed(), real("sigma"), {real("x"), real("y"), real("z")});

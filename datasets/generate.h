@@ -29,6 +29,9 @@ struct Recipe {
 //                  20 * 4^level triangles
 // cube             subdivisions n: edge 1 around the origin, n x n squares a side; 12 n^2 triangles
 // torus            rings, sides, major, minor: around the z axis; 2 rings sides triangles
+// gear             teeth, steps, rings, layers, outer, root, bore, height: a spur gear around the z axis with a bore, `steps`
+//                  vertices along a tooth, `rings` from bore to rim, `layers` along the height; closed,
+//                  4 teeth steps (rings + layers) triangles
 // plane            n, z: edge 1 around the z axis at height z, n x n squares; 2 n^2 triangles
 // gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
 //                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma

@@ -72,6 +72,8 @@ TEST(Generate, BitsArePinned) {
         {"torus",
          {{"rings", 37}, {"sides", 11}, {"major", 1}, {"minor", 0.4}},
          "ff64326f10031412468b2ac859726a0ad66909e0310c6753a02777f45e11a377"},
+        {"gear", {{"teeth", 7}, {"steps", 5}, {"rings", 3}, {"layers", 2}, {"outer", 1.5}, {"root", 1}, {"bore", 0.4}, {"height", 0.3}},
+         "ace81462312066e0ab24a6e8956747ede67f20439dca6280487c19a010174d65"},
         {"plane", {{"n", 5}, {"z", 0.25}}, "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
         {"gaussian_points",
          {{"count", 1000}, {"seed", 7}, {"sigma", 1.5}, {"x", 1}, {"y", 2}, {"z", 3}},
