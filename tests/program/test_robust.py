@@ -125,7 +125,8 @@ def test_results_that_are_not(hausbench: Program, experiment: Path, tmp_path: Pa
         del f["cases/lower"]
         f["cases/lower"] = [1.0, 2.0]
     for name in (*cases, "foreign.h5", "newer.h5", "ragged.h5", "absent.h5"):
-        for verb in (["verify", name], ["compare", name, good], ["merge", "out.h5", name, good]):
+        verbs: list[list[str | Path]] = [["verify", name], ["compare", name, good], ["merge", "out.h5", name, good]]
+        for verb in verbs:
             assert name in hausbench.fails(*verb)
     assert "folder" in hausbench.fails("verify", tmp_path)
     assert not (tmp_path / "out.h5").exists()
