@@ -112,7 +112,7 @@ public:
 struct SolverInfo {
     std::string name;    // as in experiment files
     std::string title;   // as in tables and legends
-    std::string paper;   // key in papers.bib
+    std::string paper;   // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
     bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file
     std::string known_wrong = {};       // a published error that is kept to show it: why bounds may not hold; never certified
