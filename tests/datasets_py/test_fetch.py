@@ -262,10 +262,11 @@ REAL_KEYS = {"source", "package", "version", "path", "sha256", "licence", "note"
 PARAMETERS: dict[str, list[set[str]]] = {
     "vertices": [set()], "weld": [set()], "normalise": [set()], "sample": [{"count", "seed"}], "remesh": [{"edge"}],
     "simplify": [{"ratio"}, {"triangles"}], "noise": [{"amplitude", "seed"}], "subdivide": [{"levels"}],
-    "scale": [{"factor"}], "translate": [{"x", "y", "z"}],
+    "scale": [{"factor"}], "translate": [{"x", "y", "z"}], "quantise": [{"cells"}], "triangulate": [{"cells"}],
     "icosphere": [{"level", "radius"}], "cube": [{"subdivisions"}], "torus": [{"rings", "sides", "major", "minor"}],
     "plane": [{"n", "z"}], "gaussian_points": [{"count", "seed", "sigma", "x", "y", "z"}],
-    "uniform_points": [{"count", "seed"}],
+    "uniform_points": [{"count", "seed"}], "surface": [{"polynomial", "box"}],
+    "gear": [{"teeth", "steps", "rings", "layers", "outer", "root", "bore", "height"}],
 }
 
 
