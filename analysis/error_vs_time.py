@@ -38,7 +38,7 @@ def make(results: Results, out: Path) -> list[Path]:
     table.notes = left_out(results, panels, labels) + [
         tables.coverage_note(times.values()) + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as all solvers together know it. "
-        "Distances: point to point and point to triangle, of one solve.", f"Measured on {machine_line(results)}."]
+        "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
     figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
     return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
@@ -94,7 +94,7 @@ def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> lis
     gap, error = relative(results, case)
     return [tables.number(float(results.cases.tolerance[case]), 1), tables.estimate(times[case], 1e3),
             tables.number(gap, 2), tables.number(error, 2),
-            f"{distances(results, case):,}", why]
+            f"{distances(results, case):,}" if distances(results, case) else tables.NOTHING, why]
 
 
 def record(results: Results, case: int, time: Estimate | None) -> tables.Record:

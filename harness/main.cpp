@@ -97,8 +97,8 @@ int dispatch(int argc, char** argv) {
     auto* run_verb = app.add_subcommand("run", "run an experiment and write its results (resumes by itself)");
     run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
     run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")->capture_default_str();
-    run_verb->add_option("--solver", run_arguments.choice.solvers, "only this solver (its label in the experiment); may be repeated");
-    run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated");
+    run_verb->add_option("--solver", run_arguments.choice.solvers, "only this solver (its label in the experiment); may be repeated")->allow_extra_args(false);
+    run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
     run_verb->add_option("--results", run_arguments.results, "folder for the result file (default: results of the project)");
     run_verb->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")->capture_default_str();
     run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
@@ -113,8 +113,8 @@ int dispatch(int argc, char** argv) {
     auto* explain_verb = app.add_subcommand("explain", "what a run of an experiment would prepare, run and leave out, why, and about how long it takes");
     explain_verb->add_option("experiment", explain_arguments.file, "experiment file (.toml)")->required();
     explain_verb->add_option("--profile", explain_arguments.profile, "as for run")->capture_default_str();
-    explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run");
-    explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run");
+    explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run")->allow_extra_args(false);
+    explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run")->allow_extra_args(false);
     explain_verb->add_option("--results", explain_arguments.results, "folder with earlier results, for the estimate (default: results of the project)");
     takes_plugins(explain_verb);
     explain_verb->callback([&] {

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "isolated.h"
+#include "memory.h"
 #include "paths.h"
 #include "registry.h"
 #include "session.h"
@@ -10,20 +11,10 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 
 namespace hausbench {
 
 namespace {
-
-std::int64_t resident(const char* key) {
-    std::ifstream in("/proc/self/status");
-    const std::string wanted = key;
-    for (std::string line; std::getline(in, line);) {
-        if (line.compare(0, wanted.size(), wanted) == 0) return 1024 * std::stoll(line.substr(wanted.size() + 1));
-    }
-    return -1;
-}
 
 // One direction, added to what is measured so far: H is the larger of the two.
 void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scene scene, const std::string& direction,
@@ -83,14 +74,14 @@ Measured measure(const MeasureRequest& request) {
         throw InputError(fmt::format("{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
                                      request.source.string()));
     }
-    const std::int64_t before = resident("VmRSS");
-    std::ofstream("/proc/self/clear_refs") << "5";
+    const std::int64_t before = resident_now();
+    reset_resident_peak();
     if (request.symmetric) one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
     else one_direction(entry, request, {std::move(source.shape), std::move(target.shape)}, "", measured, true);
     if (request.symmetric) {
         one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured, false);
     }
-    measured.peak_bytes = std::max<std::int64_t>(0, resident("VmHWM") - before);
+    measured.peak_bytes = std::max<std::int64_t>(0, resident_peak() - before);
     return measured;
 }
 

@@ -4,6 +4,7 @@
 
 #include "error.h"
 #include "hash.h"
+#include "memory.h"
 #include "plugin.h"
 #include "registry.h"
 #include "session.h"
@@ -16,7 +17,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 
@@ -40,18 +40,6 @@ Pose pose_of(const json& values) {
     return pose;
 }
 
-// kB from /proc/self/status, as bytes; -1 where there is no such line.
-std::int64_t memory_now(const std::string& key) {
-    std::ifstream in("/proc/self/status");
-    for (std::string line; std::getline(in, line);) {
-        if (line.compare(0, key.size(), key) == 0) return 1024 * std::stoll(line.substr(key.size() + 1));
-    }
-    return -1;
-}
-
-// Makes the peak resident set start again from the present one. False where the kernel does not let us.
-bool reset_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
-
 // A solver's words as one line of a table.
 std::string one_line(std::string text) {
     for (char& c : text) {
@@ -67,8 +55,8 @@ public:
     int run() {
         const SolverEntry& entry = find_solver(order_.solver);
         Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
-        memory_before_ = memory_now("VmRSS");
-        reset_peak();
+        memory_before_ = resident_now();
+        reset_resident_peak();
         session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene), order_.queries,
                          order_.leave);
         json structures = json::array(), left_out = json::array();
@@ -99,7 +87,7 @@ private:
         query.tolerance = item.tolerance;
         query.time_limit = order_.limits.case_seconds;
 
-        const bool peak_known = reset_peak();
+        const bool peak_known = reset_resident_peak();
         Trace untraced;
         const auto begin = std::chrono::steady_clock::now();
         Result result;
@@ -132,7 +120,7 @@ private:
         outcome.solve_seconds = seconds.count();
         outcome.reported_seconds = result.reported_seconds;
         if (result.outside_bytes >= 0) outcome.peak_bytes = result.outside_bytes;
-        else if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, memory_now("VmHWM") - memory_before_);
+        else if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, resident_peak() - memory_before_);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
 
         if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, seconds.count());

@@ -189,7 +189,7 @@ def test_error_vs_time_where_everything_failed(make: Make) -> None:
     file.case("tang", "x", [5.0], status="timeout", lower=0.0, upper=0.125, tolerance=1e-3)
     file.case("cgal", "x", status="not_built", reason="no CGAL")
     _, rows, text = make(file)
-    assert [row[1:] for row in rows["x"]] == [["0.001", "5000", "0.12", "0.12", "0", "1 timeout"],
+    assert [row[1:] for row in rows["x"]] == [["0.001", "5000", "0.12", "0.12", "—", "1 timeout"],
                                               ["—"] * 5 + ["1 out of memory"]]
     assert "x: CGAL." in text
 

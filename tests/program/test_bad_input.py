@@ -94,6 +94,9 @@ def test_unknown_profile_scene_solver(hausbench: Program, experiment: Path, tmp_
     assert "quick" in hausbench.fails("run", experiment, "--profile", "quikc", "--results", tmp_path)
     assert "spheres" in hausbench.fails("run", experiment, "--scene", "sphere", "--results", tmp_path)
     assert "guthe" in hausbench.fails("run", experiment, "--solver", "cgall", "--results", tmp_path)
+    # An option takes one value: the experiment after it is still the experiment.
+    for verb in ("run", "explain"):
+        assert "no solver 'cgall'" in hausbench.fails(verb, "--solver", "cgall", experiment)
     assert "absent.toml" in hausbench.fails("run", tmp_path / "absent.toml")
 
 
