@@ -16,17 +16,37 @@ Interval value_at(const Polynomial& f, const Vec3& p) { return f.natural({Interv
 
 bool changes_sign(const Interval& a, const Interval& b) { return (a.sup() <= 0 && b.inf() >= 0) || (a.inf() >= 0 && b.sup() <= 0); }
 
+// No farther than this from p along axis k is a point of the surface that is proven between `low` and `high`, where the
+// polynomial changes its sign; bisected as long as signs are certain, since every bit of it is taken off the solver's bound.
+double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k) {
+    const Interval at_low = value_at(f, low);
+    for (int step = 0; step < 60; ++step) {
+        Vec3 middle = low;
+        middle[k] = 0.5 * (low[k] + high[k]);
+        if (!(middle[k] > low[k] && middle[k] < high[k])) break;
+        const Interval value = value_at(f, middle);
+        if (changes_sign(at_low, value)) high = middle;
+        else if (changes_sign(value, value_at(f, high))) low = middle;
+        else break;
+    }
+    return std::max(high[k] - p[k], p[k] - low[k]);
+}
+
 // How far p may be from a proven point of the surface; empty: none found within a hundredth of the box.
 std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec3& p) {
     if ((p.array() < box.low.array()).any() || (p.array() > box.high.array()).any()) return std::nullopt;
     const double size = (box.high - box.low).maxCoeff();
     for (double e = 0x1p-52 * std::max(p.cwiseAbs().maxCoeff(), size); e < 0.01 * size; e *= 4) {
+        std::optional<double> least;
         for (int k = 0; k < 3; ++k) {
             Vec3 low = p, high = p;
             low[k] = std::max(box.low[k], -(e - p[k]));
             high[k] = std::min(box.high[k], p[k] + e);
-            if (changes_sign(value_at(f, low), value_at(f, high))) return std::max(high[k] - p[k], p[k] - low[k]);
+            if (!changes_sign(value_at(f, low), value_at(f, high))) continue;
+            const double found = bracketed(f, p, low, high, k);
+            if (!least || found < *least) least = found;
         }
+        if (least) return least;
     }
     return std::nullopt;
 }
@@ -56,12 +76,12 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
         linear[std::size_t(k)] = 2.0 * d * Interval(form.half[k]);
         rough[k] = linear[std::size_t(k)].sup();
     }
-    // Which m is best hangs on whether the nearest point lies on a side of the box: least squares where it does not.
-    std::array<double, 4> candidates{};
-    const double slope = form.slope.squaredNorm();
-    if (slope > 0) candidates[3] = rough.dot(form.slope) / slope;
-    for (int k = 0; k < 3; ++k) {
-        if (form.slope[k] != 0) candidates[std::size_t(k)] = rough[k] / form.slope[k];
+    // Which m is best hangs on the sides of the box that the nearest point lies on: least squares over the other axes.
+    std::array<double, 8> candidates{};
+    for (unsigned free = 1; free < 8; ++free) {
+        const Vec3 axes(free & 1, free >> 1 & 1, free >> 2);
+        const Vec3 slope = form.slope.cwiseProduct(axes);
+        if (slope.squaredNorm() > 0) candidates[free] = rough.dot(slope) / slope.squaredNorm();
     }
     for (const double candidate : candidates) {
         const Interval m(candidate);

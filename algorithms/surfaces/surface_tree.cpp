@@ -83,25 +83,21 @@ Interval SurfaceTree::derivative(int axis, const Box& box, Counters& counters) {
 Vec3 SurfaceTree::onto(Vec3 y) const {
     const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
     for (int step = 0; step < 8; ++step) {
-        Vec3 g;
-        const double f = polynomial().value(y, g);
-        if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) break;
-        for (int tries = 0; tries < 3; ++tries) {
+        Vec3 free = Vec3::Ones();
+        for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
+            Vec3 g;
+            const double f = polynomial().value(y, g);
+            if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return y;
+            g = g.cwiseProduct(free);
             const double size = g.squaredNorm();
             if (!(size > 0)) return y;
             const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
-            if (to == inside || tries == 2) {
-                y = inside;
+            if (to == inside) {
+                y = to;
                 break;
             }
             for (int k = 0; k < 3; ++k) {
-                if (to[k] != inside[k]) y[k] = inside[k], g[k] = 0;
-            }
-            if (g.squaredNorm() > 0) {
-                Vec3 fresh;
-                polynomial().value(y, fresh);
-                for (int k = 0; k < 3; ++k) g[k] = g[k] == 0 ? 0 : fresh[k];
-                break;  // the value has changed as well: next step
+                if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
             }
         }
     }
