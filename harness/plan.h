@@ -29,6 +29,7 @@ struct FromTrace {
 };
 
 inline constexpr const char* coarser_tolerances = "coarser tolerances";
+inline constexpr const char* structures_for_each_pose = "structures for each pose";
 
 struct LedgerEntry {
     std::string kind;  // not_built | not_prepared | not_run

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <numeric>
 #include <set>
 
 namespace hausbench {
@@ -221,6 +222,27 @@ private:
         }
     }
 
+    // A worker prepares once and then answers every pose: what preparing again for each of them would have cost.
+    void note_structures_reused(ResultFile& result) const {
+        for (const Job& job : plan_.jobs) {
+            std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
+            std::set<int> poses;
+            for (std::size_t row : job.cases) {
+                const Outcome* outcome = kept(row, 0);
+                if (!outcome || outcome->preparation.empty() || !std::isfinite(outcome->prepare_seconds)) continue;
+                builds.insert(outcome->prepare_seconds);
+                poses.insert(plan_.cases[row].pose_index);
+            }
+            if (poses.size() <= builds.size()) continue;
+            const auto left_out = poses.size() - builds.size();
+            const double mean = std::accumulate(builds.begin(), builds.end(), 0.0) / double(builds.size());
+            result.ledger.push_back({"not_prepared", job.label, structures_for_each_pose,
+                                     fmt::format("built {} and used for all {} poses", builds.size() == 1 ? "once" : fmt::format("{} times", builds.size()),
+                                                 poses.size()),
+                                     std::int64_t(left_out), mean * double(left_out)});
+        }
+    }
+
     RunSummary finish() {
         ResultFile result;
         RunSummary summary;
@@ -243,6 +265,7 @@ private:
         result.ledger = plan_.ledger;
         result.ledger.insert(result.ledger.end(), ledger_.begin(), ledger_.end());
         note_time_saved(result);
+        note_structures_reused(result);
         summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
         summary.interrupted = interrupted != 0;
         describe_run(result, plan_.experiment, journal_.started(), utc_now());

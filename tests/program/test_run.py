@@ -83,6 +83,31 @@ def test_same_command_again_runs_nothing(hausbench: Program, experiment: Path, t
     assert not np.array_equal(first, numbers(file, "repeats/wall_seconds"))
 
 
+def test_structures_are_built_once_for_all_poses(hausbench: Program, tmp_path: Path) -> None:
+    experiment = tmp_path / "moved.toml"
+    experiment.write_text("""\
+title = "moved"
+tolerances = [1e-12]
+of = "diagonal"
+repeats = 1
+[[scene]]
+name = "clouds"
+source = "gaussian_1k_a"
+target = "gaussian_1k_b"
+motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 5 }
+[[solver]]
+name = "ohd"
+""")
+    file = run(hausbench, experiment, tmp_path)
+    with h5py.File(file, "r") as f:
+        built = np.unique(f["cases/prepare_seconds"][:])
+        entry = list(f["ledger/what"].asstr()[:]).index("structures for each pose")
+        assert len(built) == 1 and len(f["cases/lower"]) == 5 and len(np.unique(f["cases/lower"][:])) == 5
+        assert f["ledger/count"][entry] == 4 and f["ledger/kind"].asstr()[entry] == "not_prepared"
+        assert f["ledger/seconds_saved"][entry] == pytest.approx(4 * built[0])
+        assert f["ledger/reason"].asstr()[entry] == "built once and used for all 5 poses"
+
+
 def test_rounds_add_repeats_from_fresh_processes(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
     experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2\nrounds = 3"))
     file = run(hausbench, experiment, tmp_path)
