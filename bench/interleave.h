@@ -1,0 +1,40 @@
+// Several contenders timed in turn, so that what disturbs the machine disturbs all of them.
+#pragma once
+
+#include "statistics.h"
+
+#include <ctime>
+#include <functional>
+#include <vector>
+
+namespace hausbench {
+
+// Of this process, all threads: a program that hands work to a thread of its own gains nothing by it.
+inline double cpu_seconds() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+struct Contender {
+    std::function<void()> before, timed, after;
+};
+
+// seconds[c][r]: of contender c in round r. Rounds go forth and back (ABBA); one round before them is not kept.
+inline std::vector<std::vector<double>> interleave(const std::vector<Contender>& contenders, int rounds) {
+    std::vector<std::vector<double>> seconds(contenders.size());
+    for (int round = -1; round < rounds; ++round) {
+        for (std::size_t i = 0; i < contenders.size(); ++i) {
+            const std::size_t c = round % 2 == 0 ? i : contenders.size() - 1 - i;
+            contenders[c].before();
+            const double begin = cpu_seconds();
+            contenders[c].timed();
+            const double end = cpu_seconds();
+            contenders[c].after();
+            if (round >= 0) seconds[c].push_back(end - begin);
+        }
+    }
+    return seconds;
+}
+
+}  // namespace hausbench

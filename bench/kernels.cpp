@@ -1,0 +1,273 @@
+// The kernels one by one, under Google Benchmark.
+//
+//   kernel_bench --meshes=torus:187,bunny,dragon [--benchmark_filter=closest ...]
+//
+// A mesh is torus:N (2 N^2 triangles, made on the spot) or a model of datasets/manifest.toml. `each` is the time of one
+// pair, one triangle built, one query; `bytes` what the structure takes. What runs one after the other meets different
+// neighbours: for a comparison, compare.cpp times contenders in turn.
+#include "error.h"
+#include "kernel/adjacency.h"
+#include "kernel/bvh.h"
+#include "kernel/octree.h"
+#include "kernel/point_blocks.h"
+#include "kernel/point_octree.h"
+#include "kernel/rtree.h"
+#include "kernel/swept_sphere.h"
+#include "kernel/textbook.h"
+#include "models.h"
+#include "random.h"
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <memory>
+#include <string_view>
+
+namespace hausbench {
+namespace {
+
+void count(benchmark::State& state, std::size_t items) {
+    state.counters["each"] = benchmark::Counter(
+        static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+Vec3 random_vector(const Random& random, std::uint64_t& next) {
+    const double x = random.uniform(next++), y = random.uniform(next++), z = random.uniform(next++);
+    return {2 * x - 1, 2 * y - 1, 2 * z - 1};
+}
+
+// --- one point and one triangle --------------------------------------------------------------------------------------
+
+constexpr std::size_t pairs = 4096;
+
+struct Pairs {
+    std::vector<Triangle> triangles;
+    std::vector<Vec3> points;
+    std::vector<TriangleBlock> blocks;
+};
+
+// Points as near as the triangles are large, so that corners, edges and insides all occur.
+const Pairs& random_pairs() {
+    static const Pairs made = [] {
+        Pairs all;
+        const Random random(7);
+        std::uint64_t next = 0;
+        TriangleMesh mesh{Points(3 * pairs, 3), Triangles(pairs, 3)};
+        for (Index i = 0; i < static_cast<Index>(pairs); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                mesh.vertices.row(3 * i + k) = random_vector(random, next);
+                mesh.triangles(i, k) = 3 * i + k;
+            }
+            all.triangles.push_back(triangle_of(mesh, i));
+            all.points.push_back(random_vector(random, next));
+        }
+        for (Index i = 0; i < static_cast<Index>(pairs); i += block_width) {
+            Index lanes[block_width];
+            for (Index k = 0; k < block_width; ++k) lanes[k] = i + k;
+            all.blocks.emplace_back().set(mesh, lanes);
+        }
+        return all;
+    }();
+    return made;
+}
+
+template <class Kernel> void point_triangle(benchmark::State& state, const Kernel& kernel) {
+    const Pairs& all = random_pairs();
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < pairs; ++i) benchmark::DoNotOptimize(kernel(all.points[i], all.triangles[i]));
+    }
+    count(state, pairs);
+}
+
+void point_block(benchmark::State& state) {
+    const Pairs& all = random_pairs();
+    BlockFeet feet;
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < all.blocks.size(); ++i) {
+            closest_points(all.points[i], all.blocks[i], feet);
+            benchmark::DoNotOptimize(feet);
+        }
+    }
+    count(state, pairs);
+}
+
+void register_pairs() {
+    using benchmark::RegisterBenchmark;
+    RegisterBenchmark("point_triangle/scalar", [](auto& state) {
+        point_triangle(state, [](const Vec3& p, const Triangle& t) { return closest_point(p, t); });
+    });
+    RegisterBenchmark("point_triangle/block", point_block);
+    RegisterBenchmark("point_triangle/textbook", [](auto& state) {
+        point_triangle(state, [](const Vec3& p, const Triangle& t) { return textbook_closest_point(p, t); });
+    });
+    RegisterBenchmark("point_triangle/certificate", [](auto& state) {
+        point_triangle(state, [](const Vec3& p, const Triangle& t) {
+            return distance_certainly_at_least(p, t, closest_point(p, t).point);
+        });
+    });
+}
+
+// --- structures ------------------------------------------------------------------------------------------------------
+
+// A mesh and what is asked about it: points off its vertices by up to 1 % of the diagonal. Trees are built when first
+// used.
+struct Subject {
+    std::string name;
+    TriangleMesh mesh;
+    Points queries;
+    std::unique_ptr<TriangleBvh> bvh;
+    std::unique_ptr<TriangleOctree> octree;
+    std::unique_ptr<SweptSphereBvh> swept;
+    std::unique_ptr<PointBvh> points;
+
+    template <class Tree> const Tree& tree(std::unique_ptr<Tree>& place) {
+        if (!place) place = std::make_unique<Tree>(mesh);
+        return *place;
+    }
+    const TriangleBvh& get(const TriangleBvh*) { return tree(bvh); }
+    const TriangleOctree& get(const TriangleOctree*) { return tree(octree); }
+};
+
+std::unique_ptr<Subject> subject(const std::string& name) {
+    auto made = std::make_unique<Subject>();
+    made->name = name;
+    made->mesh = name.starts_with("torus:") ? bumpy_torus(std::max(4, std::atoi(name.c_str() + 6))) : model_mesh(name);
+    made->queries = made->mesh.vertices;
+    const Random random(8);
+    std::uint64_t next = 0;
+    const double size = 0.01 * diagonal(made->queries);
+    for (Index i = 0; i < made->queries.rows(); ++i) made->queries.row(i) += size * random_vector(random, next);
+    return made;
+}
+
+template <class Built, class Input> void build(benchmark::State& state, const Input& input, std::size_t items) {
+    for (auto _ : state) {
+        auto built = std::make_unique<Built>(input);
+        benchmark::DoNotOptimize(built);
+        state.PauseTiming();
+        state.counters["bytes"] = static_cast<double>(built->bytes());
+        built.reset();
+        state.ResumeTiming();
+    }
+    count(state, items);
+}
+
+enum class Ask { cold, warm, radius, enough, certified, textbook };
+
+template <class Tree> void closest(benchmark::State& state, Subject& subject, Ask ask) {
+    const Tree& tree = subject.get(static_cast<const Tree*>(nullptr));
+    const double near = 0.01 * diagonal(subject.mesh.vertices);
+    Counters counters;
+    ClosestHints hints;
+    if (ask == Ask::radius) hints.squared_radius = near * near;
+    if (ask == Ask::enough) hints.squared_enough = near * near;
+    for (auto _ : state) {
+        for (Index i = 0; i < subject.queries.rows(); ++i) {
+            const Vec3 point = subject.queries.row(i);
+            if (ask == Ask::certified) {
+                benchmark::DoNotOptimize(tree.certified_distance(point, counters));
+                continue;
+            }
+            const ClosestPoint found = ask == Ask::textbook ? tree.textbook_closest(point, hints, counters)
+                                                            : tree.closest(point, hints, counters);
+            benchmark::DoNotOptimize(found);
+            if (ask == Ask::warm) hints.warm_triangle = found.triangle;
+        }
+    }
+    const auto queries = static_cast<std::size_t>(subject.queries.rows());
+    count(state, queries);
+    for (const CounterField& field : counter_fields) {  // of one query
+        const std::uint64_t value = counters.*field.member;
+        if (value == 0 || field.member == &Counters::closest_point_queries) continue;
+        state.counters[std::string(field.name)] =
+            static_cast<double>(value) / static_cast<double>(state.iterations() * static_cast<std::int64_t>(queries));
+    }
+}
+
+void nearest_points(benchmark::State& state, Subject& subject) {
+    if (!subject.points) subject.points = std::make_unique<PointBvh>(subject.mesh.vertices);
+    Counters counters;
+    for (auto _ : state) {
+        for (Index i = 0; i < subject.queries.rows(); ++i) {
+            benchmark::DoNotOptimize(
+                subject.points->nearest(subject.queries.row(i), std::numeric_limits<double>::infinity(), -1, counters));
+        }
+    }
+    count(state, static_cast<std::size_t>(subject.queries.rows()));
+}
+
+// Both bounds of the distance to each volume, from one point.
+void swept_bounds(benchmark::State& state, Subject& subject) {
+    const SweptSphereBvh& tree = subject.tree(subject.swept);
+    const Vec3 point = subject.queries.row(0);
+    const std::size_t nodes = std::min<std::size_t>(tree.tree().nodes.size(), 4096);
+    for (auto _ : state) {
+        for (std::size_t n = 0; n < nodes; ++n) {
+            benchmark::DoNotOptimize(distance_at_least(tree.volume(n, 0), point));
+            benchmark::DoNotOptimize(distance_at_most(tree.volume(n, 0), point));
+        }
+    }
+    count(state, nodes);
+}
+
+void refit(benchmark::State& state, const Subject& subject) {
+    TriangleBvh tree(subject.mesh);
+    for (auto _ : state) tree.refit(subject.mesh);
+    count(state, static_cast<std::size_t>(subject.mesh.triangles.rows()));
+}
+
+void register_subject(Subject& s) {
+    const auto triangles = static_cast<std::size_t>(s.mesh.triangles.rows()),
+               vertices = static_cast<std::size_t>(s.mesh.vertices.rows());
+    const auto add = [&](const std::string& name, auto&& f) {
+        benchmark::RegisterBenchmark((name + "/" + s.name).c_str(), f)->Unit(benchmark::kMillisecond);
+    };
+    add("build/bvh", [&s, triangles](auto& state) { build<TriangleBvh>(state, s.mesh, triangles); });
+    add("build/octree", [&s, triangles](auto& state) { build<TriangleOctree>(state, s.mesh, triangles); });
+    add("build/swept_bvh", [&s, triangles](auto& state) { build<SweptSphereBvh>(state, s.mesh, triangles); });
+    add("build/adjacency", [&s, triangles](auto& state) { build<Adjacency>(state, s.mesh, triangles); });
+    add("build/point_bvh", [&s, vertices](auto& state) { build<PointBvh>(state, s.mesh.vertices, vertices); });
+    add("build/point_octree", [&s, vertices](auto& state) { build<PointOctree>(state, s.mesh.vertices, vertices); });
+    add("build/point_blocks", [&s, vertices](auto& state) { build<PointBlocks>(state, s.mesh.vertices, vertices); });
+    add("build/rtree", [&s, vertices](auto& state) { build<RTree>(state, s.mesh.vertices, vertices); });
+    add("refit/bvh", [&s](auto& state) { refit(state, s); });
+    constexpr std::pair<const char*, Ask> asks[] = {{"cold", Ask::cold},           {"warm", Ask::warm},
+                                                    {"radius", Ask::radius},       {"enough", Ask::enough},
+                                                    {"certified", Ask::certified}, {"textbook", Ask::textbook}};
+    for (const auto& [name, ask] : asks) {
+        add(fmt::format("closest/bvh/{}", name), [&s, how = ask](auto& state) { closest<TriangleBvh>(state, s, how); });
+        add(fmt::format("closest/octree/{}", name),
+            [&s, how = ask](auto& state) { closest<TriangleOctree>(state, s, how); });
+    }
+    add("nearest/point_bvh", [&s](auto& state) { nearest_points(state, s); });
+    add("bounds/swept_sphere", [&s](auto& state) { swept_bounds(state, s); });
+}
+
+}  // namespace
+}  // namespace hausbench
+
+int main(int argc, char** argv) {
+    using namespace hausbench;
+    std::string meshes = "torus:187";
+    constexpr std::string_view option = "--meshes=";
+    if (argc > 1 && std::string_view(argv[1]).starts_with(option)) {
+        meshes = argv[1] + option.size();
+        std::copy(argv + 2, argv + argc, argv + 1);
+        --argc;
+    }
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    register_pairs();
+    std::vector<std::unique_ptr<Subject>> subjects;
+    for (std::size_t begin = 0; begin <= meshes.size();) {
+        const std::size_t end = std::min(meshes.find(',', begin), meshes.size());
+        try {
+            subjects.push_back(subject(meshes.substr(begin, end - begin)));
+            register_subject(*subjects.back());
+        } catch (const InputError& error) {  // a model that was not fetched
+            fmt::print(stderr, "skipped: {}\n", error.what());
+        }
+        begin = end + 1;
+    }
+    benchmark::RunSpecifiedBenchmarks();
+}

@@ -1,0 +1,7 @@
+#include "closest_rival.h"
+
+namespace hausbench {
+
+std::unique_ptr<ClosestRival> cgal_rival() { return nullptr; }
+
+}  // namespace hausbench

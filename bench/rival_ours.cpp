@@ -1,0 +1,45 @@
+#include "closest_rival.h"
+
+#include "kernel/bvh.h"
+#include "kernel/octree.h"
+
+#include <cmath>
+#include <optional>
+
+namespace hausbench {
+namespace {
+
+template <class Tree> class Ours final : public ClosestRival {
+public:
+    Ours(std::string name, bool warm) : name_(std::move(name)), warm_(warm) {}
+
+    std::string name() const override { return name_; }
+    void take(const TriangleMesh& mesh) override { mesh_ = &mesh; }
+    void build() override { tree_.emplace(*mesh_); }
+    void forget() override { tree_.reset(); }
+    std::size_t bytes() const override { return tree_->bytes(); }
+
+    void distances(const Points& points, std::vector<double>& distances) override {
+        Counters counters;
+        ClosestHints hints;
+        for (Index i = 0; i < points.rows(); ++i) {
+            const ClosestPoint found = tree_->closest(points.row(i), hints, counters);
+            distances[static_cast<std::size_t>(i)] = std::sqrt(found.squared_distance);
+            if (warm_) hints.warm_triangle = found.triangle;
+        }
+    }
+
+private:
+    std::string name_;
+    bool warm_;
+    const TriangleMesh* mesh_ = nullptr;
+    std::optional<Tree> tree_;
+};
+
+}  // namespace
+
+std::unique_ptr<ClosestRival> bvh_rival() { return std::make_unique<Ours<TriangleBvh>>("BVH", false); }
+std::unique_ptr<ClosestRival> bvh_warm_rival() { return std::make_unique<Ours<TriangleBvh>>("BVH (warm start)", true); }
+std::unique_ptr<ClosestRival> octree_rival() { return std::make_unique<Ours<TriangleOctree>>("octree", false); }
+
+}  // namespace hausbench
