@@ -22,7 +22,10 @@ struct Cut {
     float cost = std::numeric_limits<float>::infinity();
 };
 
-float blocks(std::int32_t count) { return static_cast<float>((count + leaf_capacity - 1) / leaf_capacity); }
+float blocks(std::int32_t count) {
+    const std::int32_t filled = (count + leaf_capacity - 1) / leaf_capacity;
+    return static_cast<float>(filled);
+}
 
 // Which bin a centre falls into.
 struct Binning {
