@@ -114,7 +114,7 @@ std::vector<Known> gallery() {
     return {
         {"cones", cone_1, cone_2, h_cones, 1e-6},
         {"cones, the other way", cone_2, cone_1, true_h, 1e-6},
-        {"concentric spheres", ball, s("x^2 + y^2 + z^2 - 9/4"), 0.5, 5e-3},
+        {"concentric spheres", ball, s("x^2 + y^2 + z^2 - 9/4"), 0.5, 2e-3},
         {"offset spheres", ball, s("(x - 1/4)^2 + y^2 + z^2 - 1"), 0.25, 1e-5},
         {"sphere to torus", ball, s("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"), std::sqrt(2.0) - 0.5, 1e-4},
         {"torus to sphere", s("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"), ball, 0.5, 1e-3},

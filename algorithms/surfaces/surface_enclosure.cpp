@@ -8,12 +8,12 @@
 // The maximum may lie where a box clips A: boxes and enclosures are of the clipped surface, so nothing is special there.
 //
 // Both bounds use that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so that the number of
-// boxes of B does not grow as s shrinks. Where A and B are close, a third bound applies: if |f_B| <= M over the piece of A
-// and |df_B/dx_k| >= m over the box widened by t = M / m along axis k, a zero of f_B lies within M / m of each point.
+// boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, two more bounds apply (surface_beside.h).
 //
 // Surfaces are never empty (scene.h); one that has no point in its box is refused when that is seen in preparing. Where no
 // point can be proven (f = g^2 has no change of sign) bounds hold all the same, but do not close: `stalled`. So does a
-// distance that is constant over A at a tolerance that needs more than `most_cells` boxes.
+// distance that is constant over A (concentric spheres) at a tolerance e that needs more than `most_cells` boxes: all of A is
+// then divided into boxes of size O(sqrt e), O(1 / e) of them, and only planes are spared that.
 //
 // Proof of existence by a change of sign and linear enclosures by Taylor expansion are standard, see Neumaier: Interval
 // methods for systems of equations, 1990; best-first refinement of A against candidates of B as in Tang, Lee, Kim 2009.
@@ -22,7 +22,7 @@
 #include "kernel/deadline.h"
 #include "kernel/rounding.h"
 #include "solver.h"
-#include "surfaces/surface_tree.h"
+#include "surfaces/surface_beside.h"
 
 #include <algorithm>
 #include <queue>
@@ -35,13 +35,6 @@ constexpr int kept_feet = 3;
 constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without a single proven point
 
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
-
-// At least the distance of two points, under upward rounding.
-double apart_at_most(const Vec3& a, const Vec3& b) {
-    Interval sum(0.0);
-    for (int k = 0; k < 3; ++k) sum += CGAL::square(Interval(a[k]) - Interval(b[k]));
-    return CGAL::sqrt(sum).sup();
-}
 
 class Search {
 public:
@@ -134,7 +127,7 @@ private:
         if (cell.upper <= result_.bounds.lower) return;
         const double size = 2 * piece.form.half.norm();
         if (cell.upper < 8 * size || cell.upper < 1e-3 * a_.box().high.cwiseAbs().maxCoeff()) {
-            cell.upper = std::min(cell.upper, next_to(piece));
+            cell.upper = std::min(cell.upper, next_to(piece, b_, result_.counters));
             if (cell.upper <= result_.bounds.lower) return;
         }
         const Vec3 guess = guess_on(piece, piece.form.middle);
@@ -147,6 +140,9 @@ private:
         if (point && show(*point, near, foot) && foot >= 0) climb(*point, foot, size, cell);
         if (foot >= 0) {
             cell.upper = std::min(cell.upper, to_foot(piece, foot));
+            if (cell.upper > result_.bounds.lower) {
+                cell.upper = std::min(cell.upper, beside(piece, b_, p, feet_[std::size_t(foot)].at, cell.upper, result_.counters));
+            }
             remember(cell, foot);
         }
     }
@@ -211,35 +207,6 @@ private:
         ++result_.counters.box_distances;
         const SurfacePoint& b = feet_[std::size_t(foot)];
         return distance_at_most(piece, b.at) + b.error;
-    }
-
-    // The third bound; infinity where it does not apply.
-    double next_to(const SurfaceTree::Node& piece) {
-        const LinearForm of_a = piece.form, of_b = b_.form(piece.box, result_.counters);
-        for (int k = 0; k < 3; ++k) {  // the box may not be B's
-            if (piece.box.low[k] < b_.box().low[k] || piece.box.high[k] > b_.box().high[k]) return infinity;
-        }
-        const double size = of_a.slope.squaredNorm();
-        const Interval share(size > 0 ? of_a.slope.dot(of_b.slope) / size : 0.0);  // of f_A, which is 0, taken away from f_B
-        double most = magnitude(of_b.rest - share * of_a.rest);
-        for (int k = 0; k < 3; ++k) most += magnitude(Interval(of_b.slope[k]) - share * Interval(of_a.slope[k]));
-        int axis = 0;
-        const Vec3 gradient = of_b.slope.cwiseQuotient(of_b.half);
-        gradient.cwiseAbs().maxCoeff(&axis);
-        if (!(std::abs(gradient[axis]) > 0)) return infinity;
-        for (const double room : {1.25, 4.0}) {
-            const double t = room * most / std::abs(gradient[axis]);
-            Box wide = piece.box;
-            wide.low[axis] = -(t - wide.low[axis]);
-            wide.high[axis] += t;
-            if (!(wide.low[axis] >= b_.box().low[axis] && wide.high[axis] <= b_.box().high[axis])) return infinity;
-            const Interval slope = b_.derivative(axis, wide, result_.counters);
-            const double least = std::max(slope.inf(), -slope.sup());
-            if (!(least > 0)) return infinity;
-            const double within = most / least;
-            if (within <= t) return within;
-        }
-        return infinity;
     }
 
     struct Near {
