@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import importlib
-import re
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
 import synthetic
+import synthetic_zhang
+from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
 
 from analysis import command, error_vs_time, load, style, zhang2017_table3
@@ -20,31 +18,12 @@ from analysis.statistics import median
 
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
-         "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed}
-Make = Callable[[ResultFile], tuple[list[dict[str, str]], dict[str, list[list[str]]], str]]
+         "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, **synthetic_zhang.STEMS}
 
 
 @pytest.fixture()
 def make(tmp_path: Path) -> Make:
-    """Runs the stem of a file; returns the CSV, the Markdown rows by their first cell, and the whole Markdown."""
-    def run(file: ResultFile) -> tuple[list[dict[str, str]], dict[str, list[list[str]]], str]:
-        file.write(tmp_path)
-        module = importlib.import_module(f"analysis.{file.stem}")
-        assert command.main(file.stem, module.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
-        for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
-            path = tmp_path / "figures" / f"{file.stem}.{suffix}"
-            assert path.read_bytes().startswith(magic) and path.stat().st_size > 5000
-        text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
-        tex = (tmp_path / "tables" / f"{file.stem}.tex").read_text(encoding="utf-8")
-        assert tex.isascii() and tex.count("{") == tex.count("}")
-        rows: dict[str, list[list[str]]] = {}
-        for line in text.splitlines():
-            if line.startswith("| "):
-                cells = re.split(r"(?<!\\)\|", line)[1:-1]
-                rows.setdefault(cells[0].strip(), []).append([cell.strip() for cell in cells[1:]])
-        with (tmp_path / "tables" / f"{file.stem}.csv").open(encoding="utf-8") as opened:
-            return list(csv.DictReader(opened)), rows, text
-    return run
+    return stem_runner(tmp_path)
 
 
 def test_table3_cells(make: Make) -> None:

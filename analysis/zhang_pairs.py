@@ -1,0 +1,168 @@
+"""Tables 1 and 2 of Zhang et al. 2017 have one form: pairs of random clouds, a solver with and without one of its parts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import style, tables
+from analysis.cells import Cell
+from analysis.load import Results, machine_line, paper_numbers
+from analysis.statistics import NO_DATA, Estimate, median, paired_ratio, ratio_of_medians
+from analysis.verdicts import Verdict, everywhere, rising
+
+
+@dataclass(frozen=True)
+class Spec:
+    stem: str
+    caption: str
+    without: str  # labels of the two variants
+    with_it: str
+    part: str  # what the one has and the other has not
+    gains: str  # the paper's claim
+    others: tuple[str, ...]  # more labels: a column each
+    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]]  # header, text, number for the CSV
+    notes: list[str] = field(default_factory=list)
+
+
+class Pair:
+    """One scene. Both variants are prepared with the same structure, built once for each: both are given the shorter time."""
+
+    def __init__(self, results: Results, spec: Spec, scene: str) -> None:
+        cases = results.cases
+        self.scene, self.number = scene, int(scene.split()[-1])
+        labels = (spec.without, spec.with_it, *spec.others)
+        self.cells = {label: Cell(results, [int(r) for r in rows]) for label in labels
+                      if len(rows := results.rows(scene=scene, label=label))}
+        first = int(results.rows(scene=scene)[0])
+        self.n, self.m = int(cases.source_elements[first]), int(cases.target_elements[first])
+        slow, fast = self.cells.get(spec.without), self.cells.get(spec.with_it)
+        both = [cell for cell in (slow, fast) if cell and not cell.failures]
+        self.prepare = min((cell.prepare for cell in both), default=math.nan)
+        for cell in both:
+            cell.seconds = cell.seconds - cell.prepare + self.prepare
+            cell.time = median(cell.seconds)
+        self.ratio, self.work = NO_DATA, math.nan
+        if slow and fast and len(both) == 2:
+            rounds = [_by_round(results, cell, self.prepare) for cell in (slow, fast)]
+            shared = sorted(rounds[0].keys() & rounds[1].keys())
+            pair = [[times[i] for i in shared] for times in rounds]
+            self.ratio = (paired_ratio(*pair) if len(shared) >= 6 else
+                          ratio_of_medians(slow.seconds, fast.seconds))
+            done = [sum(cell.counters[name] for name in ("bound_tests", "point_distances", "node_visits"))
+                    for cell in (slow, fast)]
+            self.work = done[0] / done[1] if done[1] else math.nan
+
+    def time(self, label: str) -> Estimate:
+        return self.cells[label].time if label in self.cells else NO_DATA
+
+    def text(self, label: str, scale: float) -> str:
+        return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
+
+
+def _by_round(results: Results, cell: Cell, prepare: float) -> dict[int, float]:
+    times: dict[int, list[float]] = {}
+    for case in cell.cases:
+        for row in results.repeats_of(case):
+            times.setdefault(int(results.repeats.round[row]), []).append(float(results.repeats.wall_seconds[row]))
+    return {number: float(np.median(values)) + prepare for number, values in times.items()}
+
+
+def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+    printed = paper_numbers(spec.stem)
+    papers = {row["pair"]: row for row in printed["row"]}
+    pairs = [Pair(results, spec, str(scene)) for scene in results.in_order("scene")]
+    shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
+    unit, scale = tables.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
+    titles = [style.look(label).title if label in style.LOOKS else label.replace("_", " ") for label in shown]
+    extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
+    table = tables.Table(
+        spec.caption + f" Time to prepare and solve, {unit}, here and as printed.",
+        ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
+         "here: ratio", "work, ratio", *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
+    records: list[tables.Record] = []
+    for pair, extra in zip(pairs, extras):
+        paper = papers.get(pair.number, {})
+        slow, fast = float(paper.get(spec.without, math.nan)), float(paper.get(spec.with_it, math.nan))
+        table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
+                           *[tables.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
+                           tables.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
+                           tables.ratio(pair.ratio), tables.number(pair.work),
+                           *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
+        for label, cell in pair.cells.items():
+            records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
+                            "status": cell.status(), "n": cell.time.n, "median_seconds": cell.time.value,
+                            "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+                            "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
+                            "paper_seconds": float(paper.get(label, math.nan)), "ratio": pair.ratio.value,
+                            "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
+                            **{header: value for header, _, value in extra}, **cell.counters})
+    verdicts = verdicts_of(spec, pairs)
+    table.notes = [*[verdict.line() for verdict in verdicts],
+                   f"Ratio: without / with {spec.part}; paired by rounds in which the solvers took turns. The structure "
+                   "that both are prepared with is the same, so both are given the shorter of its two times. Work: "
+                   "distances, bounds and nodes that a solver counts; the same on every machine.",
+                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values()), *spec.notes,
+                   f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
+    return tables.save(table, records, out, spec.stem) + style.save(draw(spec, pairs, papers, shown), out, spec.stem,
+                                                                     table.caption)
+
+
+def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
+    timed = [pair for pair in pairs if pair.time(spec.with_it).n]
+    return [everywhere(spec.gains, [pair.ratio for pair in pairs]),
+            rising("time increases with the numbers of points", [float(pair.n + pair.m) for pair in timed],
+                   [pair.time(spec.with_it).value for pair in timed])]
+
+
+def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str]) -> Any:
+    """Times by size, and the ratio that the table is about; filled = here, open = the paper."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
+    solver = spec.with_it
+    own = style.look(solver)
+    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", (0, (1, 1))),
+             solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
+    looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
+    for label, looks_like in looks.items():
+        points = sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n)
+        if points:
+            left.plot([n for n, _ in points], [t.value for _, t in points], color=looks_like.colour,
+                      linestyle=looks_like.line, linewidth=0.7)
+        for n, t in points:
+            if t.has_interval:
+                left.plot([n, n], [t.low, t.high], color=looks_like.colour, linewidth=1.2)
+            left.plot(n, t.value, **style.filled_marker(looks_like))
+        sizes = [(pair.n + pair.m, papers[pair.number][label]) for pair in pairs
+                 if label in papers.get(pair.number, {})]
+        if sizes:
+            left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
+                      **{**style.open_marker(looks_like), "linestyle": "-"})
+    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel="time to prepare and solve (s)")
+    style.log_ticks(left.xaxis)
+    for pair in pairs:
+        if pair.ratio.n:
+            if pair.ratio.has_interval:
+                right.plot([pair.number] * 2, [pair.ratio.low, pair.ratio.high], color=own.colour, linewidth=1.2)
+            right.plot(pair.number, pair.ratio.value, **style.filled_marker(own))
+        elif pair.cells:
+            right.text(pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom")
+        paper = papers.get(pair.number, {})
+        if spec.without in paper and solver in paper:
+            right.plot(pair.number, paper[spec.without] / paper[solver], **style.open_marker(own))
+    right.axhline(1, color="#333333", linewidth=0.6)
+    right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
+    right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
+    right.set_xticks([pair.number for pair in pairs])
+    grey = style.Look("", style.GREY, "o")
+    entries = [plt.Line2D([], [], label=x.title, linestyle=x.line, linewidth=0.7,
+                          **{k: v for k, v in style.filled_marker(x).items() if k != "linestyle"})
+               for x in looks.values()]
+    style.legend_above(figure, [*entries, plt.Line2D([], [], label="filled: here", **style.filled_marker(grey)),
+                                plt.Line2D([], [], label="open: the paper", **style.open_marker(grey))], columns=5)
+    return figure

@@ -1,0 +1,38 @@
+"""Runs the stem of a file and reads back what it wrote."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from synthetic import ResultFile
+
+from analysis import command
+
+Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
+Make = Callable[[ResultFile], Made]
+
+
+def stem_runner(folder: Path) -> Make:
+    """Of a function that returns the CSV, the Markdown rows by their first cell, and the whole Markdown."""
+    def run(file: ResultFile) -> Made:
+        file.write(folder)
+        module = importlib.import_module(f"analysis.{file.stem}")
+        assert command.main(file.stem, module.make, ["--results", str(folder), "--out", str(folder)]) == 0
+        for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
+            path = folder / "figures" / f"{file.stem}.{suffix}"
+            assert path.read_bytes().startswith(magic) and path.stat().st_size > 5000
+        text = (folder / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+        tex = (folder / "tables" / f"{file.stem}.tex").read_text(encoding="utf-8")
+        assert tex.isascii() and tex.count("{") == tex.count("}")
+        rows: dict[str, list[list[str]]] = {}
+        for line in text.splitlines():
+            if line.startswith("| "):
+                cells = re.split(r"(?<!\\)\|", line)[1:-1]
+                rows.setdefault(cells[0].strip(), []).append([cell.strip() for cell in cells[1:]])
+        with (folder / "tables" / f"{file.stem}.csv").open(encoding="utf-8") as opened:
+            return list(csv.DictReader(opened)), rows, text
+    return run

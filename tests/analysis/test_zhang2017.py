@@ -1,0 +1,85 @@
+"""The stems of Zhang et al. 2017, from files with known numbers; and their verdicts."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+import synthetic_zhang
+from stem_runner import Make, stem_runner
+
+from analysis import verdicts
+from analysis.statistics import NO_DATA, Estimate
+
+
+@pytest.fixture()
+def make(tmp_path: Path) -> Make:
+    return stem_runner(tmp_path)
+
+
+def ratio(value: float, low: float, high: float) -> Estimate:
+    return Estimate(value, low, high, 7, 0.98)
+
+
+FASTER, SLOWER, LEVEL = ratio(2.0, 1.5, 2.5), ratio(0.5, 0.4, 0.6), ratio(1.1, 0.9, 1.3)
+
+
+@pytest.mark.parametrize(("ratios", "outcome"), [
+    ([FASTER, FASTER], verdicts.HOLDS), ([FASTER, LEVEL], verdicts.OPEN), ([FASTER, LEVEL, SLOWER], verdicts.FAILS),
+    ([FASTER, NO_DATA], verdicts.HOLDS), ([NO_DATA], verdicts.UNTESTED), ([ratio(2.0, math.nan, math.nan)], verdicts.OPEN)])
+def test_verdict_of_many_ratios(ratios: list[Estimate], outcome: str) -> None:
+    assert verdicts.everywhere("x", ratios).outcome == outcome
+
+
+def test_verdicts_of_one_ratio_and_of_counts() -> None:
+    assert [verdicts.above_one("x", r).outcome for r in (FASTER, LEVEL, SLOWER, NO_DATA)] == \
+        [verdicts.HOLDS, verdicts.OPEN, verdicts.FAILS, verdicts.UNTESTED]
+    assert [verdicts.never("x", wrong, of, "cases").outcome for wrong, of in ((0, 9), (1, 9), (0, 0))] == \
+        [verdicts.HOLDS, verdicts.FAILS, verdicts.UNTESTED]
+
+
+def test_kendall_counts_permutations() -> None:
+    for x, y, tau, chance in (([1, 2, 3], [1, 2, 3], 1.0, 2 / 6), ([1, 2, 3, 4], [4, 3, 2, 1], -1.0, 2 / 24),
+                              ([1, 2, 3, 4], [1, 2, 4, 3], 2 / 3, 8 / 24),  # one inversion: 1 + 3 permutations a side
+                              ([1, 2, 3, 4], [1, 1, 1, 1], 0.0, 1.0)):
+        found = verdicts.kendall(x, y)
+        assert found[0] == pytest.approx(tau) and found[1] == pytest.approx(chance)
+
+
+def test_verdict_of_growth() -> None:
+    up = [1.0, 2, 3, 4, 5, 6]
+    assert verdicts.rising("x", up, up).outcome == verdicts.HOLDS
+    assert verdicts.rising("x", up, up[::-1]).outcome == verdicts.FAILS
+    assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == verdicts.OPEN  # p = 0.056 for 3 inversions
+
+
+def test_verdict_of_the_least() -> None:
+    def of(*ratios: Estimate) -> str:
+        return verdicts.least_among("x", [(str(i), r) for i, r in enumerate(ratios)], "5", ["5", "6"]).outcome
+    assert of(FASTER, FASTER) == verdicts.HOLDS and of(FASTER, LEVEL) == verdicts.OPEN
+    assert of(FASTER, LEVEL, SLOWER) == verdicts.FAILS and of() == verdicts.UNTESTED
+
+
+def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
+    records, rows, text = make(synthetic_zhang.table1())
+    header = rows["pair"][0]
+    first = rows["1"][0]
+    assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's, in ms
+    # Ratios of (solve + 1 ms), not of the 0.5 s that one preparation took by accident.
+    assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("work, ratio")] == "2.00"
+    assert first[header.index("here: with")] == "3.06 [3.00, 3.12]"
+    assert rows["4"][0][header.index("here: ratio")] == "1.10 [0.900, 1.10] (not separated)"
+    assert rows["5"][0][header.index("here: without")] == "timeout" and rows["5"][0][header.index("here: ratio")] == "—"
+    assert "Claim: early breaking makes NOHD faster. Here: not separated (above 1 for 3 of 4 pairs" in text
+    assert "Claim: time increases with the numbers of points. Here it holds" in text and "Test CPU" in text
+    record = next(r for r in records if (r["pair"], r["label"]) == ("2", "nohd"))
+    assert float(record["paper_seconds"]) == 0.09993 and float(record["ratio"]) == pytest.approx(2.0)
+
+
+def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
+    _, rows, text = make(synthetic_zhang.table2())
+    header, first = rows["pair"][0], rows["1"][0]
+    assert first[header.index("culled, %")] == "25.0" and first[header.index("culled as printed, %")] == "50.0"
+    assert first[header.index("ohd as printed")] == "unsound" and rows["2"][0][header.index("ohd as printed")] == "—"
+    assert first[1] == "1577" and "half a standard deviation" in text
