@@ -17,6 +17,8 @@ PYTHON ?= /usr/bin/python3
 JOBS ?= $(shell awk -v cores=$$(nproc) '/^MemAvailable/ {m = int($$2 / 2e6); if (m < 1) m = 1} END {print m && m < cores ? m : cores}' /proc/meminfo)
 CMAKE_ARGS ?=
 RUN_ARGS ?=
+BENCH_ARGS ?=
+VERSIONS_ARGS ?=
 SKIP_DEPS ?=
 
 export MPLBACKEND := Agg
@@ -30,10 +32,10 @@ DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
 STEMS := $(sort $(basename $(notdir $(shell find experiments -name '*.toml'))))
 # zhang2017_table3 belongs to the group zhang2017.
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
-CPP_FILES = $(sort $(shell find algorithms datasets harness tests -name '*.cpp'))
-HEADERS = $(sort $(shell find algorithms datasets harness tests -name '*.h'))
+CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
+HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile types experiments figures tidy format asan clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile types experiments figures tidy format asan bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -45,10 +47,13 @@ help:
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
+	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
+	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
 	@echo 'make tidy         clang-tidy;  make format: clang-format, in place;  make types: mypy'
 	@echo 'make clean        delete what was built; results and fetched models stay'
 	@echo
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
+	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench/versions.py)'
 	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
 	@echo
 	@echo 'Groups: $(GROUPS)'
@@ -148,7 +153,7 @@ hostile: build
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs tests/hostile
 
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 
 asan: build/asan/build.ninja
@@ -163,6 +168,31 @@ tidy: build/release/build.ninja
 format:
 	@command -v clang-format >/dev/null || { echo 'format: please run: sudo apt-get install clang-format' >&2; exit 1; }
 	clang-format -i $(CPP_FILES) $(HEADERS)
+
+# --- benchmarks of the kernels ------------------------------------------------------------------------------------------
+
+# cmake looks again whether Embree is there; without it, or without a model, the rest is measured.
+define build_bench
+@cmake --preset release > /dev/null
+$(call compile,release,hausbench hausbench_commit kernel_bench kernel_compare)
+@grep -q '^embree_DIR:PATH=/' build/release/CMakeCache.txt || \
+    echo 'bench: Embree is left out. To compare with it: sudo apt-get install --no-install-recommends libembree-dev'
+-$(FETCH)
+endef
+
+bench: build/release/build.ninja
+	$(build_bench)
+	build/release/kernel_bench --meshes=torus:187,bunny,dragon $(BENCH_ARGS)
+	build/release/kernel_compare > build/release/kernels.csv
+	$(PYTHON) -m bench.report build/release/kernels.csv
+
+# Takes a quarter of an hour: the older version is built too. Files are replaced only when all is measured.
+bench-reference: build/release/build.ninja
+	$(build_bench)
+	build/release/kernel_compare > build/release/kernels.csv
+	$(PYTHON) -m bench.versions $(VERSIONS_ARGS) > build/release/kernels_versions.csv
+	$(PYTHON) -m bench.report build/release/kernels.csv build/release/kernels_versions.csv > build/release/kernels.md
+	cp build/release/kernels.csv build/release/kernels_versions.csv build/release/kernels.md results/reference/
 
 clean:
 	rm -rf build .stamps .mypy_cache .pytest_cache

@@ -1,0 +1,115 @@
+"""The table of the kernels' comparisons, from the CSV of kernel_compare and of bench/versions.py.
+
+    python3 -m bench.report FILE.csv ... > results/reference/kernels.md
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.statistics import Estimate
+from analysis.tables import NOTHING, Table, markdown, number
+
+COLUMNS = ["part", "scene", "contender", "elements", "nanoseconds", "ratio", "low", "high", "rounds", "bytes",
+           "largest_difference"]
+
+# Part: what it shows, the unit of its times and how many nanoseconds that is, what one element is.
+PARTS = {
+    "build": ("Building", "ns a triangle", 1.0, "triangles"),
+    "query": ("Closest point queries from each vertex of a near mesh, none told anything of the one before", "ns a query",
+              1.0, "queries"),
+    "certification": ("What certification costs: `guthe`, solving, tolerance 1e-6 of the diagonal of A", "ms", 1e6, ""),
+    "version": ("`guthe` before and after the present kernels, tolerance 1e-6 of the diagonal of A, preparing and solving",
+                "ms", 1e6, ""),
+}
+
+HEAD = """# Kernels, measured
+
+Made by `make bench-reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
+time is CPU time, the median of the rounds. A ratio is that contender's time over the first one's, the median over rounds
+with a 95 % order-statistic interval: above 1, the first is faster. Only ratios within one table mean anything.
+
+BVH and octree are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
+precision: vertices and queries are rounded to float, beforehand and off the clock; one thread, default build quality
+(medium), default (not robust) scene, `rtcPointQuery` with a scalar callback. CGAL is `AABB_tree` over
+`Simple_cartesian<double>` with its default search structure, which counts as building. The last column is the largest
+difference to the first contender's distances, in diagonals of the target.
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the CSV: times in nanoseconds an element; the ratio is to the first contender of the part and scene."""
+
+    part: str
+    scene: str
+    contender: str
+    elements: int
+    nanoseconds: float
+    ratio: Estimate
+    bytes: int
+    largest_difference: float
+
+
+def read(lines: Iterable[str]) -> tuple[list[str], list[Row]]:
+    """Remarks (lines with #, without it) and rows. ValueError or KeyError for anything else."""
+    lines = list(lines)
+    remarks = [line[1:].strip() for line in lines if line.startswith("#")]
+    rows = []
+    for record in csv.DictReader(line for line in lines if not line.startswith("#")):
+        n = int(record["rounds"])
+        ratio = Estimate(float(record["ratio"]), float(record["low"]), float(record["high"]), n, 0.95 if n > 5 else 0.0)
+        rows.append(Row(record["part"], record["scene"], record["contender"], int(record["elements"]),
+                        float(record["nanoseconds"]), ratio, int(record["bytes"]), float(record["largest_difference"])))
+    return remarks, rows
+
+
+def ratio_text(ratio: Estimate) -> str:
+    text = f"{ratio.value:.2f} [{ratio.low:.2f}, {ratio.high:.2f}]"
+    return text if ratio.separated else f"{text} (not separated)"
+
+
+def table(part: str, rows: list[Row]) -> Table:
+    title, unit, scale, of = PARTS[part]
+    first = next(row.contender for row in rows)
+    header = ["", *([of] if of else []), "", unit, f"times {first}"]
+    header += ["bytes an element"] if part == "build" else ["difference"]
+    result = Table(f"{title} ({min(row.ratio.n for row in rows)} rounds)", header, left=1)
+    scene = ""
+    for row in rows:
+        again, scene = row.scene == scene, row.scene
+        cells = ["" if again else scene, *([("" if again else str(row.elements))] if of else []), row.contender,
+                 number(row.nanoseconds / scale), "1" if row.contender == first else ratio_text(row.ratio)]
+        if part == "build":
+            cells.append(number(row.bytes / row.elements) if row.bytes else NOTHING)
+        else:
+            cells.append("" if row.contender == first else number(row.largest_difference, 2))
+        result.rows.append(cells)
+    return result
+
+
+def report(remarks: list[str], rows: list[Row]) -> str:
+    parts = [HEAD, *(f"- {remark}" for remark in remarks), ""]
+    for part in PARTS:
+        chosen = [row for row in rows if row.part == part]
+        if chosen:
+            parts.append(markdown(table(part, chosen)))
+    return "\n".join(parts)
+
+
+def main() -> None:
+    remarks: list[str] = []
+    rows: list[Row] = []
+    for name in sys.argv[1:]:
+        more_remarks, more_rows = read(Path(name).read_text(encoding="utf-8").splitlines(keepends=True))
+        remarks += more_remarks
+        rows += more_rows
+    sys.stdout.write(report(remarks, rows))
+
+
+if __name__ == "__main__":
+    main()
