@@ -48,7 +48,7 @@ Points at_all_scales(Random& random, Index count, int most) {
     return points;
 }
 
-Points gridded(Points points, double cells) { return (points * cells).array().round() / cells; }
+Points gridded(const Points& points, double cells) { return (points * cells).array().round() / cells; }
 
 struct Pair {
     std::string name;

@@ -447,7 +447,9 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
         {"adaptive", {{"theta", 1.0}}},             {"adaptive", {{"theta", 0.0}}},
         {"scan", {{"tree_from", std::int64_t{0}}}},
         {"kdtree", {{"leaf_size", std::int64_t{1}}}}, {"cgal", {{"match_faces", false}}}};
-    for (const auto& [name, given] : variants) {
+    for (const auto& variant : variants) {
+        const std::string& name = variant.first;
+        const ParameterMap& given = variant.second;
         for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
             if (entry.info.name != name || excepted(entry.info, c.test.name)) return;
             const Session session = session_of(entry, c.test, Leave::out_what_is_not_needed, given);
