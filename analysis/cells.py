@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis import style, tables
 from analysis.load import Floats, ResultError, Results
-from analysis.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
+from analysis.statistics import NO_DATA, Estimate, median, paired_ratio, ratio_by_round, ratio_of_medians
 
 
 def pooled(runs: list[Floats]) -> Floats:
@@ -55,8 +55,14 @@ class Cell:
 
 
 def compare(results: Results, slow: Cell, fast: Cell) -> Estimate:
-    """Paired by round where there are enough rounds, else of times measured apart."""
+    """Of several seeds each, paired by seed; of one row each, paired by round, where there are enough of them. Else of
+    times measured apart. (Rounds alone would show how times vary, but not how seeds do.)
+    """
     if slow.failures or fast.failures:
         return NO_DATA
+    if slow.rows > 1 or fast.rows > 1:
+        if slow.rows == fast.rows >= 6:
+            return paired_ratio(slow.seconds, fast.seconds)
+        return ratio_of_medians(slow.seconds, fast.seconds)
     paired = ratio_by_round(results.total_by_round(slow.cases), results.total_by_round(fast.cases))
     return paired if paired.n else ratio_of_medians(slow.seconds, fast.seconds)

@@ -53,7 +53,7 @@ class Pair:
             rounds = [_by_round(results, cell, self.prepare) for cell in (slow, fast)]
             shared = sorted(rounds[0].keys() & rounds[1].keys())
             pair = [[times[i] for i in shared] for times in rounds]
-            self.ratio = (paired_ratio(*pair) if len(shared) >= 6 else
+            self.ratio = (paired_ratio(pair[0], pair[1]) if len(shared) >= 6 else
                           ratio_of_medians(slow.seconds, fast.seconds))
             done = [sum(cell.counters[name] for name in ("bound_tests", "point_distances", "node_visits"))
                     for cell in (slow, fast)]

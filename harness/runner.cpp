@@ -170,9 +170,11 @@ private:
             return outcome;
         }
         Outcome outcome = *first;
+        std::vector<const Outcome*> rounds{first};
         for (int round = 1; round < plan_.experiment.rounds; ++round) {
             const Outcome* next = kept(row, round);
             if (!next) continue;
+            if (std::isfinite(next->prepare_seconds)) rounds.push_back(next);
             outcome.repeats.insert(outcome.repeats.end(), next->repeats.begin(), next->repeats.end());
             if (next->status != outcome.status || next->bounds.lower != outcome.bounds.lower || next->bounds.upper != outcome.bounds.upper) {
                 outcome.status = "failed";
@@ -180,6 +182,12 @@ private:
                                              next->bounds.lower, next->bounds.upper);
             }
         }
+        // Each round prepared once: the round in the middle stands for them all.
+        const auto middle = rounds.begin() + std::ptrdiff_t(rounds.size() - 1) / 2;
+        std::nth_element(rounds.begin(), middle, rounds.end(),
+                         [](const Outcome* a, const Outcome* b) { return a->prepare_seconds < b->prepare_seconds; });
+        outcome.prepare_seconds = (*middle)->prepare_seconds;
+        outcome.preparation = (*middle)->preparation;
         return outcome;
     }
 

@@ -41,4 +41,64 @@ def table2() -> ResultFile:
     return file
 
 
-STEMS = {"zhang2017_table1": table1, "zhang2017_table2": table2}
+def fig8() -> ResultFile:
+    """Known: on '3K' depth 5 takes 1 ms and any other 2 ms; on '9K' depth 2 takes half as long; depth 9 timed out there."""
+    file = ResultFile("zhang2017_fig8")
+    for scene in ("3K", "9K"):
+        for depth in (1, 2, 5, 6, 9):
+            fast = depth == 5 or (scene, depth) == ("9K", 2)
+            time = 0.0005 if (scene, depth) == ("9K", 2) else 0.001 if fast else 0.002
+            common: dict[str, Any] = {"options": {"depth": depth, "early_break": True}, "lower": 0.5, "upper": 0.5}
+            if (scene, depth) == ("9K", 9):
+                file.case("nohd", scene, **without_bounds("timeout", "10 s passed", common))
+            else:
+                file.case("nohd", scene, spread(time, 7, 0.02), rounds=7, prepare_seconds=0.0,
+                          counters={"bound_tests": 100 * depth, "point_distances": 7}, **common)
+    return file
+
+
+def fig9() -> ResultFile:
+    """Known: no lambda is separated from 1/80, but for 1/2, which takes twice as long; seven seeds each."""
+    file = ResultFile("zhang2017_fig9")
+    for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
+        for seed in range(1, 8):
+            wobble = 1 + 0.02 * ((seed * int(value * 10000)) % 7 - 3) if factor < 2 else 1.0
+            file.case("ohd", "4K", [0.001 * factor * wobble], options={"lambda": value, "seed": seed}, lower=0.5, upper=0.5,
+                      source_elements=1000, extras=f'{{"culled": {900 - 1000 * value}}}', prepare_seconds=0.0)
+    return file
+
+
+def motion(stem: str) -> ResultFile:
+    """Known: 21 poses; apart (|x| > 0.7) NOHD takes half of EARLYBREAK's time, touching OHD takes twice EARLYBREAK's,
+    overlapping (|x| < 0.4) half of it; both peak at x = 0. NOHD timed out at pose 10.
+    """
+    file = ResultFile(stem)
+    for index in range(21):
+        x = (index - 10) / 10
+        early = 0.001 * (2 - abs(x))
+        alpha = -1.0 if abs(x) > 0.7 else 0.2 if abs(x) > 0.35 else 0.9
+        times = {"earlybreak": early, "nohd": 0.5 * early, "ohd": early * (2.0 if alpha < 0.33 else 0.5),
+                 "adaptive": 0.5 * early if alpha < 0 else early}
+        for solver, time in times.items():
+            common: dict[str, Any] = {"pose_index": index, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, x, 0, 0],
+                                      "lower": abs(x), "upper": abs(x), "source": "A", "target": "B"}
+            extras = f'{{"alpha": {alpha}, "chosen": 1.0}}' if solver == "adaptive" else "{}"
+            if (solver, index) == ("nohd", 10):
+                file.case(solver, "ring", extras=extras, **without_bounds("timeout", "10 s passed", common))
+            else:
+                file.case(solver, "ring", spread(time, 7, 0.02), prepare_seconds=0.125, extras=extras, **common)
+    file.ledger.append({"kind": "not_prepared", "subject": "nohd on ring", "what": "structures for each pose",
+                        "reason": "built once and used for all 21 poses", "count": 20, "seconds_saved": 2.5})
+    return file
+
+
+def fig10() -> ResultFile:
+    return motion("zhang2017_fig10")
+
+
+def fig11() -> ResultFile:
+    return motion("zhang2017_fig11")
+
+
+STEMS = {"zhang2017_fig8": fig8, "zhang2017_fig9": fig9, "zhang2017_fig10": fig10, "zhang2017_fig11": fig11,
+         "zhang2017_table1": table1, "zhang2017_table2": table2}

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import synthetic_zhang
 from stem_runner import Make, stem_runner
+from synthetic import ResultFile
 
 from analysis import verdicts
 from analysis.statistics import NO_DATA, Estimate
@@ -83,3 +84,46 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
     assert first[header.index("culled, %")] == "25.0" and first[header.index("culled as printed, %")] == "50.0"
     assert first[header.index("ohd as printed")] == "unsound" and rows["2"][0][header.index("ohd as printed")] == "—"
     assert first[1] == "1577" and "half a standard deviation" in text
+
+
+def test_fig8_finds_the_best_depth(make: Make) -> None:
+    records, rows, text = make(synthetic_zhang.fig8())
+    assert "3K points: NOHD is fastest at depth 5 or 6. Here it holds (least at depth 5)" in text
+    assert "9K points: NOHD is fastest at depth 5 or 6. Here it does not hold (least at depth 2; faster than 5 or 6: 2)" in text
+    assert "a smaller depth than 5 makes NOHD slower. Here it holds (above 1 for 2 of 2 pairs, ratio 2.00 to 2.00)" in text
+    cells = {row[0]: row[1:] for row in rows["9K"]}
+    assert cells["9"][1] == "timeout" and cells["2"][2] == "1.00 (least)" and cells["5"][2:] == ["2.00", "507"]
+    assert next(r for r in records if (r["scene"], r["depth"]) == ("9K", "9.0"))["status"] == "timeout 1 of 1"
+
+
+def test_fig9_pools_seeds(make: Make) -> None:
+    _, rows, text = make(synthetic_zhang.fig9())
+    assert [row[0] for row in rows["4K"]] == ["1/400", "1/100", "1/80", "1/2"]
+    assert rows["4K"][3][4] == "40.0"  # culled, %
+    assert "OHD is fastest at lambda = 1/80. Here: not separated (least at 1/100; not separated from it: 1/400, 1/100)" in text
+    assert "a much larger lambda makes OHD slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
+
+
+@pytest.mark.parametrize("file", [synthetic_zhang.fig10(), synthetic_zhang.fig11()], ids=["fig10", "fig11"])
+def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
+    records, rows, text = make(file)
+    header = rows["models"][0]
+    apart, touching, over = rows["ring, boxes apart"][0], rows["ring, α ≤ 0.33"][0], rows["ring, α > 0.33"][0]
+    assert [row[1] for row in (apart, touching, over)] == ["6", "8", "7"]
+    assert apart[header.index("EARLYBREAK / NOHD")] == "2.00 [2.00, 2.00]" and over[header.index("NOHD")].endswith("(1 failed)")
+    for claim, verdict in (("the time of EARLYBREAK peaks where the models overlap most", "holds (greatest at x = 0"),
+                           ("where the boxes are apart, NOHD takes less time than EARLYBREAK", "holds (at 6 of 6 poses"),
+                           ("where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD", "holds (at 8 of 8 poses"),
+                           ("where α > 0.33, OHD takes less time than EARLYBREAK", "holds (at 7 of 7 poses")):
+        assert f"Claim: ring: {claim}. Here it {verdict}" in text
+    assert "NOHD: built once and used for all 21 poses, 2500 ms saved" in text
+    assert sum(r["status"] == "timeout" for r in records) == 1
+
+
+def test_motion_contradicts(make: Make) -> None:
+    file = synthetic_zhang.fig10()
+    for row in file.repeats:
+        if file.cases[row["case"]]["solver"] == "nohd":
+            row["wall_seconds"] *= 10
+    _, _, text = make(file)
+    assert "NOHD takes less time than EARLYBREAK. Here it does not hold (at 0 of 6 poses" in text

@@ -1,0 +1,20 @@
+"""Figure 10 of Zhang et al. 2017: a torus moved through its like."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from analysis import command, zhang_motion
+from analysis.load import Results
+
+STEM = "zhang2017_fig10"
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    return zhang_motion.make(STEM, "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017).",
+                             results, out)
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

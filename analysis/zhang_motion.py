@@ -1,0 +1,189 @@
+"""Figures 10 and 11 of Zhang et al. 2017 have one form: one model moves through another, and each pose is timed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis import style, tables
+from analysis.load import Results, machine_line
+from analysis.statistics import NO_DATA, Estimate, median, paired_ratio
+from analysis.verdicts import FAILS, HOLDS, UNTESTED, Verdict, above_one
+
+THETA: Final = 0.33
+REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
+SHADES: Final = {"apart": "#FFFFFF", "touching": "#F4F4F4", "overlapping": "#E6E6E6"}
+COMPARED: Final = (("apart", "earlybreak", "nohd", "where the boxes are apart, NOHD takes less time than EARLYBREAK"),
+                   ("touching", "ohd", "earlybreak", "where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD"),
+                   ("overlapping", "earlybreak", "ohd", "where α > 0.33, OHD takes less time than EARLYBREAK"))
+
+
+@dataclass(frozen=True)
+class Pose:
+    index: int
+    shift: float  # along x
+    rows: dict[str, int]  # by label
+    regime: str
+    distance: float
+
+
+class Motion:
+    """One scene: its poses in order, and the median time of solving at each."""
+
+    def __init__(self, results: Results, scene: str) -> None:
+        cases = results.cases
+        self.results, self.scene = results, scene
+        by_pose: dict[int, dict[str, int]] = {}
+        for row in results.rows(scene=scene):
+            by_pose.setdefault(int(cases.pose_index[row]), {})[str(cases.label[row])] = int(row)
+        self.poses = []
+        for index, rows in sorted(by_pose.items()):
+            first = next(iter(rows.values()))
+            self.poses.append(Pose(index, float(cases.pose[first][9]), rows, _regime(results, rows),
+                                   float(np.mean(results.reference_of(first)))))
+        first = int(results.rows(scene=scene)[0])
+        self.sizes = f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}"
+        self.labels = style.order((cases.solver[row], cases.label[row]) for row in results.rows(scene=scene))
+
+    def time(self, pose: Pose, label: str) -> Estimate:
+        row = pose.rows.get(label)
+        if row is None or self.results.cases.status[row] != "ok":
+            return NO_DATA
+        return median(self.results.wall_seconds(row))
+
+    def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
+        """Of each pose of the regime at which all of these were timed."""
+        return [tuple(self.time(p, label).value for label in labels) for p in self.poses
+                if p.regime == regime and all(self.time(p, label).n for label in labels)]
+
+    def ratio(self, regime: str, slow: str, fast: str) -> Estimate:
+        """The median over the poses of a regime of the ratio of times, with its sign-test interval."""
+        pairs = self.times(regime, slow, fast)
+        return paired_ratio([a for a, _ in pairs], [b for _, b in pairs]) if pairs else NO_DATA
+
+    def verdicts(self) -> list[Verdict]:
+        found = [self.peak(label) for label in ("earlybreak", "adaptive") if any(label in p.rows for p in self.poses)]
+        for regime, slow, fast, claim in COMPARED:
+            times = self.times(regime, slow, fast)
+            evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
+                        f"{tables.number(1000 * max((b for _, b in times), default=math.nan))} against "
+                        f"{tables.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
+                        f"{style.look(slow).title} / {style.look(fast).title}")
+            found.append(above_one(f"{self.scene}: {claim}", self.ratio(regime, slow, fast), evidence))
+        return found
+
+    def peak(self, label: str) -> Verdict:
+        """The time is greatest where the models overlap most, that is where the distance is least."""
+        claim = f"{self.scene}: the time of {style.look(label).title} peaks where the models overlap most"
+        timed = [p for p in self.poses if self.time(p, label).n]
+        if len(timed) < 3 or not all(math.isfinite(p.distance) for p in timed):
+            return Verdict(claim, UNTESTED, "fewer than three poses")
+        top, nearest = max(timed, key=lambda p: self.time(p, label).value), min(timed, key=lambda p: p.distance)
+        least = [p for p in timed if p.distance <= nearest.distance]
+        # Neighbouring poses count as the same place: the motion is sampled.
+        near = min(abs(timed.index(p) - timed.index(top)) for p in least) <= 1
+        return Verdict(claim, HOLDS if near else FAILS,
+                       f"greatest at x = {top.shift:.3g}, least distance at x = {nearest.shift:.3g}")
+
+    def reuse(self) -> list[str]:
+        """What the ledger says of structures, one text a solver."""
+        ledger, found = self.results.ledger, []
+        for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
+            solver = next((pair for pair in self.labels if subject == f"{pair[1]} on {self.scene}"), None)
+            if solver and what == "structures for each pose":
+                found.append(f"{style.look(*solver).title}: {reason}, {tables.number(1000 * seconds)} ms saved")
+        return found
+
+
+def _regime(results: Results, rows: dict[str, int]) -> str:
+    """By the overlap that the framework measured."""
+    told = results.extras(rows["adaptive"]) if "adaptive" in rows else {}
+    if "alpha" not in told:
+        return "unknown"
+    return "apart" if told["alpha"] < 0 else "touching" if told["alpha"] <= THETA else "overlapping"
+
+
+def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
+    motions = [Motion(results, str(scene)) for scene in results.in_order("scene")]
+    labels = style.order(pair for motion in motions for pair in motion.labels)
+    table = tables.Table(caption + " Time to solve a pose, µs: median over the poses of each kind.",
+                         ["models", "|A| / |B|", "poses", *[style.look(*pair).title for pair in labels],
+                          "EARLYBREAK / NOHD", "EARLYBREAK / OHD"], left=2)
+    records: list[tables.Record] = []
+    for motion in motions:
+        table.rules.add(len(table.rows))
+        for regime, title in REGIMES:
+            poses = [pose for pose in motion.poses if pose.regime == regime]
+            if not poses:
+                continue
+            cells = []
+            for _, label in labels:
+                times = [motion.time(p, label) for p in poses if label in p.rows]
+                failed = sum(not t.n for t in times)
+                text = tables.estimate(median([t.value for t in times if t.n]), 1e6) if times else tables.NOTHING
+                cells.append(text + (f" ({failed} failed)" if failed else ""))
+            table.rows.append([f"{motion.scene}, {title}", motion.sizes, str(len(poses)), *cells,
+                               *[tables.ratio(motion.ratio(regime, "earlybreak", label)) for label in ("nohd", "ohd")]])
+        for pose in motion.poses:
+            for _, label in labels:
+                if label in pose.rows:
+                    row, t = pose.rows[label], motion.time(pose, label)
+                    records.append({"scene": motion.scene, "pose": pose.index, "x": pose.shift, "regime": pose.regime,
+                                    "label": label, "status": str(results.cases.status[row]), "n": t.n,
+                                    "median_seconds": t.value, "low_seconds": t.low, "high_seconds": t.high,
+                                    "prepare_seconds": results.prepare_seconds(row), "distance": pose.distance,
+                                    **results.extras(row)})
+    reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
+    counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
+    table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],
+                   f"Brackets: over poses (95 % where their number allows). Each pose is timed {' or '.join(map(str, counts))} "
+                   "times; the band in the figure is the interval of their median. α is the overlap of the boxes, as a "
+                   "fraction of the smaller one.",
+                   "Structures are built once in A's frame and serve every pose; their building is not in these times. "
+                   "From the ledger of the result: " + (" ".join(reused) or "nothing."),
+                   f"Here: {machine_line(results)}."]
+    figure = draw(motions, labels, reused)
+    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption)
+
+
+def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]) -> Any:
+    """A column a scene: times above, the distance below; grey where the boxes overlap."""
+    figure, axes = plt.subplots(2, len(motions), figsize=(style.DOUBLE_COLUMN, 3.7), sharex="col", squeeze=False,
+                                height_ratios=(2.4, 1))
+    for (upper, lower), motion in zip(axes.T, motions):
+        shifts = [pose.shift for pose in motion.poses]
+        edges = [shifts[0], *[(a + b) / 2 for a, b in zip(shifts, shifts[1:])], shifts[-1]]
+        for pose, left, right in zip(motion.poses, edges, edges[1:]):
+            for ax in (upper, lower):
+                ax.axvspan(left, right, color=SHADES.get(pose.regime, "#FFFFFF"), linewidth=0, zorder=0)
+        marks = []
+        for solver, label in labels:
+            looks = style.look(solver, label)
+            timed = [(pose.shift, motion.time(pose, label)) for pose in motion.poses if motion.time(pose, label).n]
+            if timed:
+                x = [shift for shift, _ in timed]
+                upper.plot(x, [t.value for _, t in timed], color=looks.colour, linestyle=looks.line, linewidth=0.7)
+                upper.fill_between(x, [t.low for _, t in timed], [t.high for _, t in timed], color=looks.colour,
+                                   alpha=0.25, linewidth=0)
+                upper.plot(x[::4], [t.value for _, t in timed][::4], **style.filled_marker(looks))
+            failed = {str(motion.results.cases.status[pose.rows[label]]) for pose in motion.poses
+                      if label in pose.rows and not motion.time(pose, label).n}
+            marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
+        style.margin_marks(upper, marks, 120)
+        upper.set(yscale="log", title=f"{motion.scene}, {motion.sizes} points")
+        style.log_ticks(upper.yaxis)
+        lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
+        lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
+    axes[0][0].set_ylabel("time to solve a pose (s)")
+    axes[1][0].set_ylabel("h(A, B)")
+    entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
+                                                     linewidth=0.4, label=title) for regime, title in REGIMES]
+    style.legend_above(figure, entries, columns=4)
+    if reused:
+        figure.supxlabel("Structures: built once and used for all poses (ledger of the result).", fontsize=7)
+    return figure
