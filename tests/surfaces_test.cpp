@@ -1,6 +1,5 @@
 // What solvers of algebraic surfaces promise, on pairs whose distance is known, and the numbers of Shou 2014.
 #include "error.h"
-#include "random.h"
 #include "registry.h"
 #include "session.h"
 #include "surfaces/surface_mesh.h"
@@ -147,28 +146,6 @@ TEST(SurfaceSolvers, AskedForMoreTheyGiveMore) {
     EXPECT_NEAR((fine.witness.source_point - fine.witness.target_point).norm(), true_h, 1e-6);
 }
 
-// The distance by dense sampling of A against dense sampling of B: coarse, but by nothing the solvers use.
-double sampled(const Vec3& axes_a, const Vec3& centre_a, const Vec3& axes_b, const Vec3& centre_b) {
-    const auto points = [](const Vec3& axes, const Vec3& centre, int n) {
-        std::vector<Vec3> all;
-        for (int i = 0; i <= n; ++i) {
-            for (int j = 0; j < 2 * n; ++j) {
-                const double u = M_PI * i / n, v = M_PI * j / n;
-                all.push_back(centre + axes.cwiseProduct(Vec3(std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u))));
-            }
-        }
-        return all;
-    };
-    const auto a = points(axes_a, centre_a, 16), b = points(axes_b, centre_b, 40);
-    double most = 0;
-    for (const Vec3& p : a) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const Vec3& q : b) least = std::min(least, (p - q).squaredNorm());
-        most = std::max(most, std::sqrt(least));
-    }
-    return most;
-}
-
 TEST(MeshBridge, OverlapsWithTheEnclosure) {
     constexpr int cells = 32;
     int closed = 0;
@@ -213,31 +190,6 @@ TEST(MeshBridge, DeviatesByTheSquareOfACell) {
     }
     EXPECT_LT(before, 0.02);
     EXPECT_THROW(triangulate(surface("(x^2 + y^2 + z^2 - 1)^2"), 16), InputError);
-}
-
-// Ellipsoids inside the box; samples of A are at most 0.28 from any point of A, and those of B 0.12 from any of B.
-TEST(SurfaceSolvers, RandomQuadricPairs) {
-    Random random(11);
-    const auto eighths = [&](int least, int most) { return (least + random.below(most - least + 1)) / 8.0; };
-    const auto text = [](const Vec3& axes, const Vec3& c) {
-        std::string out;
-        for (int k = 0; k < 3; ++k) {
-            out += (k ? " + (" : "(") + std::string(1, "xyz"[k]) + " - (0 - 1)*" + std::to_string(std::abs(c[k])) + ")^2/" + std::to_string(axes[k]) + "^2";
-            if (c[k] > 0) out.replace(out.rfind("- (0 - 1)*"), 10, "- ");
-        }
-        return out + " - 1";
-    };
-    for (int i = 0; i < 200; ++i) {
-        const Vec3 axes_a(eighths(4, 11), eighths(4, 11), eighths(4, 11)), axes_b(eighths(4, 11), eighths(4, 11), eighths(4, 11));
-        const Vec3 c_a(eighths(-4, 4), eighths(-4, 4), eighths(-4, 4)), c_b(eighths(-4, 4), eighths(-4, 4), eighths(-4, 4));
-        const double about = sampled(axes_a, c_a, axes_b, c_b);
-        const Result result = solve("surface_enclosure", surface(text(axes_a, c_a)), surface(text(axes_b, c_b)), 0.01, {}, 20);
-        EXPECT_LE(result.bounds.lower, about + 0.28) << i;
-        EXPECT_GE(result.bounds.upper, about - 0.12) << i;
-        EXPECT_EQ(to_string(result.status), "converged") << i << " gap " << result.bounds.gap() << text(axes_a, c_a) << " | " << text(axes_b, c_b);
-        const Result other = solve("interval_subdivision", surface(text(axes_a, c_a)), surface(text(axes_b, c_b)), 100, subdivision(5, "pruned"));
-        EXPECT_LE(result.bounds.lower, other.bounds.upper) << i;
-    }
 }
 
 TEST(SurfaceSolvers, WithoutChangeOfSignTheyStallAndHold) {
