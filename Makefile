@@ -30,7 +30,7 @@ LAUNCHER := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache
 PACKAGES := $(filter-out $(if $(shell command -v npm),npm),$(shell sed 's/\#.*//' packages.txt))
 DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
 STEMS := $(sort $(basename $(notdir $(shell find experiments -name '*.toml'))))
-# zhang2017_table3 belongs to the group zhang2017.
+# zhang2017_table3 belongs to the group zhang2017, and so does all else in experiments/zhang2017.
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
@@ -123,7 +123,7 @@ experiments: build
 	$(call walk,$(STEMS),$(FETCH))
 
 $(GROUPS): %: build
-	$(call walk,$(filter $*_%,$(STEMS)),$(FETCH))
+	$(call walk,$(sort $(filter $*_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$*/*.toml)))),$(FETCH))
 
 $(STEMS): %: build
 	$(call walk,$*,$(FETCH))

@@ -41,7 +41,7 @@ def make(results: Results, out: Path) -> list[Path]:
     table = tables.Table(
         "Interval of H of the cones of Shou et al. 2014 against voxels an axis; subdivision and distances apart, both "
         "directions together.",
-        ["voxels / tolerance", "lower", "upper", "width", "holds H", *[f"kept by {f.replace('_', ' ')}, polynomial bounds"
+        ["voxels / tolerance", "lower", "upper", "width", "holds H", *[f"polynomial bounds, {f.replace('_', ' ')}"
                                                                        for f in FORMS],
          "subdivision, s", "pruned pairs, s", "box distances", "all pairs, s", "box distances, all"])
     records: list[tables.Record] = []
@@ -87,50 +87,63 @@ def make(results: Results, out: Path) -> list[Path]:
 
 def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float,
          depths: list[int]) -> Any:
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(style.DOUBLE_COLUMN, 2.4))
+    figure, ((interval, bounds), (seconds, widths)) = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 4.3))
     plain, enclosure = style.look("interval_subdivision"), style.look("surface_enclosure")
-    kept = [d for d in depths if ("pruned pairs", "modified_affine", d) in published]
-    at = [2.0**d for d in kept]
-    rows = [published["pruned pairs", "modified_affine", d] for d in kept]
-    left.fill_between(at, [r.lower for r in rows], [r.upper for r in rows], color=plain.colour, alpha=0.15, linewidth=0)
+    at = [2.0**d for d in depths]
+
+    def of(label: str, form: str = "modified_affine") -> list[tuple[float, Joined]]:
+        return [(2.0**d, published[label, form, d]) for d in depths if (label, form, d) in published]
+
+    pruned, every = of("pruned pairs"), of("all pairs")
+    interval.fill_between([x for x, _ in pruned], [r.lower for _, r in pruned], [r.upper for _, r in pruned],
+                          color=plain.colour, alpha=0.15, linewidth=0)
     for end in ("lower", "upper"):
-        left.plot(at, [getattr(r, end) for r in rows], color=plain.colour, marker=plain.marker, markersize=3.5)
-    left.axhline(exact, color=enclosure.colour, linewidth=0.9, linestyle=(0, (3, 2)))
-    left.annotate(r"$H = \sqrt{43}/3 - 4/3$", (at[0] if at else 1, exact), xytext=(4, -3), textcoords="offset points",
-                  ha="left", va="top", fontsize=7)
-    left.set_xscale("log", base=2)
-    left.set_xticks(at, [f"{int(a)}" for a in at])
-    left.set_xlabel("voxels an axis")
-    left.set_ylabel("interval of H")
+        interval.plot([x for x, _ in pruned], [getattr(r, end) for _, r in pruned], color=plain.colour,
+                      marker=plain.marker, markersize=3.5)
+    interval.axhline(exact, color=enclosure.colour, linewidth=0.9, linestyle=(0, (3, 2)))
+    interval.annotate(r"$H = \sqrt{43}/3 - 4/3$", (at[0] if at else 1, exact), xytext=(4, -3),
+                      textcoords="offset points", ha="left", va="top", fontsize=7)
+    interval.set_ylabel("interval of H")
+    natural = dict(of("pruned pairs", "natural"))
     for form in FORMS:
-        have = [d for d in depths if ("pruned pairs", form, d) in published]
-        middle.plot([2.0**d for d in have], [published["pruned pairs", form, d].evaluations for d in have],
+        rows = [(x, r) for x, r in of("pruned pairs", form) if x in natural]
+        bounds.plot([x for x, _ in rows], [r.evaluations / natural[x].evaluations for x, r in rows],
                     marker=MARKERS[form], markersize=3.5, linewidth=0.8, label=form.replace("_", " "),
                     color=str(0.65 - 0.2 * FORMS.index(form)))
-    middle.set_xscale("log", base=2)
-    middle.set_yscale("log")
-    middle.set_xticks(at, [f"{int(a)}" for a in at])
-    middle.minorticks_off()
-    middle.set_xlabel("voxels an axis")
-    middle.set_ylabel("polynomial bounds")
-    middle.legend(fontsize=6, frameon=False)
+        rows = of("pruned pairs", form)
+        seconds.plot([x for x, _ in rows], [r.prepare for _, r in rows], marker=MARKERS[form], markersize=3.5,
+                     linewidth=0.8, label=f"subdivision, {form.replace('_', ' ')}",
+                     color=str(0.65 - 0.2 * FORMS.index(form)))
+    bounds.set_ylabel("polynomial bounds, natural = 1")
+    for rows, name, face in ((pruned, "pruned pairs", plain.colour), (every, "all pairs", "white")):
+        seconds.plot([x for x, _ in rows], [r.solve for _, r in rows], color=plain.colour, marker="o", markersize=3.5,
+                     linestyle=(0, (3, 1.5)), markerfacecolor=face, markeredgecolor=plain.colour, label=f"distances, {name}")
+    seconds.set_yscale("log")
+    seconds.set_ylabel("time, s")
+    for ax in (interval, bounds, seconds):
+        ax.set_xscale("log", base=2)
+        ax.set_xticks(at, [f"{int(a)}" for a in at])
+        ax.minorticks_off()
+        ax.set_xlabel("voxels an axis")
 
     def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
-        points = sorted((m.prepare + m.solve, m.upper - m.lower) for m in members)
-        right.plot([p[0] for p in points], [p[1] for p in points], **(style.filled_marker(looks) | {"linestyle": "-"} | more),
-                   label=name)
+        points = sorted(((m.upper - m.lower, m.prepare + m.solve) for m in members), reverse=True)
+        widths.plot([p[1] for p in points], [p[0] for p in points],
+                    **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name)
 
-    line([published["all pairs", "modified_affine", d] for d in depths
-          if ("all pairs", "modified_affine", d) in published], plain, "all pairs", markerfacecolor="white",
-         markeredgecolor=plain.colour)
-    line(rows, plain, "pruned pairs")
+    line([r for _, r in every], plain, "all pairs", markerfacecolor="white", markeredgecolor=plain.colour)
+    line([r for _, r in pruned], plain, "pruned pairs")
     line(list(ours.values()), enclosure, "ours")
-    right.set_xscale("log")
-    right.set_yscale("log")
-    right.minorticks_off()
-    right.set_xlabel("time, s (subdivision included)")
-    right.set_ylabel("width")
-    right.legend(fontsize=6, frameon=False)
+    widths.set_xscale("log")
+    widths.set_yscale("log")
+    widths.minorticks_off()
+    widths.set_xlabel("time, s (subdivision included)")
+    widths.set_ylabel("width of the interval")
+    seconds.set_ylim(top=seconds.get_ylim()[1] * 30)  # room for the legend
+    seconds.legend(fontsize=6, frameon=False, ncols=2, loc="upper left")
+    for ax in (bounds, widths):
+        ax.legend(fontsize=6, frameon=False)
+    figure.tight_layout(w_pad=1.5)
     return figure
 
 

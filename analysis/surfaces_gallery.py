@@ -17,7 +17,7 @@ from analysis.load import Results, machine_line
 from analysis.statistics import median
 
 STEM = "surfaces_gallery"
-VOXELS = 24  # an axis, in pictures
+VOXELS = 32  # an axis, in pictures
 Values = npt.NDArray[np.float64]
 
 
@@ -121,10 +121,25 @@ def make(results: Results, out: Path) -> list[Path]:
         "'stalled': the bounds hold, but cannot close. 'checked': the witness of the certified lower bound, by code "
         "that shares no bound with the solver.",
         *[f"{scene}: {cases.scene_note[results.rows(scene=scene)[0]]}." for scene in scenes],
-        f"Pictures: voxels kept at {VOXELS} an axis by natural interval arithmetic (A dark, B light), cut open at the "
-        "front, and the witness of the certified lower bound.",
+        f"Pictures: a slice, one voxel thick, of the voxels kept at {VOXELS} an axis by natural interval arithmetic (A "
+        "black, B blue; the box is the frame), and the witness of the certified lower bound from its dot on A to B, seen "
+        "along the axis that it leaves least; where there is none, or a shorter one than a voxel, the middle of the box. "
+        "They take the text as it stands; the false piece of 'ghost' comes with multiplying its product out.",
+        "Of a distance that is constant over A (concentric spheres) a tolerance e needs O(1/e) boxes.",
         f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
+
+
+def plane_of(results: Results, scene: str, surface: SurfaceText) -> tuple[int, float, Values]:
+    """The slice to draw: across the axis along which the witness reaches least, through its source point; with the
+    witness. Without one, or if it is shorter than a voxel, the slice through the middle of the box."""
+    cases = results.cases
+    for row in results.rows(scene=scene, solver="surface_enclosure"):
+        pair = np.stack([cases.witness_source[row], cases.witness_target[row]])
+        if np.linalg.norm(pair[1] - pair[0]) > (surface.high - surface.low).max() / VOXELS:
+            axis = int(np.argmin(np.abs(pair[1] - pair[0])))
+            return axis, float(pair[0, axis]), pair
+    return 1, float(surface.low[1] + surface.high[1]) / 2, np.full((2, 3), np.nan)
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
@@ -132,28 +147,33 @@ def draw(results: Results, scenes: list[str]) -> Any:
     notes = dict(zip(results.models.name, results.models.note))
     columns = 5
     rows = -(-len(scenes) // columns)
-    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 1.65 * rows))
-    source_colour, target_colour = style.look("surface_enclosure").colour, "#9DB7CC"
-    for i, scene in enumerate(scenes):
-        ax = figure.add_subplot(rows, columns, i + 1, projection="3d")
-        first = int(results.rows(scene=scene)[0])
-        for model, colour, alpha in ((cases.target[first], target_colour, 0.35), (cases.source[first], "#555555", 0.6)):
-            surface = SurfaceText(str(notes[model]))
-            kept = surface.kept(VOXELS)
-            kept[VOXELS // 2:, :VOXELS // 2, :] = False  # the octant column towards the viewer
-            middle = surface.low + (np.argwhere(kept) + 0.5) * (surface.high - surface.low) / VOXELS
-            ax.scatter(*middle.T, s=0.7, c=colour, alpha=alpha, linewidths=0, marker="s", rasterized=True)
-            ax.set(xlim=(surface.low[0], surface.high[0]), ylim=(surface.low[1], surface.high[1]),
-                   zlim=(surface.low[2], surface.high[2]))
-        for row in results.rows(scene=scene, solver="surface_enclosure"):
-            p, q = cases.witness_source[row], cases.witness_target[row]
-            if np.isfinite(p).all() and np.isfinite(q).all():
-                ax.plot(*np.stack([p, q]).T, color=source_colour, linewidth=1.4, zorder=10)
-                ax.scatter(*p, s=9, c=source_colour, zorder=11, depthshade=False)
-        ax.set_title(scene, fontsize=6.5, pad=-2)
+    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 1.66 * rows), squeeze=False)
+    witness_colour = style.look("surface_enclosure").colour
+    for ax in axes.flat[len(scenes):]:
         ax.set_axis_off()
-        ax.view_init(elev=22, azim=-55)
-        ax.set_box_aspect((1, 1, 1), zoom=1.45)
+    for ax, scene in zip(axes.flat, scenes):
+        first = int(results.rows(scene=scene)[0])
+        surfaces = [SurfaceText(str(notes[model])) for model in (cases.target[first], cases.source[first])]
+        axis, at, witness = plane_of(results, scene, surfaces[1])
+        across = [k for k in range(3) if k != axis]
+        for surface, colour in zip(surfaces, ("#8FC1E3", "#333333")):
+            size = (surface.high - surface.low) / VOXELS
+            slab = min(int((at - surface.low[axis]) / size[axis]), VOXELS - 1)
+            kept = np.take(surface.kept(VOXELS), slab, axis=axis)
+            for i, j in np.argwhere(kept):
+                corner = surface.low[across] + np.array([i, j]) * size[across]
+                ax.add_patch(plt.Rectangle(tuple(corner), *size[across], facecolor=colour, alpha=0.75, linewidth=0))
+        ax.plot(witness[:, across[0]], witness[:, across[1]], color=witness_colour, linewidth=1.4, zorder=10,
+                clip_on=False)
+        ax.plot(*witness[0, across], marker="o", markersize=3.5, color=witness_colour, zorder=11, clip_on=False)
+        ax.set(xlim=(surfaces[1].low[across[0]], surfaces[1].high[across[0]]),
+               ylim=(surfaces[1].low[across[1]], surfaces[1].high[across[1]]), aspect="equal", xticks=[], yticks=[])
+        ax.spines[["top", "right"]].set_visible(True)
+        ax.spines[:].set_linewidth(0.4)
+        ax.set_title(scene, fontsize=7, pad=3)
+        x, y = "xyz"[across[0]], "xyz"[across[1]]
+        ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2)
+    figure.tight_layout(w_pad=0.6, h_pad=0.8)
     return figure
 
 

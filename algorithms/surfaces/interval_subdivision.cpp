@@ -1,7 +1,8 @@
 // Octree subdivision and interval distances, as published.
 //
-// Source: Shou et al.: the Hausdorff distance of algebraic surfaces by subdivision and interval arithmetic, 2014
-// (in Chinese; read from badly recognised text: the denominators of its surfaces are inferred from the interval it prints).
+// Source: Shou, Huang, Gu, Miao, Wang: Computing the Hausdorff distance between two algebraic surfaces, Computer Science and
+// Application 3, 2013 (in Chinese; read from badly recognised text: the denominators of its surfaces are inferred from the
+// interval it prints).
 // The box is divided into 2^depth voxels an axis by an octree that keeps a cell where 0 lies in the interval of the
 // polynomial over it. The distance of two kept voxels is an interval [g, G], the least and the largest distance of their
 // points, and the answer is [max over A of min over B of g, max over A of min over B of G]. The paper's H is the larger of
