@@ -100,5 +100,61 @@ def fig11() -> ResultFile:
     return motion("zhang2017_fig11")
 
 
-STEMS = {"zhang2017_fig8": fig8, "zhang2017_fig9": fig9, "zhang2017_fig10": fig10, "zhang2017_fig11": fig11,
+def fig12() -> ResultFile:
+    """Known: pears of the paper's size, of which OHD was chosen; the cow timed out."""
+    file = ResultFile("zhang2017_fig12")
+    file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754, lower=0.25,
+              upper=0.25, source_diagonal=2.0, witness_source=[0.0, 0.0, 0.0], witness_target=[0.0, 0.25, 0.0],
+              witness_source_element=7, witness_target_element=9, extras='{"chosen": 2.0, "alpha": 0.75}',
+              scene_note="oranges")
+    file.case("adaptive", "b_cow_hippo", **without_bounds("timeout", "10 s passed", {"source_elements": 5}))
+    return file
+
+
+def steps() -> ResultFile:
+    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p is
+    5, the mean by points 3; counted are 6 steps a point, at the last pose 3.
+    """
+    file = ResultFile("zhang2017_steps")
+    for pose in range(5):
+        for seed in range(1, 8):
+            file.case("earlybreak", "4", [0.1], pose_index=pose, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.1 * pose],
+                      options={"seed": seed}, source="A", target="B", source_elements=4, target_elements=5, lower=1.0,
+                      upper=1.0, counters={"point_distances": 12 if pose == 4 else 24})
+    return file
+
+
+def as_printed() -> ResultFile:
+    """Known: OHD as printed is wrong at 1 of 8 answers (0.9 of h) and timed out once; NOHD as printed at all 3."""
+    file = ResultFile("zhang2017_as_printed")
+    for pose in range(3):
+        common: dict[str, Any] = {"pose_index": pose, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.5 * pose, 0, 0],
+                                  "source": "A", "target": "B", "scene_note": "clouds"}
+        for solver in ("naive", "ohd"):
+            file.case(solver, "clouds", [0.1], lower=2.0, upper=2.0, **common)
+        for seed in (1, 2, 3):
+            bad = (pose, seed) == (1, 2)
+            if (pose, seed) == (2, 3):
+                file.case("ohd_as_printed", "clouds", options={"seed": seed}, **without_bounds("timeout", "10 s", common))
+            else:
+                answer = 1.8 if bad else 2.0
+                file.case("ohd_as_printed", "clouds", [0.1], options={"seed": seed}, lower=answer, upper=answer,
+                          status="unsound" if bad else "ok", **common)
+        file.case("nohd_as_printed", "clouds", [0.1], lower=3.0, upper=3.0, status="unsound", **common)
+    return file
+
+
+def memory() -> ResultFile:
+    """Known: INC's memory grows as n^1.5 from 2 MiB at 10K points each; a k-d tree needs 8 MiB at 100K; scan crashed."""
+    file = ResultFile("zhang2017_memory")
+    for size, n, peak in (("10K", 10_000, 2 * 2**20), ("1M", 1_000_000, 2000 * 2**20)):
+        common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5, "upper": 0.5}
+        file.case("inc", f"similar, {size}", [0.1], peak_bytes=peak, extras=f'{{"queue_bytes": {peak / 2}}}', **common)
+        file.case("kdtree", f"similar, {size}", [0.1], peak_bytes=4096 if n < 20_000 else 8 * 2**20, **common)
+        file.case("scan", f"similar, {size}", **without_bounds("signal", "SIGSEGV", common))
+    return file
+
+
+STEMS = {"zhang2017_fig12": fig12, "zhang2017_steps": steps, "zhang2017_as_printed": as_printed,
+         "zhang2017_memory": memory, "zhang2017_fig8": fig8, "zhang2017_fig9": fig9, "zhang2017_fig10": fig10, "zhang2017_fig11": fig11,
          "zhang2017_table1": table1, "zhang2017_table2": table2}

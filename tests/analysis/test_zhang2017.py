@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis import verdicts
+from analysis import points, verdicts, zhang2017_fig12, zhang2017_steps
 from analysis.statistics import NO_DATA, Estimate
 
 
@@ -127,3 +129,79 @@ def test_motion_contradicts(make: Make) -> None:
             row["wall_seconds"] *= 10
     _, _, text = make(file)
     assert "NOHD takes less time than EARLYBREAK. Here it does not hold (at 0 of 6 poses" in text
+
+
+POINTS = {"A": [[0.0, 0.0, 0.0]] * 4, "B": [[0.5, 0.0, 0.0]] + [[2.0, 0.0, 0.0]] * 4}
+
+
+@pytest.fixture()
+def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program that exports A and B."""
+    file = tmp_path / "program"
+    file.write_text(f"""#!{sys.executable}
+import sys
+points = {POINTS}[sys.argv[2]]
+open(sys.argv[3], "w").write("\\n".join(["OFF", str(len(points)) + " 0 0", *[" ".join(map(str, p)) for p in points]]))
+""")
+    file.chmod(0o755)
+    monkeypatch.setenv("HAUSBENCH_PROGRAM", str(file))
+
+
+def test_steps_expected_and_counted(make: Make, program: None) -> None:
+    _, rows, text = make(synthetic_zhang.steps())
+    assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "5.00", "1.20", "3.00", "2.00"]
+    assert rows["4"][4][2] == "3.00 [3.00, 3.00]"
+    assert "4: c of Eq. 7 is a constant. Here: not separated (c from 0.833 to 1.67" in text
+
+
+def test_expectations_where_no_point_is_near() -> None:
+    a, b = np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.array([[1.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
+    # The first has two of three in reach, the second none: 1/p = 3, and (4/3 + 3) / 2.
+    expected, by_point = zhang2017_steps.expectations(a, b, 2.0)
+    assert expected == pytest.approx(3.0) and by_point == pytest.approx((4 / 3 + 3) / 2)
+
+
+def test_steps_without_a_program(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HAUSBENCH_PROGRAM", "/nowhere")
+    _, rows, text = make(synthetic_zhang.steps())
+    assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "—", "—", "—", "—"] and "not tested (fewer than three poses)" in text
+
+
+def test_points_are_those_asked_for(program: None) -> None:
+    a = points.points_of("A", 4)
+    assert a is not None and a.shape == (4, 3) and points.points_of("A", 5) is None and points.points_of("C", 4) is None
+    turned = points.posed(np.array([[1.0, 0, 0]]), np.array([0.0, -1, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0]))
+    assert turned.tolist() == [[5.0, 1.0, 0.0]]
+
+
+def test_fig12_names_the_pairs(make: Make, program: None) -> None:
+    _, rows, text = make(synthetic_zhang.fig12())
+    assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.25", "0.125", "0.750", "OHD", "7", "9"]
+    assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (1 of 2 pairs differ)" in text
+
+
+def test_fig12_view_keeps_the_witness_at_its_length() -> None:
+    cloud = np.random.default_rng(1).normal(size=(50, 3)) * [5.0, 1.0, 2.0]
+    along = np.array([0.3, -0.4, 1.2])
+    plane = zhang2017_fig12.view(cloud, along)
+    assert np.allclose(plane.T @ plane, np.eye(2)) and np.linalg.norm(along @ plane) == pytest.approx(1.3)
+
+
+def test_as_printed_counts_wrong_answers(make: Make) -> None:
+    records, rows, text = make(synthetic_zhang.as_printed())
+    cells = {row[0]: row[1:] for row in rows["clouds"]}
+    assert cells["OHD as printed"] == ["3", "3", "8", "1", "12.5", "2.2 to 47", "0.9000"]
+    assert cells["NOHD as printed"][2:5] == ["3", "3", "100"] and cells["NOHD as printed"][-1] == "1.500"
+    assert cells["OHD"][3] == "0" and cells["OHD"][-1] == "—"
+    assert "OHD as printed computes the exact distance. Here it does not hold (1 of 8 answers are wrong)" in text
+    assert "OHD with cells of diagonal AHD computes the exact distance. Here it holds (0 of 3 answers are wrong)" in text
+    assert sum(r["status"] == "unsound" for r in records) == 4
+
+
+def test_memory_grows(make: Make) -> None:
+    _, rows, text = make(synthetic_zhang.memory())
+    header, grown = rows["workload"][0], rows["similar"][-1]
+    assert grown[0] == "grows as n^" and grown[header.index("INC")] == "1.5" and grown[header.index("k-d tree (nanoflann)")] == "—"
+    assert rows["similar"][0][header.index("INC")] == "2.00" and rows["similar"][0][-2:] == ["105", "1.00"]
+    assert rows["similar"][0][header.index("scan (ours)")] == "crashed"
+    assert "Here it holds (1M points each: INC 2000 MiB, next k-d tree (nanoflann) 8.00 MiB)" in text

@@ -1,0 +1,42 @@
+"""Coordinates of point models, for pictures and for counts: result files hold none, so the program writes them out."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from analysis.load import Floats
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def program() -> Path:
+    """HAUSBENCH_PROGRAM, else the program that `make build` builds."""
+    return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
+
+
+def points_of(model: str, count: int) -> Floats | None:
+    """n x 3, in the unit of the model. None where there is no program, it has no such model, or one of another size."""
+    if not program().is_file():
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "model.off"
+        done = subprocess.run([program(), "export", model, file], cwd=ROOT, capture_output=True, check=False)
+        if done.returncode != 0:
+            return None
+        with file.open(encoding="ascii") as text:
+            if text.readline().strip() != "OFF":
+                return None
+            n = int(text.readline().split()[0])
+            found = np.loadtxt(text, max_rows=n, ndmin=2)
+    return found if found.shape == (count, 3) else None
+
+
+def posed(points: Floats, pose: Floats) -> Floats:
+    """By a pose as stored: the rotation row by row, then the translation."""
+    moved: Floats = points @ pose[:9].reshape(3, 3).T + pose[9:]
+    return moved

@@ -1,0 +1,127 @@
+"""How often the algorithms of Zhang et al. 2017 are wrong where they are implemented as they are printed."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import matplotlib.ticker
+
+from analysis import command, style, tables
+from analysis.load import Results, machine_line
+from analysis.verdicts import Verdict, never
+
+STEM = "zhang2017_as_printed"
+LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
+                "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
+                "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
+CLAIMS: Final = {"ohd_as_printed": "OHD as printed computes the exact distance",
+                 "nohd_as_printed": "NOHD as printed computes the exact distance",
+                 "ohd": "OHD with cells of diagonal AHD computes the exact distance",
+                 "nohd": "NOHD with cmin set to 0 at the break computes the exact distance"}
+
+
+def wilson(wrong: int, of: int, z: float = 1.959964) -> tuple[float, float]:
+    """An interval of 95 % for a share (Wilson 1927), which is of use near 0 as well."""
+    if of == 0:
+        return math.nan, math.nan
+    share, spread = wrong / of, z * z / of
+    middle = (share + spread / 2) / (1 + spread)
+    half = z / (1 + spread) * math.sqrt(share * (1 - share) / of + spread / (4 * of))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def answered(results: Results, rows: Sequence[int]) -> list[int]:
+    """Rows that say something, right or wrong; timeouts and the like are neither."""
+    return [row for row in rows if results.cases.status[row] in ("ok", "unsound")]
+
+
+def wrong(results: Results, rows: Sequence[int]) -> list[int]:
+    return [row for row in rows if results.cases.status[row] == "unsound"]
+
+
+def off(results: Results, row: int) -> float:
+    """The answer as a multiple of the true distance."""
+    low, high = results.reference_of(row)
+    return float(results.cases.lower[row]) / (0.5 * (low + high)) if low + high > 0 else math.inf
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    scenes = [str(scene) for scene in results.in_order("scene")]
+    labels = [label for label in LOOKS if len(results.rows(label=label))]
+    table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
+                         ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %", "answer / h, worst"],
+                         left=2)
+    records: list[tables.Record] = []
+    verdicts: list[Verdict] = []
+    for scene in scenes:
+        table.rules.add(len(table.rows))
+        for label in labels:
+            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            known, bad = answered(results, rows), wrong(results, rows)
+            seeds = len({results.options(row).get("seed") for row in rows})
+            low, high = (100 * x for x in wilson(len(bad), len(known)))
+            worst = max((off(results, row) for row in bad), key=lambda x: abs(math.log(x)) if x > 0 else math.inf, default=math.nan)
+            poses = len({int(results.cases.pose_index[row]) for row in rows})
+            table.rows.append([scene, LOOKS[label].title, str(poses), str(seeds), f"{len(known):,}", str(len(bad)),
+                               tables.number(100 * len(bad) / len(known)) if known else tables.NOTHING,
+                               f"{tables.number(low, 2)} to {tables.number(high, 2)}", tables.number(worst, 4)])
+            records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
+                         "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),
+                         "status": str(results.cases.status[row]), "lower": float(results.cases.lower[row]),
+                         "true_lower": results.reference_of(row).lower, "true_upper": results.reference_of(row).upper,
+                         "why": str(results.cases.reason[row])} for row in rows]
+    for label in labels:
+        rows = [int(row) for row in results.rows(label=label)]
+        verdicts.append(never(CLAIMS[label], len(wrong(results, rows)), len(answered(results, rows)), "answers are wrong"))
+    notes = {str(results.cases.scene[row]): str(results.cases.scene_note[row]) for row in range(len(results.cases))}
+    table.notes = [*[verdict.line() for verdict in verdicts],
+                   "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper bound below a "
+                   "certified lower bound of NAIVEHDD ('unsound'). 95 %: Wilson's interval for the share; answers at neighbouring "
+                   "poses are alike, so it is narrower than it should be.",
+                   "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be sqrt 3 times that "
+                   "apart), so it answers too little; NOHD leaves the loop of Algorithm 5 without cmin = 0, so it answers too much.",
+                   *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
+
+
+def draw(results: Results, scenes: list[str]) -> Any:
+    """A column a scene, by the shift between the clouds: above the share of seeds that is wrong, below by how much."""
+    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row", squeeze=False)
+    labels = [label for label in LOOKS if label.endswith("as_printed")]
+    for (upper, lower), scene in zip(axes.T, scenes):
+        for label in labels:
+            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            shifts = sorted({float(results.cases.pose[row][9]) for row in rows})
+            shares = []
+            for x in shifts:
+                here = [row for row in rows if results.cases.pose[row][9] == x]
+                known = answered(results, here)
+                shares.append(100 * len(wrong(results, here)) / len(known) if known else math.nan)
+            looks = LOOKS[label]
+            upper.plot(shifts, shares, color=looks.colour, linewidth=0.7, drawstyle="steps-mid")
+            seen = [(x, share) for x, share in zip(shifts, shares) if share > 0]
+            upper.plot([x for x, _ in seen], [share for _, share in seen], **{**style.filled_marker(looks), "markersize": 2.8})
+            bad = wrong(results, rows)
+            lower.plot([results.cases.pose[row][9] for row in bad], [off(results, row) for row in bad],
+                       **{**style.open_marker(looks), "markersize": 3.2})
+            lower.margins(y=0.1)
+            if shifts:
+                lower.set_xlim(shifts[0], shifts[-1])
+        lower.axhline(1, color="#333333", linewidth=0.6)
+        upper.set_title(scene)
+        upper.set_ylim(-4, 104)
+        lower.set_xlabel("shift along x")
+        lower.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5, prune="both"))
+    axes[0][0].set_ylabel("wrong answers (%)")
+    axes[1][0].set_ylabel("wrong answer / h")
+    style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label])) for label in labels])
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))
