@@ -19,6 +19,7 @@ SolverEntry scan_solver();        // points/scan.cpp
 SolverEntry guthe_solver();       // meshes/guthe.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
 SolverEntry surface_enclosure_solver();  // surfaces/surface_enclosure.cpp
+SolverEntry surface_meshes_solver();  // surfaces/surface_meshes.cpp
 SolverEntry kdtree_solver();      // peers/kdtree.cpp
 SolverEntry cgal_solver();        // peers/cgal.cpp
 SolverEntry external_solver();    // peers/external.cpp
@@ -39,6 +40,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         guthe_solver(),
         interval_subdivision_solver(),
         surface_enclosure_solver(),
+        surface_meshes_solver(),
 #ifdef HAUSBENCH_HAS_KDTREE
         kdtree_solver(),
 #endif

@@ -64,6 +64,7 @@ LOOKS: Final[dict[str, Look]] = {
     # surfaces, other programs
     "interval_subdivision": Look("interval subdivision", "#000000", "d"),
     "surface_enclosure": Look("surface enclosure (ours)", "#D55E00", "h"),
+    "surface_meshes": Look("surface meshes (ours)", "#0072B2", "s"),
     "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5))),
 }
 

@@ -90,36 +90,46 @@ def make(results: Results, out: Path) -> list[Path]:
     scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
     table = tables.Table("Pairs of algebraic surfaces with a known directed distance h(A,B).",
                          ["pair", "h", *[f"{style.look(*pair).title}{what}" for pair in labels
-                                         for what in (": interval", ", holds h", ", s")], "checked"])
+                                         for what in (": interval", ", s")], "checked", "meshes off by, A", "B"])
     table.left = 1
     records: list[tables.Record] = []
     for scene in scenes:
         exact = exact_of(cases.scene_note[results.rows(scene=scene)[0]])
-        cells, checked = [scene, tables.number(exact, 6)], tables.NOTHING
+        cells, checks, off = [scene, tables.number(exact, 6)], set[str](), 2 * [tables.NOTHING]
         for solver, label in labels:
             rows = results.rows(scene=scene, label=label)
             if not len(rows):
-                cells += 3 * [tables.NOTHING]
+                cells += 2 * [tables.NOTHING]
                 continue
             row = int(rows[0])
             low, high, status = float(cases.lower[row]), float(cases.upper[row]), str(cases.status[row])
             # The exact value is printed to twelve digits.
             holds = low <= exact + 1e-11 and high >= exact - 1e-11
             solved = str(cases.solver_status[row])
-            word = "" if status == "ok" else f" ({'stalled' if solved == 'stalled' else style.STATUS_WORDS.get(status, status)})"
-            cells += [f"[{low:.6f}, {high:.6f}]{word}", "yes" if holds else "no",
-                      tables.number(results.prepare_seconds(row) + median(results.wall_seconds(row)).value)]
-            if cases.certified[row] == 1:
-                checked = str(cases.lower_check[row])
+            word = "stalled" if solved == "stalled" else style.STATUS_WORDS.get(status, status)
+            if np.isfinite(low) and np.isfinite(high):
+                said = ("" if status == "ok" else f" ({word})") + ("" if holds else ", misses h")
+                cells += [f"[{low:.6f}, {high:.6f}]{said}",
+                          tables.number(results.prepare_seconds(row) + median(results.wall_seconds(row)).value)]
+                if cases.certified[row] == 1:
+                    checks.add(str(cases.lower_check[row]))
+            else:
+                cells += [word, tables.NOTHING]
+            extras = results.extras(row)
+            if "mesh_a_to_surface" in extras:
+                off = [tables.number(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
+                       for m in "ab"]
             records.append({"scene": scene, "solver": solver, "label": label, "status": status, "solver_status": solved,
                             "h": exact, "lower": low, "upper": high, "holds": int(holds),
                             "lower_check": str(cases.lower_check[row]),
-                            "box_distances": int(cases.counters["box_distances"][row])})
-        table.rows.append([*cells, checked])
+                            "box_distances": int(cases.counters["box_distances"][row]),
+                            **{key: float(value) for key, value in extras.items()}})
+        table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
     table.notes = [
         "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. "
-        "'stalled': the bounds hold, but cannot close. 'checked': the witness of the certified lower bound, by code "
-        "that shares no bound with the solver.",
+        "'stalled': the bounds hold, but cannot close. 'checked': the witnesses of the certified lower bounds, by "
+        "code that shares no bound with the solvers. 'meshes off by': at most, in the worse of both directions, proven; "
+        "the intervals of 'surface meshes' are wider by that. It refuses a surface that no corner of its grid sees.",
         *[f"{scene}: {cases.scene_note[results.rows(scene=scene)[0]]}." for scene in scenes],
         f"Pictures: a slice, one voxel thick, of the voxels kept at {VOXELS} an axis by natural interval arithmetic (A "
         "black, B blue; the box is the frame), and the witness of the certified lower bound from its dot on A to B, seen "

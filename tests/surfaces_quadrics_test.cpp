@@ -4,7 +4,6 @@
 #include "quadric_reference.h"
 #include "registry.h"
 #include "session.h"
-#include "surfaces/surface_mesh.h"
 
 #include <map>
 
@@ -97,14 +96,10 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
         const Bounds published = solve("interval_subdivision", scene, 100, {{"depth", std::int64_t(5)}, {"pairs", std::string("pruned")}}).bounds;
         published_misses += published.lower > h->upper || published.upper < h->lower;
         if (done % 10 == 5) {
-            constexpr int cells = 24;
-            const TriangleMesh of_a = triangulate(a.surface(), cells), of_b = triangulate(b.surface(), cells);
-            const MeshDeviation da = deviation(a.surface(), of_a, cells), db = deviation(b.surface(), of_b, cells);
-            const Bounds meshes = solve("guthe", {of_a, of_b}, 1e-3).bounds;
-            const double low = meshes.lower - da.mesh_to_surface - db.surface_to_mesh, high = meshes.upper + da.surface_to_mesh + db.mesh_to_surface;
-            closed += high - low < 1;
-            EXPECT_LE(low, std::min(h->upper, result.bounds.upper)) << where;
-            EXPECT_GE(high, std::max(h->lower, result.bounds.lower)) << where;
+            const Bounds bridge = solve("surface_meshes", scene, 1e-3, {{"cells", std::int64_t(24)}}).bounds;
+            closed += bridge.gap() < 1;
+            EXPECT_LE(bridge.lower, std::min(h->upper, result.bounds.upper)) << where;
+            EXPECT_GE(bridge.upper, std::max(h->lower, result.bounds.lower)) << where;
         }
     }
     fmt::print("{} pairs; left out: {} empty in their box, {} not decided. Reference within {}: {}. Converged: {}. Other direction told apart: {} of {}. "
