@@ -1,4 +1,4 @@
-"""What the data say of a paper's claims: 'holds', 'does not hold' or 'not separated', worked out and never written by hand.
+"""What the data say of a paper's claims: 'holds', 'does not hold', 'not separated'. Worked out, never written by hand.
 
 'Not separated' is what few or noisy times give: the interval holds both answers.
 """
@@ -26,8 +26,8 @@ class Verdict:
     evidence: str
 
     def line(self) -> str:
-        return f"Claim: {self.claim}. Here it {self.outcome} ({self.evidence})." if self.outcome in (HOLDS, FAILS) else \
-            f"Claim: {self.claim}. Here: {self.outcome} ({self.evidence})."
+        here = "Here it" if self.outcome in (HOLDS, FAILS) else "Here:"
+        return f"Claim: {self.claim}. {here} {self.outcome} ({self.evidence})."
 
 
 def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:

@@ -54,7 +54,8 @@ def make(results: Results, out: Path) -> list[Path]:
     scenes = [str(scene) for scene in results.in_order("scene")]
     labels = [label for label in LOOKS if len(results.rows(label=label))]
     table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
-                         ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %", "answer / h, worst"],
+                         ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %",
+                          "answer / h, worst"],
                          left=2)
     records: list[tables.Record] = []
     verdicts: list[Verdict] = []
@@ -65,7 +66,8 @@ def make(results: Results, out: Path) -> list[Path]:
             known, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
             low, high = (100 * x for x in wilson(len(bad), len(known)))
-            worst = max((off(results, row) for row in bad), key=lambda x: abs(math.log(x)) if x > 0 else math.inf, default=math.nan)
+            worst = max((off(results, row) for row in bad), key=lambda x: abs(math.log(x)) if x > 0 else math.inf,
+                        default=math.nan)
             poses = len({int(results.cases.pose_index[row]) for row in rows})
             table.rows.append([scene, LOOKS[label].title, str(poses), str(seeds), f"{len(known):,}", str(len(bad)),
                                tables.number(100 * len(bad) / len(known)) if known else tables.NOTHING,
@@ -77,21 +79,24 @@ def make(results: Results, out: Path) -> list[Path]:
                          "why": str(results.cases.reason[row])} for row in rows]
     for label in labels:
         rows = [int(row) for row in results.rows(label=label)]
-        verdicts.append(never(CLAIMS[label], len(wrong(results, rows)), len(answered(results, rows)), "answers are wrong"))
+        verdicts.append(never(CLAIMS[label], len(wrong(results, rows)), len(answered(results, rows)),
+                              "answers are wrong"))
     notes = {str(results.cases.scene[row]): str(results.cases.scene_note[row]) for row in range(len(results.cases))}
     table.notes = [*[verdict.line() for verdict in verdicts],
-                   "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper bound below a "
-                   "certified lower bound of NAIVEHDD ('unsound'). 95 %: Wilson's interval for the share; answers at neighbouring "
-                   "poses are alike, so it is narrower than it should be.",
-                   "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be sqrt 3 times that "
-                   "apart), so it answers too little; NOHD leaves the loop of Algorithm 5 without cmin = 0, so it answers too much.",
+                   "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper "
+                   "bound below a certified lower bound of NAIVEHDD ('unsound'). 95 %: Wilson's interval for the "
+                   "share; answers at neighbouring poses are alike, so it is narrower than it should be.",
+                   "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be "
+                   "sqrt 3 times that apart), so it answers too little; NOHD leaves the loop of Algorithm 5 without "
+                   "cmin = 0, so it answers too much.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
     """A column a scene, by the shift between the clouds: above the share of seeds that is wrong, below by how much."""
-    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row", squeeze=False)
+    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row",
+                                squeeze=False)
     labels = [label for label in LOOKS if label.endswith("as_printed")]
     for (upper, lower), scene in zip(axes.T, scenes):
         for label in labels:
@@ -105,7 +110,8 @@ def draw(results: Results, scenes: list[str]) -> Any:
             looks = LOOKS[label]
             upper.plot(shifts, shares, color=looks.colour, linewidth=0.7, drawstyle="steps-mid")
             seen = [(x, share) for x, share in zip(shifts, shares) if share > 0]
-            upper.plot([x for x, _ in seen], [share for _, share in seen], **{**style.filled_marker(looks), "markersize": 2.8})
+            upper.plot([x for x, _ in seen], [share for _, share in seen],
+                       **{**style.filled_marker(looks), "markersize": 2.8})
             bad = wrong(results, rows)
             lower.plot([results.cases.pose[row][9] for row in bad], [off(results, row) for row in bad],
                        **{**style.open_marker(looks), "markersize": 3.2})
@@ -119,7 +125,8 @@ def draw(results: Results, scenes: list[str]) -> Any:
         lower.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5, prune="both"))
     axes[0][0].set_ylabel("wrong answers (%)")
     axes[1][0].set_ylabel("wrong answer / h")
-    style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label])) for label in labels])
+    style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
+                                for label in labels])
     return figure
 
 

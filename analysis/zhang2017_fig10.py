@@ -12,8 +12,8 @@ STEM = "zhang2017_fig10"
 
 
 def make(results: Results, out: Path) -> list[Path]:
-    return zhang_motion.make(STEM, "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017).",
-                             results, out)
+    caption = "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017)."
+    return zhang_motion.make(STEM, caption, results, out)
 
 
 if __name__ == "__main__":

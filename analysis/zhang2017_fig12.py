@@ -24,7 +24,8 @@ MOST = 6000  # points drawn of a set
 def row_of(results: Results, scene: str) -> int:
     """A row with a witness if there is one."""
     rows = [int(row) for row in results.rows(scene=scene)]
-    return next((row for row in rows if results.is_bounded(row) and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
+    return next((row for row in rows if results.is_bounded(row)
+                 and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -45,27 +46,31 @@ def make(results: Results, out: Path) -> list[Path]:
         known = results.is_bounded(row)
         status = str(cases.status[row])
         table.rows.append([
-            style.scene_title(scene), str(cases.scene_note[row]), f"{sizes[0]:,} / {sizes[1]:,}", f"{theirs[0]:,} / {theirs[1]:,}",
+            style.scene_title(scene), str(cases.scene_note[row]), f"{sizes[0]:,} / {sizes[1]:,}",
+            f"{theirs[0]:,} / {theirs[1]:,}",
             f"{low:.9g}" if known else style.STATUS_WORDS.get(status, status),
             tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
             tables.number(told.get("alpha", math.nan)), CHOSEN.get(told.get("chosen", math.nan), tables.NOTHING),
-            *[f"{cases.witness_source_element[row]}" if known else "", f"{cases.witness_target_element[row]}" if known else ""]])
+            *[str(column[row]) if known else ""
+              for column in (cases.witness_source_element, cases.witness_target_element)]])
         records.append({"scene": scene, "status": status, "source_elements": sizes[0], "target_elements": sizes[1],
                         "lower": low, "upper": float(cases.upper[row]),
                         **{f"witness_{side}_{axis}": float(points[row][i]) for side, points in
-                           (("source", cases.witness_source), ("target", cases.witness_target)) for i, axis in enumerate("xyz")},
+                           (("source", cases.witness_source), ("target", cases.witness_target))
+                           for i, axis in enumerate("xyz")},
                         **told})
     table.notes = [never("the pairs have as many points as the paper's", unlike, len(scenes), "pairs differ").line(),
-                   "α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. Witnesses: "
-                   "number of the point. In the picture: the source A, the target B, and the line between the witnesses, "
-                   f"seen from a direction in which it is not shortened; at most {MOST:,} points of a set are drawn.",
+                   "α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. "
+                   "Witnesses: number of the point. In the picture: the source A, the target B, and the line between "
+                   f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
+                   "set are drawn.",
                    f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
 
 
 def view(points: Floats, along: Floats) -> Floats:
-    """3 x 2: a plane that holds `along` and the longest direction of the points across it, turned so that the points are
-    widest to the right.
+    """3 x 2: a plane that holds `along` and the longest direction of the points across it, turned so that the points
+    are widest to the right.
     """
     centred = points - points.mean(axis=0)
     length = float(np.linalg.norm(along))
@@ -109,18 +114,20 @@ def draw(results: Results, scenes: list[str]) -> Any:
             ax.plot(*ends.T, color="white", linewidth=3.2, solid_capstyle="round", zorder=3)
             ax.plot(*ends.T, color=WITNESS, linewidth=1.3, zorder=4)
             for end, colour in zip(ends, (SOURCE, TARGET)):
-                ax.plot(*end, marker="o", markersize=4.2, markerfacecolor=colour, markeredgecolor=WITNESS, markeredgewidth=0.7,
-                        zorder=5)
+                ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
+                        markeredgewidth=0.7,                        zorder=5)
         status = str(cases.status[row])
         value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.STATUS_WORDS.get(status, status)
         if not drawn:
             value += " (points not to be had)"
-        ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} points, {value}",
+        ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "
+                     f"points, {value}",
                      fontsize=7, pad=2)
-        ax.set_aspect("equal")
+        ax.set_aspect("equal", adjustable="datalim")
     entries = [plt.Line2D([], [], label=label, marker="o", markersize=4, linestyle="none", color=colour)
                for label, colour in (("source A", SOURCE), ("target B", TARGET))]
-    entries.append(plt.Line2D([], [], label="from the witness on A to its nearest point of B", color=WITNESS, linewidth=1.3))
+    entries.append(plt.Line2D([], [], label="from the witness on A to its nearest point of B", color=WITNESS,
+                              linewidth=1.3))
     style.legend_above(figure, entries, columns=3)
     return figure
 

@@ -23,8 +23,10 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
         found.append(least_among(f"{scene} points: NOHD is fastest at depth 5 or 6", ratios,
                                  f"depth {sweep.best(scene):g}", [f"{value:g}" for value in BEST]))
     deepest = max(sweep.values, default=0.0)
-    found.append(everywhere("a greater depth than 6 makes NOHD slower", [sweep.ratio(s, deepest, 6.0) for s in sweep.scenes]))
-    found.append(everywhere("a smaller depth than 5 makes NOHD slower", [sweep.ratio(s, 1.0, 5.0) for s in sweep.scenes]))
+    found.append(everywhere("a greater depth than 6 makes NOHD slower",
+                            [sweep.ratio(scene, deepest, 6.0) for scene in sweep.scenes]))
+    found.append(everywhere("a smaller depth than 5 makes NOHD slower",
+                            [sweep.ratio(scene, 1.0, 5.0) for scene in sweep.scenes]))
     return found
 
 
@@ -33,11 +35,11 @@ def bounds(results: Results, cell: Cell) -> float:
 
 
 SPEC = zhang_sweep.Spec(
-    STEM, "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).", "depth",
-    "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, ("distances and bounds", bounds),
-    "Ratios are paired by rounds in which the depths took turns. Greater than 6 is read at the greatest depth, smaller than "
-    "5 at depth 1. Our octree is built down to single points and cut at the depth asked, so preparing it costs the same at "
-    "every depth; that of the paper is built to that depth.")
+    STEM, "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
+    "depth", "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, ("distances and bounds", bounds),
+    "Ratios are paired by rounds in which the depths took turns. Greater than 6 is read at the greatest depth, "
+    "smaller than 5 at depth 1. Our octree is built down to single points and cut at the depth asked, so preparing it "
+    "costs the same at every depth; that of the paper is built to that depth.")
 
 
 def make(results: Results, out: Path) -> list[Path]:

@@ -37,8 +37,10 @@ def collect(results: Results) -> list[Spot]:
         workload, _, size = str(scene).partition(", ")
         labels = dict.fromkeys(str(label) for label in results.cases.label[rows])
         first = int(rows[0])
-        found.append(Spot(workload, size, int(results.cases.source_elements[first] + results.cases.target_elements[first]),
-                          {label: Cell(results, [int(r) for r in results.rows(scene=scene, label=label)]) for label in labels}))
+        found.append(Spot(workload, size, int(results.cases.source_elements[first]
+                                              + results.cases.target_elements[first]),
+                          {label: Cell(results, [int(r) for r in results.rows(scene=scene, label=label)])
+                           for label in labels}))
     return found
 
 
@@ -74,7 +76,8 @@ def make(results: Results, out: Path) -> list[Path]:
     labels = [label for _, label in style.order(zip(results.cases.solver, results.cases.label))]
     workloads = list(dict.fromkeys(spot.workload for spot in spots))
     table = tables.Table("Peak memory to prepare and solve, MiB, of exact directed distances between point sets.",
-                         ["workload", "|A| + |B|", "the points themselves", *[style.look(label).title for label in labels],
+                         ["workload", "|A| + |B|", "the points themselves",
+                          *[style.look(label).title for label in labels],
                           "INC, bytes a point", "INC's queues, MiB"], left=1)
     records: list[tables.Record] = []
     for workload in workloads:
@@ -88,7 +91,8 @@ def make(results: Results, out: Path) -> list[Path]:
                 *[tables.NOTHING if label not in spot.cells else spot.cells[label].failure_text()
                   if spot.cells[label].failures else tables.number(spot.cells[label].peak / 2**20) for label in labels],
                 tables.number(inc.peak / spot.points) if inc else tables.NOTHING, tables.number(queues / 2**20)])
-            records += [{"workload": workload, "size": spot.size, "points": spot.points, "label": label, "status": cell.status(),
+            records += [{"workload": workload, "size": spot.size, "points": spot.points, "label": label,
+                         "status": cell.status(),
                          "peak_bytes": cell.peak, "median_seconds": cell.time.value,
                          "prepare_bytes": int(results.cases.prepare_bytes[cell.cases[0]]),
                          "queue_bytes": results.extras(cell.cases[0]).get("queue_bytes", math.nan)}
@@ -96,18 +100,20 @@ def make(results: Results, out: Path) -> list[Path]:
         grown = [slope([spot.points for spot in own if label in spot.cells],
                        [spot.cells[label].peak for spot in own if label in spot.cells]) for label in labels]
         table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
-    notes = {str(scene).partition(", ")[0]: str(note) for scene, note in zip(results.cases.scene, results.cases.scene_note)}
+    notes = {str(scene).partition(", ")[0]: str(note)
+             for scene, note in zip(results.cases.scene, results.cases.scene_note)}
     table.notes = [*[verdict(workload, [s for s in spots if s.workload == workload]).line() for workload in workloads],
-                   "Peak: resident set less that before preparing, so the points themselves are not in it; in pages of 4 KiB, and "
-                   "0 where what loading left free was enough: below 1 MiB (grey) it says little. The exponent is of the least squares "
-                   "line through the logarithms of what is above. Zhang et al. print no memory: the claim is what INC's queue "
-                   "for every entry of its heap suggests.",
+                   "Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
+                   "of 4 KiB, and 0 where what loading left free was enough: below 1 MiB (grey) it says little. The "
+                   "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
+                   "no memory: the claim is what INC's queue for every entry of its heap suggests.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption)
 
 
 def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
-    figure, axes = plt.subplots(1, max(1, len(workloads)), figsize=(style.DOUBLE_COLUMN, 2.5), sharey=True, squeeze=False)
+    figure, axes = plt.subplots(1, max(1, len(workloads)), figsize=(style.DOUBLE_COLUMN, 2.5), sharey=True,
+                                squeeze=False)
     for ax, workload in zip(axes[0], workloads):
         own = [spot for spot in spots if spot.workload == workload]
         ends = [min(s.points for s in own), max(s.points for s in own)]
@@ -131,8 +137,10 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
     axes[0][0].set_ylim(min(peaks) / 2, max(peaks) * 2)
     axes[0][0].set_ylabel("peak memory (MiB)")
     entries = [plt.Line2D([], [], label=style.look(label).title, linewidth=0.7,
-                          **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line}) for label in labels]
-    entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1))))
+                          **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
+               for label in labels]
+    entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
+                              linestyle=(0, (1, 1))))
     style.legend_above(figure, entries)
     return figure
 

@@ -40,8 +40,8 @@ class Step:
 
 def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
     """(1/p, mean of the draws that each point has to expect), if cmax were `distance` from the start. B is shuffled, so
-    steps are draws without replacement: (m + 1) / (k + 1) of them to the first of k points that are near enough, and all
-    m where there is none. O(|A| |B|).
+    steps are draws without replacement: (m + 1) / (k + 1) of them to the first of k points that are near enough, and
+    all m where there is none. O(|A| |B|).
     """
     m = len(b)
     near = np.zeros(len(a))
@@ -85,25 +85,30 @@ def collect(results: Results) -> list[Step]:
 def make(results: Results, out: Path) -> list[Path]:
     steps = collect(results)
     scenes = list(dict.fromkeys(step.scene for step in steps))
-    table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, and "
-                         "counted.", ["pair", "shift", "h(A, B)", "counted", "1/mean p (Eq. 7, c = 1)", "counted / (1/mean p)",
+    table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, "
+                         "and counted.", ["pair", "shift", "h(A, B)", "counted", "1/mean p (Eq. 7, c = 1)",
+                                      "counted / (1/mean p)",
                                       "mean of 1/p", "counted / mean of 1/p"], left=1)
     records: list[tables.Record] = []
     for scene in scenes:
         table.rules.add(len(table.rows))
         for step in [step for step in steps if step.scene == scene]:
-            table.rows.append([scene, tables.number(step.shift), tables.number(step.distance, 4), tables.estimate(step.counted),
+            table.rows.append([scene, tables.number(step.shift), tables.number(step.distance, 4),
+                               tables.estimate(step.counted),
                                tables.number(step.expected), tables.number(step.counted.value / step.expected),
                                tables.number(step.by_point), tables.number(step.counted.value / step.by_point)])
             records.append({"scene": scene, "shift": step.shift, "distance": step.distance, "n": step.counted.n,
-                            "counted": step.counted.value, "counted_low": step.counted.low, "counted_high": step.counted.high,
+                            "counted": step.counted.value, "counted_low": step.counted.low,
+                            "counted_high": step.counted.high,
                             "expected": step.expected, "by_point": step.by_point, "c": step.c})
-    table.notes = [*[verdict.line() for scene in scenes for verdict in verdicts([s for s in steps if s.scene == scene])],
-                   f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} seeds with "
-                   "order-statistic intervals. 1/mean p: the mean is the share of all pairs that are nearer than h, as if cmax were h "
-                   "from the start. Mean of 1/p: the same for each point of A on its own, drawn without replacement, then "
-                   "averaged: 1/p of an average is less than the average of 1/p, which Eq. 6 passes over. Of A at most "
-                   f"{MOST:,} points are looked at. A dash: the program that writes out the points was not there.",
+    claims = [verdict for scene in scenes for verdict in verdicts([step for step in steps if step.scene == scene])]
+    table.notes = [*[verdict.line() for verdict in claims],
+                   f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} "
+                   "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
+                   "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
+                   "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
+                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the program that "
+                   "writes out the points was not there.",
                    f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption)
 
@@ -121,8 +126,8 @@ def verdicts(steps: list[Step]) -> list[Verdict]:
     values = [step.c for step in known]
     tau, chance = kendall([step.distance for step in known], values)
     found.append(Verdict(claim, FAILS if chance <= 0.05 else OPEN,
-                         f"c from {tables.number(min(values))} to {tables.number(max(values))}; with h, Kendall's tau {tau:.2f}, "
-                         f"p = {tables.number(chance, 2)}"))
+                         f"c from {tables.number(min(values))} to {tables.number(max(values))}; with h, Kendall's tau "
+                         f"{tau:.2f}, p = {tables.number(chance, 2)}"))
     return found
 
 
@@ -143,7 +148,8 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
         style.log_ticks(ax.yaxis)
     axes[0][0].set_ylabel("inner steps for a point of A")
-    entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7, **{**style.filled_marker(counted), "linestyle": "-"}),
+    entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
+                          **{**style.filled_marker(counted), "linestyle": "-"}),
                *[plt.Line2D([], [], label=looks.title, color=looks.colour, linestyle=looks.line, linewidth=0.9)
                  for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
     style.legend_above(figure, entries)

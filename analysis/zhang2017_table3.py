@@ -41,7 +41,7 @@ def make(results: Results, out: Path) -> list[Path]:
     unit, scale = tables.time_unit(cell.time.value for cell in cells.values())
     table = tables.Table(
         f"Time to prepare and solve, {unit}, of exact directed Hausdorff distances between point sets, measured here "
-        f"and as printed in Table 3 of Zhang et al. 2017.",
+        "and as printed in Table 3 of Zhang et al. 2017.",
         ["scene", "", "|A| / |B|", *[style.look(*pair).title for pair in labels],
          *[ratio_title(*pair) for pair in RATIOS]], left=2)
     records: list[tables.Record] = []
@@ -73,7 +73,8 @@ def make(results: Results, out: Path) -> list[Path]:
                                 "status": cell.status(),
                                 "n": cell.time.n, "median_seconds": cell.time.value, "low_seconds": cell.time.low,
                                 "high_seconds": cell.time.high, "coverage": cell.time.coverage,
-                                "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "solve_cpu_median_seconds": cpu.value,
+                                "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
+                                "solve_cpu_median_seconds": cpu.value,
                                 "paper_seconds": float(paper.get(label, np.nan)), "lower": cell.interval.lower,
                                 "upper": cell.interval.upper, **cell.counters})
     claims = [everywhere(f"the framework takes less time than {style.look(slow).title}", speedups[slow, fast])

@@ -141,11 +141,11 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
     reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],
-                   f"Brackets: over poses (95 % where their number allows). Each pose is timed {' or '.join(map(str, counts))} "
-                   "times; the band in the figure is the interval of their median. α is the overlap of the boxes, as a "
-                   "fraction of the smaller one.",
-                   "Structures are built once in A's frame and serve every pose; their building is not in these times. "
-                   "From the ledger of the result: " + (" ".join(reused) or "nothing."),
+                   "Brackets: over poses (95 % where their number allows). Each pose is timed "
+                   f"{' or '.join(map(str, counts))} times; the band in the figure is the interval of their median. α "
+                   "is the overlap of the boxes, as a fraction of the smaller one.",
+                   "Structures are built once in A's frame and serve every pose; their building is not in these "
+                   "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
     figure = draw(motions, labels, reused)
     return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption)

@@ -1,4 +1,4 @@
-"""Tables 1 and 2 of Zhang et al. 2017 have one form: pairs of random clouds, a solver with and without one of its parts."""
+"""Tables 1 and 2 of Zhang et al. 2017 have one form: pairs of random clouds, a solver with and without a part of it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Spec:
 
 
 class Pair:
-    """One scene. Both variants are prepared with the same structure, built once for each: both are given the shorter time."""
+    """One scene. Both variants are prepared with one structure, built once for each: both get the shorter time."""
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
         cases = results.cases
@@ -105,9 +105,9 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                             **{header: value for header, _, value in extra}, **cell.counters})
     verdicts = verdicts_of(spec, pairs)
     table.notes = [*[verdict.line() for verdict in verdicts],
-                   f"Ratio: without / with {spec.part}; paired by rounds in which the solvers took turns. The structure "
-                   "that both are prepared with is the same, so both are given the shorter of its two times. Work: "
-                   "distances, bounds and nodes that a solver counts; the same on every machine.",
+                   f"Ratio: without / with {spec.part}; paired by rounds in which the solvers took turns. The "
+                   "structure that both are prepared with is the same, so both are given the shorter of its two "
+                   "times. Work: distances, bounds and nodes that a solver counts; the same on every machine.",
                    tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values()), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
     return tables.save(table, records, out, spec.stem) + style.save(draw(spec, pairs, papers, shown), out, spec.stem,

@@ -1,4 +1,4 @@
-"""Figures 8 and 9 of Zhang et al. 2017 have one form: the time of a solver against one of its parameters, on some pairs."""
+"""Figures 8 and 9 of Zhang et al. 2017 have one form: the time of a solver against one of its parameters."""
 
 from __future__ import annotations
 

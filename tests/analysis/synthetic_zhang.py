@@ -8,8 +8,8 @@ from synthetic import ResultFile, spread, without_bounds
 
 
 def pairs(stem: str, without: str, options: dict[str, Any], solver: str) -> ResultFile:
-    """Known: without the part 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4, pair 5 timed out; the preparation of one
-    of the two variants was slow by accident.
+    """Known: without the part 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4, pair 5 timed out; the
+    preparation of one of the two variants was slow by accident.
     """
     file = ResultFile(stem)
     for k, ratio in enumerate((1.5, 2.0, 2.0, 1.0, 2.0), start=1):
@@ -42,7 +42,7 @@ def table2() -> ResultFile:
 
 
 def fig8() -> ResultFile:
-    """Known: on '3K' depth 5 takes 1 ms and any other 2 ms; on '9K' depth 2 takes half as long; depth 9 timed out there."""
+    """Known: on '3K' depth 5 takes 1 ms, any other 2 ms; on '9K' depth 2 takes half as long, and depth 9 timed out."""
     file = ResultFile("zhang2017_fig8")
     for scene in ("3K", "9K"):
         for depth in (1, 2, 5, 6, 9):
@@ -63,7 +63,8 @@ def fig9() -> ResultFile:
     for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
         for seed in range(1, 8):
             wobble = 1 + 0.02 * ((seed * int(value * 10000)) % 7 - 3) if factor < 2 else 1.0
-            file.case("ohd", "4K", [0.001 * factor * wobble], options={"lambda": value, "seed": seed}, lower=0.5, upper=0.5,
+            file.case("ohd", "4K", [0.001 * factor * wobble], options={"lambda": value, "seed": seed}, lower=0.5,
+                      upper=0.5,
                       source_elements=1000, extras=f'{{"culled": {900 - 1000 * value}}}', prepare_seconds=0.0)
     return file
 
@@ -103,7 +104,8 @@ def fig11() -> ResultFile:
 def fig12() -> ResultFile:
     """Known: pears of the paper's size, of which OHD was chosen; the cow timed out."""
     file = ResultFile("zhang2017_fig12")
-    file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754, lower=0.25,
+    file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754,
+              lower=0.25,
               upper=0.25, source_diagonal=2.0, witness_source=[0.0, 0.0, 0.0], witness_target=[0.0, 0.25, 0.0],
               witness_source_element=7, witness_target_element=9, extras='{"chosen": 2.0, "alpha": 0.75}',
               scene_note="oranges")
@@ -112,8 +114,8 @@ def fig12() -> ResultFile:
 
 
 def steps() -> ResultFile:
-    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p is
-    5, the mean by points 3; counted are 6 steps a point, at the last pose 3.
+    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p
+    is 5, the mean by points 3; counted are 6 steps a point, at the last pose 3.
     """
     file = ResultFile("zhang2017_steps")
     for pose in range(5):
@@ -135,7 +137,8 @@ def as_printed() -> ResultFile:
         for seed in (1, 2, 3):
             bad = (pose, seed) == (1, 2)
             if (pose, seed) == (2, 3):
-                file.case("ohd_as_printed", "clouds", options={"seed": seed}, **without_bounds("timeout", "10 s", common))
+                file.case("ohd_as_printed", "clouds", options={"seed": seed},
+                          **without_bounds("timeout", "10 s", common))
             else:
                 answer = 1.8 if bad else 2.0
                 file.case("ohd_as_printed", "clouds", [0.1], options={"seed": seed}, lower=answer, upper=answer,
@@ -145,10 +148,11 @@ def as_printed() -> ResultFile:
 
 
 def memory() -> ResultFile:
-    """Known: INC's memory grows as n^1.5 from 2 MiB at 10K points each; a k-d tree needs 8 MiB at 100K; scan crashed."""
+    """Known: INC's memory grows as n^1.5 from 2 MiB at 10K points each; a k-d tree needs 8 MiB at 1M; scan crashed."""
     file = ResultFile("zhang2017_memory")
     for size, n, peak in (("10K", 10_000, 2 * 2**20), ("1M", 1_000_000, 2000 * 2**20)):
-        common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5, "upper": 0.5}
+        common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5,
+                                  "upper": 0.5}
         file.case("inc", f"similar, {size}", [0.1], peak_bytes=peak, extras=f'{{"queue_bytes": {peak / 2}}}', **common)
         file.case("kdtree", f"similar, {size}", [0.1], peak_bytes=4096 if n < 20_000 else 8 * 2**20, **common)
         file.case("scan", f"similar, {size}", **without_bounds("signal", "SIGSEGV", common))
@@ -156,5 +160,6 @@ def memory() -> ResultFile:
 
 
 STEMS = {"zhang2017_fig12": fig12, "zhang2017_steps": steps, "zhang2017_as_printed": as_printed,
-         "zhang2017_memory": memory, "zhang2017_fig8": fig8, "zhang2017_fig9": fig9, "zhang2017_fig10": fig10, "zhang2017_fig11": fig11,
+         "zhang2017_memory": memory, "zhang2017_fig8": fig8, "zhang2017_fig9": fig9, "zhang2017_fig10": fig10,
+         "zhang2017_fig11": fig11,
          "zhang2017_table1": table1, "zhang2017_table2": table2}
