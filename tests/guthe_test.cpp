@@ -1,4 +1,5 @@
 // What guthe's parameters are for: without certification little changes, with the textbook kernel bounds go wrong.
+#include "kernel/rounding.h"
 #include "reference.h"
 #include "registry.h"
 #include "scenes.h"
@@ -29,6 +30,35 @@ TEST(Guthe, CertificationChangesBoundsByRoundingOnly) {
         EXPECT_NEAR(with.bounds.upper, without.bounds.upper, 1e-6);
         EXPECT_GE(with.bounds.upper, without.bounds.lower);
         EXPECT_LE(with.bounds.lower, without.bounds.upper);
+    }
+}
+
+// A tolerance below what doubles can certify: the status says so, the bounds are as tight as rounding allows, and hold.
+TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
+    Random random(4);
+    for (const double offset : {0.0, 1e8}) {
+        const Vec3 far(offset, -offset, offset);
+        const auto moved = [&](TriangleMesh mesh) {
+            mesh.vertices.rowwise() += far.transpose();
+            return mesh;
+        };
+        for (int i = 0; i < 10; ++i) {
+            const Scene scene{moved(soup(cloud(random, 12))), moved(soup(cloud(random, 3 * (2 + 10 * i))))};
+            const auto& source = std::get<TriangleMesh>(scene.source);
+            const double unit = unit_roundoff * std::max(magnitude(source.vertices), magnitude(points_of(scene.target)));
+            const Result result = solve(scene, 1e-3 * unit, {});
+            EXPECT_EQ(to_string(result.status), "precision_floor") << i;
+            EXPECT_GT(result.bounds.gap(), 1e-3 * unit);
+            EXPECT_LT(result.bounds.gap(), 400 * unit) << "the floor is higher than rounding";
+            const auto [low, high] = MeshReference(std::get<TriangleMesh>(scene.target))
+                                         .hausdorff(source.vertices, source.triangles, 1e-7L);
+            EXPECT_LE(result.bounds.lower, high);
+            EXPECT_GE(result.bounds.upper, low);
+        }
+        const Scene same{moved(soup(cloud(random, 90))), moved(soup(cloud(random, 90)))};
+        const Scene identical{same.source, same.source};
+        EXPECT_EQ(to_string(solve(identical, 1e-20, {}).status), "precision_floor");
+        EXPECT_EQ(to_string(solve(identical, 1e-9 * std::max(1.0, offset), {}).status), "converged");
     }
 }
 

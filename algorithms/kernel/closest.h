@@ -21,7 +21,8 @@ struct ClosestHints {
     // Early-out: stop as soon as some triangle is at most this far (squared); the answer is then that triangle, not the
     // closest one. Negative: never.
     double squared_enough = -1;
-    // Looked at first, to start with a small radius; -1 for none. Without early-out the answer is the same bits.
+    // Looked at first, if it seems near, to start with a small radius; -1 for none. Without early-out the answer is the same
+    // bits.
     Index warm_triangle = -1;
 };
 

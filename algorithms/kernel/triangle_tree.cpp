@@ -42,7 +42,8 @@ HWY_INLINE void offer_block(const Vec3& point, const TriangleBlock& block, Close
 }
 
 // `first_leaf`: that of the hint, or negative. A hint that turns out farther than the size of a triangle is as good as
-// none: searching with such a radius takes longer than finding a better leaf.
+// none: searching with such a radius takes longer than finding a better leaf. Where one corner is farther than twice that,
+// the leaf is not even looked at.
 void tree_closest(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double squared_enough,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
     const LocalPoint p(tree.frame, point);
@@ -50,10 +51,13 @@ void tree_closest(const WideTree& tree, const TriangleBlock* blocks, const Vec3&
     bool searched = false;
     if (first_leaf >= 0) {
         const TriangleBlock& block = blocks[first_leaf];
-        offer_block(point, block, best, counters);
-        if (enough()) return;
         const Triangle triangle = block.at(0);
-        searched = best.squared_distance <= squared_length(triangle.b - triangle.a);
+        const double squared_size = squared_length(triangle.b - triangle.a);
+        if (squared_length(point - triangle.a) <= 4 * squared_size) {
+            offer_block(point, block, best, counters);
+            if (enough()) return;
+            searched = best.squared_distance <= squared_size;
+        }
     }
     const std::size_t first = searched ? static_cast<std::size_t>(first_leaf) : dive(tree, p, counters.node_visits);
     if (!searched) offer_block(point, blocks[first], best, counters);
