@@ -12,9 +12,13 @@ namespace {
 
 constexpr int boxes_at_most = 1000000;
 
-Interval value_at(const Polynomial& f, const Vec3& p) { return f.natural({Interval(p[0]), Interval(p[1]), Interval(p[2])}); }
+Interval value_at(const Polynomial& f, const Vec3& p) {
+    return f.natural({Interval(p[0]), Interval(p[1]), Interval(p[2])});
+}
 
-bool changes_sign(const Interval& a, const Interval& b) { return (a.sup() <= 0 && b.inf() >= 0) || (a.inf() >= 0 && b.sup() <= 0); }
+bool changes_sign(const Interval& a, const Interval& b) {
+    return (a.sup() <= 0 && b.inf() >= 0) || (a.inf() >= 0 && b.sup() <= 0);
+}
 
 // No farther than this from p along axis k is a point of the surface that is proven between `low` and `high`, where the
 // polynomial changes its sign; bisected as long as signs are certain, since every bit of it is taken off the solver's bound.
@@ -25,9 +29,12 @@ double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k)
         middle[k] = 0.5 * (low[k] + high[k]);
         if (!(middle[k] > low[k] && middle[k] < high[k])) break;
         const Interval value = value_at(f, middle);
-        if (changes_sign(at_low, value)) high = middle;
-        else if (changes_sign(value, value_at(f, high))) low = middle;
-        else break;
+        if (changes_sign(at_low, value))
+            high = middle;
+        else if (changes_sign(value, value_at(f, high)))
+            low = middle;
+        else
+            break;
     }
     return std::max(high[k] - p[k], p[k] - low[k]);
 }
@@ -91,7 +98,8 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
         if (least.inf() >= spread) return Found::nothing;
     }
 
-    if (CGAL::sqrt(far).sup() < lower && changes_sign(value_at(f.polynomial(), box.low), value_at(f.polynomial(), box.high))) {
+    if (CGAL::sqrt(far).sup() < lower &&
+        changes_sign(value_at(f.polynomial(), box.low), value_at(f.polynomial(), box.high))) {
         shown = CGAL::sqrt(far).sup();
         return Found::near;
     }
@@ -100,7 +108,8 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
 
 }  // namespace
 
-Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p, double& shown) {
+Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p,
+                            double& shown) {
     const UpwardRounding upward;
     shown = 0;
     const auto e = off_surface(Polynomial(source.polynomial), {source.box.row(0), source.box.row(1)}, p);

@@ -12,6 +12,7 @@ namespace hausbench {
 
 // `holds`; `unsound` where p is no proven point of A or B has a proven point nearer than `lower`, which `shown` is then (0 in
 // the first case); `not_checked` where a million boxes do not settle it.
-Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p, double& shown);
+Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p,
+                            double& shown);
 
 }  // namespace hausbench

@@ -51,7 +51,9 @@ struct Quadric {
     }
 };
 
-inline std::string linear_text(const Vec3& n, double d) { return fmt::format("(({})*x + ({})*y + ({})*z + ({}))", n[0], n[1], n[2], d); }
+inline std::string linear_text(const Vec3& n, double d) {
+    return fmt::format("(({})*x + ({})*y + ({})*z + ({}))", n[0], n[1], n[2], d);
+}
 
 // One of eleven kinds in turn; all numbers are multiples of 1/8, so that text and coefficients mean the same polynomial.
 inline Quadric random_quadric(Random& random, int kind) {
@@ -64,7 +66,8 @@ inline Quadric random_quadric(Random& random, int kind) {
             n[i] = Vec3(eighths(-10, 10), eighths(-10, 10), eighths(-10, 10));
             d[i] = eighths(-12, 12);
         }
-    } while (std::abs(n[0].dot(n[1].cross(n[2]))) < 0.4 * n[0].norm() * n[1].norm() * n[2].norm() || std::min({n[0].norm(), n[1].norm(), n[2].norm()}) < 0.5);
+    } while (std::abs(n[0].dot(n[1].cross(n[2]))) < 0.4 * n[0].norm() * n[1].norm() * n[2].norm() ||
+             std::min({n[0].norm(), n[1].norm(), n[2].norm()}) < 0.5);
     for (int k = 0; k < 3; ++k) q.low[k] = eighths(-16, -8), q.high[k] = eighths(8, 16);
     const auto square = [&](int i) { return linear_text(n[i], d[i]) + "^2"; };
     struct Kind {
@@ -73,11 +76,17 @@ inline Quadric random_quadric(Random& random, int kind) {
         int linear;      // sign of the last form, taken plainly
         double constant;
     };
-    static constexpr Kind kinds[] = {
-        {"ellipsoid", {1, 1, 1}, 0, -1},          {"hyperboloid of one sheet", {1, 1, -1}, 0, -0.5}, {"hyperboloid of two sheets", {1, -1, -1}, 0, -0.125},
-        {"cone", {1, 1, -1}, 0, 0},               {"elliptic paraboloid", {1, 1, 0}, -1, 0},         {"hyperbolic paraboloid", {1, -1, 0}, -1, 0},
-        {"elliptic cylinder", {1, 1, 0}, 0, -1},  {"hyperbolic cylinder", {1, -1, 0}, 0, -0.5},      {"parabolic cylinder", {1, 0, 0}, -1, 0},
-        {"parallel planes", {1, 0, 0}, 0, -0.25}, {"crossing planes", {0, 0, 0}, 0, 0}};
+    static constexpr Kind kinds[] = {{"ellipsoid", {1, 1, 1}, 0, -1},
+                                     {"hyperboloid of one sheet", {1, 1, -1}, 0, -0.5},
+                                     {"hyperboloid of two sheets", {1, -1, -1}, 0, -0.125},
+                                     {"cone", {1, 1, -1}, 0, 0},
+                                     {"elliptic paraboloid", {1, 1, 0}, -1, 0},
+                                     {"hyperbolic paraboloid", {1, -1, 0}, -1, 0},
+                                     {"elliptic cylinder", {1, 1, 0}, 0, -1},
+                                     {"hyperbolic cylinder", {1, -1, 0}, 0, -0.5},
+                                     {"parabolic cylinder", {1, 0, 0}, -1, 0},
+                                     {"parallel planes", {1, 0, 0}, 0, -0.25},
+                                     {"crossing planes", {0, 0, 0}, 0, 0}};
     const Kind& k = kinds[kind % 11];
     q.kind = k.name;
     if (q.kind == "crossing planes") {

@@ -34,15 +34,19 @@ Quadric diagonal(const Vec3& form, const Vec3& linear, double constant) {
 TEST(QuadricReference, HoldsWhatIsKnown) {
     const Vec3 none = Vec3::Zero(), up(0, 0, 1);
     const Quadric ball = diagonal(Vec3::Ones(), none, -1), large = diagonal(Vec3::Ones(), none, -2.25);
-    const Quadric cone_1 = diagonal({0.25, 0.25, -1.0 / 9}, none, 0), cone_2 = diagonal({0.0625, 0.25, -1.0 / 9}, none, 0);
+    const Quadric cone_1 = diagonal({0.25, 0.25, -1.0 / 9}, none, 0),
+                  cone_2 = diagonal({0.0625, 0.25, -1.0 / 9}, none, 0);
     const Quadric plane = diagonal(none, up, 0), above = diagonal(none, up, -0.5);
     struct Known {
         Quadric a, b;
         double h, precision;
     };
-    const Known known[] = {{cone_1, cone_2, 0.79885958582385, 0.02}, {cone_2, cone_1, std::sqrt(43.0) / 3 - 4.0 / 3, 0.02},
-                           {plane, ball, std::sqrt(8.0) - 1, 0.02},  {ball, plane, 1, 0.02},
-                           {ball, large, 0.5, 0.15},                 {plane, above, 0.5, 0.15}};  // constant over A: much to look at
+    const Known known[] = {{cone_1, cone_2, 0.79885958582385, 0.02},
+                           {cone_2, cone_1, std::sqrt(43.0) / 3 - 4.0 / 3, 0.02},
+                           {plane, ball, std::sqrt(8.0) - 1, 0.02},
+                           {ball, plane, 1, 0.02},
+                           {ball, large, 0.5, 0.15},
+                           {plane, above, 0.5, 0.15}};  // constant over A: much to look at
     for (std::size_t i = 0; i < std::size(known); ++i) {
         const auto& [a, b, h, precision] = known[i];
         const auto range = quadric_reference::hausdorff(a, b, precision, 20000);
@@ -87,13 +91,16 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
             ++converged;
             EXPECT_LE(result.bounds.gap(), tolerance) << where;
         } else {
-            fmt::print("{}: [{}, {}], {} {}\n", where, result.bounds.lower, result.bounds.upper, to_string(result.status), result.note);
+            fmt::print("{}: [{}, {}], {} {}\n", where, result.bounds.lower, result.bounds.upper,
+                       to_string(result.status), result.note);
         }
         if (done % 10 == 0) {  // the other direction is another number, which this test would notice
             const Result other = solve("surface_enclosure", {b.surface(), a.surface()}, tolerance);
             swapped_apart += other.bounds.lower > h->upper || other.bounds.upper < h->lower;
         }
-        const Bounds published = solve("interval_subdivision", scene, 100, {{"depth", std::int64_t(5)}, {"pairs", std::string("pruned")}}).bounds;
+        const Bounds published =
+            solve("interval_subdivision", scene, 100, {{"depth", std::int64_t(5)}, {"pairs", std::string("pruned")}})
+                .bounds;
         published_misses += published.lower > h->upper || published.upper < h->lower;
         if (done % 10 == 5) {
             const Bounds bridge = solve("surface_meshes", scene, 1e-3, {{"cells", std::int64_t(24)}}).bounds;
@@ -102,9 +109,12 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
             EXPECT_GE(bridge.upper, std::max(h->lower, result.bounds.lower)) << where;
         }
     }
-    fmt::print("{} pairs; left out: {} empty in their box, {} not decided. Reference within {}: {}. Converged: {}. Other direction told apart: {} of {}. "
-               "Published interval refuted: {}. Bridge within 1: {} of {}.\n",
-               done, empty, unknown, precision, sharp, converged, swapped_apart, pairs / 10, published_misses, closed, pairs / 10);
+    fmt::print(
+        "{} pairs; left out: {} empty in their box, {} not decided. Reference within {}: {}. Converged: {}. Other "
+        "direction told apart: {} of {}. "
+        "Published interval refuted: {}. Bridge within 1: {} of {}.\n",
+        done, empty, unknown, precision, sharp, converged, swapped_apart, pairs / 10, published_misses, closed,
+        pairs / 10);
     for (const auto& [kind, count] : kinds) fmt::print("  {} {}\n", count, kind);
     EXPECT_EQ(kinds.size(), 11u);
     EXPECT_LE(unknown, 5);

@@ -22,12 +22,14 @@ AlgebraicSurface surface(const std::string& polynomial, double size = 2) {
 const AlgebraicSurface cone_1 = surface("x^2/4 + y^2/4 - z^2/9"), cone_2 = surface("x^2/16 + y^2/4 - z^2/9");
 const double h_cones = 0.79885958582385, true_h = std::sqrt(43.0) / 3 - 4.0 / 3;
 
-Session session_of(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b, const ParameterMap& given = {}) {
+Session session_of(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b,
+                   const ParameterMap& given = {}) {
     const SolverEntry& entry = find_solver(solver);
     return Session(entry, Options(entry.info.name, entry.info.parameters, given), {a, b}, {});
 }
 
-Result solve(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b, double tolerance, const ParameterMap& given = {}, double seconds = 10) {
+Result solve(const std::string& solver, const AlgebraicSurface& a, const AlgebraicSurface& b, double tolerance,
+             const ParameterMap& given = {}, double seconds = 10) {
     Query query;
     query.tolerance = {Tolerance::Of::absolute, tolerance};
     query.time_limit = seconds;
@@ -72,21 +74,25 @@ TEST(IntervalSubdivision, PruningChangesNoBitAndSavesAThousandfold) {
         EXPECT_EQ(all.lower, pruned.lower) << form;
         EXPECT_EQ(all.upper, pruned.upper) << form;
     }
-    const AlgebraicSurface sphere = surface("(x - 1/3)^2 + y^2 + z^2 - 2"), torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
+    const AlgebraicSurface sphere = surface("(x - 1/3)^2 + y^2 + z^2 - 2"),
+                           torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
     for (const auto& [a, b] : {std::pair{sphere, torus}, {torus, sphere}, {cone_1, sphere}, {sphere, sphere}}) {
-        const Result all = solve("interval_subdivision", a, b, 100, subdivision(5, "all")), pruned = solve("interval_subdivision", a, b, 100, subdivision(5, "pruned"));
+        const Result all = solve("interval_subdivision", a, b, 100, subdivision(5, "all")),
+                     pruned = solve("interval_subdivision", a, b, 100, subdivision(5, "pruned"));
         EXPECT_EQ(all.bounds.lower, pruned.bounds.lower);
         EXPECT_EQ(all.bounds.upper, pruned.bounds.upper);
     }
     for (const auto& [a, b] : {std::pair{cone_1, cone_2}, {cone_2, cone_1}}) {
-        const Result all = solve("interval_subdivision", a, b, 100, subdivision(6, "all")), pruned = solve("interval_subdivision", a, b, 100, subdivision(6, "pruned"));
+        const Result all = solve("interval_subdivision", a, b, 100, subdivision(6, "all")),
+                     pruned = solve("interval_subdivision", a, b, 100, subdivision(6, "pruned"));
         EXPECT_GE(all.counters.box_distances, 1000 * pruned.counters.box_distances);
     }
 }
 
 TEST(IntervalSubdivision, MissesWhereVoxelsHoldNoSurface) {
     // Kept by rounding alone: the published lower end takes such voxels for points of the source.
-    const AlgebraicSurface almost = surface("(z^2 - 1/4)*(x^2 + y^2 + (z - 1)^2 + 1/1000)"), plane = surface("z^2 - 1/4");
+    const AlgebraicSurface almost = surface("(z^2 - 1/4)*(x^2 + y^2 + (z - 1)^2 + 1/1000)"),
+                           plane = surface("z^2 - 1/4");
     const Result result = solve("interval_subdivision", almost, plane, 100, subdivision(6, "pruned"));
     const Result certified = solve("surface_enclosure", almost, plane, 1e-3);
     EXPECT_GT(result.bounds.lower, certified.bounds.upper);
@@ -132,7 +138,8 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
         const Result result = solve("surface_enclosure", k.a, k.b, k.tolerance);
         EXPECT_LE(result.bounds.lower, k.h * (1 + 1e-14) + 1e-15) << k.name;
         EXPECT_GE(result.bounds.upper, k.h * (1 - 1e-14) - 1e-15) << k.name;
-        EXPECT_EQ(to_string(result.status), "converged") << k.name << ", gap " << result.bounds.gap() << ", " << result.note;
+        EXPECT_EQ(to_string(result.status), "converged")
+            << k.name << ", gap " << result.bounds.gap() << ", " << result.note;
     }
 }
 
@@ -157,20 +164,22 @@ TEST(MeshBridge, OverlapsWithTheEnclosure) {
         EXPECT_GE(bridge.bounds.upper, enclosed.bounds.lower) << k.name;
         narrow += bridge.bounds.gap() < 1;
         const auto number = [&](const char* name) { return bridge.extras.at(name).at(0); };
-        const double wide = number("mesh_upper") - number("mesh_lower") + number("mesh_a_to_surface") + number("surface_to_mesh_a") +
-                            number("mesh_b_to_surface") + number("surface_to_mesh_b");
+        const double wide = number("mesh_upper") - number("mesh_lower") + number("mesh_a_to_surface") +
+                            number("surface_to_mesh_a") + number("mesh_b_to_surface") + number("surface_to_mesh_b");
         EXPECT_LE(bridge.bounds.gap(), wide * (1 + 1e-12)) << k.name;
         EXPECT_GE(number("triangles_a"), 100) << k.name;
-        std::printf("%-34s [%.4f, %.4f], meshes [%.4f, %.4f], A %.1e and %.1e, B %.1e and %.1e\n", k.name.c_str(), bridge.bounds.lower,
-                    bridge.bounds.upper, number("mesh_lower"), number("mesh_upper"), number("mesh_a_to_surface"), number("surface_to_mesh_a"),
-                    number("mesh_b_to_surface"), number("surface_to_mesh_b"));
+        std::printf("%-34s [%.4f, %.4f], meshes [%.4f, %.4f], A %.1e and %.1e, B %.1e and %.1e\n", k.name.c_str(),
+                    bridge.bounds.lower, bridge.bounds.upper, number("mesh_lower"), number("mesh_upper"),
+                    number("mesh_a_to_surface"), number("surface_to_mesh_a"), number("mesh_b_to_surface"),
+                    number("surface_to_mesh_b"));
     }
     EXPECT_GE(narrow, 10);
 }
 
 TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
     const AlgebraicSurface ball = surface("x^2 + y^2 + z^2 - 1"), square = surface("(x^2 + y^2 + z^2 - 1)^2");
-    const Result coarse = solve("surface_meshes", ball, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3, {{"cells", std::int64_t(8)}});
+    const Result coarse =
+        solve("surface_meshes", ball, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3, {{"cells", std::int64_t(8)}});
     EXPECT_EQ(coarse.status, Status::stalled);
     EXPECT_NE(coarse.note.find("cells"), std::string::npos) << coarse.note;
     EXPECT_THROW(solve("surface_meshes", ball, square, 1e-3), InputError);
@@ -213,7 +222,8 @@ TEST(SurfaceSolvers, WithoutChangeOfSignTheyStallAndHold) {
 }
 
 TEST(SurfaceSolvers, RefuseWhatIsEmpty) {
-    const AlgebraicSurface empty = surface("x^2 + y^2 + z^2 + 1"), outside = surface("x - 3"), ball = surface("x^2 + y^2 + z^2 - 1");
+    const AlgebraicSurface empty = surface("x^2 + y^2 + z^2 + 1"), outside = surface("x - 3"),
+                           ball = surface("x^2 + y^2 + z^2 - 1");
     for (const char* solver : {"interval_subdivision", "surface_enclosure"}) {
         for (const AlgebraicSurface& none : {empty, outside}) {
             for (const bool source : {true, false}) {
@@ -245,7 +255,8 @@ TEST(SurfaceSolvers, KeepTheContract) {
                 if (entry.info.certified) {
                     EXPECT_LE(result.bounds.lower, k.h + 1e-15) << where;
                     EXPECT_GE(result.bounds.upper, k.h * (1 - 1e-15)) << where;
-                    for (const TraceSample& s : trace.samples()) EXPECT_TRUE(s.lower <= k.h + 1e-15 && s.upper >= k.h * (1 - 1e-15)) << where;
+                    for (const TraceSample& s : trace.samples())
+                        EXPECT_TRUE(s.lower <= k.h + 1e-15 && s.upper >= k.h * (1 - 1e-15)) << where;
                 }
                 EXPECT_FALSE(trace.samples().empty()) << where;
                 const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
@@ -260,8 +271,18 @@ TEST(SurfaceSolvers, KeepTheContract) {
             ask([](Query& q) { q.time_limit = 0; });
             if (!entry.info.certified || entry.info.name == "surface_meshes") continue;  // its gap has a floor
             if (k.h > 0.1) {
-                EXPECT_GT(ask([&](Query& q) { q.cutoff = 0.5 * k.h; q.tolerance.value = 1e-6; }).bounds.lower, 0.5 * k.h) << where;
-                EXPECT_LE(ask([&](Query& q) { q.cutoff = 1.5 * k.h; q.tolerance.value = 1e-6; }).bounds.upper, 1.5 * k.h) << where;
+                EXPECT_GT(ask([&](Query& q) {
+                              q.cutoff = 0.5 * k.h;
+                              q.tolerance.value = 1e-6;
+                          }).bounds.lower,
+                          0.5 * k.h)
+                    << where;
+                EXPECT_LE(ask([&](Query& q) {
+                              q.cutoff = 1.5 * k.h;
+                              q.tolerance.value = 1e-6;
+                          }).bounds.upper,
+                          1.5 * k.h)
+                    << where;
             }
         }
     }

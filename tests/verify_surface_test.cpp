@@ -1,7 +1,7 @@
 // The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and nothing is left open.
+#include "verify_surface.h"
 #include "registry.h"
 #include "session.h"
-#include "verify_surface.h"
 
 #include <cmath>
 
@@ -31,8 +31,8 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
     EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);
     EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
     EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 1.2)), Verdict::unsound);  // no point of the source
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);    // not in its box
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 1.2)), Verdict::unsound);                  // no point of the source
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);                    // not in its box
     EXPECT_EQ(check(surface("(x^2 + y^2 + z^2 - 1)^2"), large, 0.1, p), Verdict::unsound);  // no change of sign
 }
 
@@ -40,16 +40,23 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
 TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
     const double beside = 3e-5;
     const Vec3 p(0, 0, 1 - beside);
-    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);                // 0.5 + beside away, less beside
+    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, less beside
     EXPECT_NE(check(ball, large, 0.5 + 0.5 * beside, p), Verdict::holds);
 }
 
 // Where the target is clipped, its nearest point lies on a side of the box.
 TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
-    const AlgebraicSurface ellipsoid = surface("x^2/2.25 + y^2 + z^2 - 1"), torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
+    const AlgebraicSurface ellipsoid = surface("x^2/2.25 + y^2 + z^2 - 1"),
+                           torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
     const AlgebraicSurface plane = surface("z"), crossing = surface("x*y"), slanted = surface("z - x/4");
     const SolverEntry& entry = find_solver("surface_enclosure");
-    for (const auto& [a, b] : {std::pair{cone_1, cone_2}, {cone_2, cone_1}, {ellipsoid, ball}, {torus, ball}, {cone_1, plane}, {crossing, plane}, {plane, slanted}}) {
+    for (const auto& [a, b] : {std::pair{cone_1, cone_2},
+                               {cone_2, cone_1},
+                               {ellipsoid, ball},
+                               {torus, ball},
+                               {cone_1, plane},
+                               {crossing, plane},
+                               {plane, slanted}}) {
         const Session session(entry, Options(entry.info.name, entry.info.parameters, {}), {a, b}, {});
         for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10}) {
             Query query;
@@ -57,10 +64,13 @@ TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
             query.time_limit = 0.25;
             Trace trace;
             const Result result = session.solve(query, trace);
-            const std::string where = a.polynomial + " to " + b.polynomial + " at " + std::to_string(-std::log10(tolerance));
+            const std::string where =
+                a.polynomial + " to " + b.polynomial + " at " + std::to_string(-std::log10(tolerance));
             EXPECT_EQ(to_string(check(a, b, result.bounds.lower, result.witness.source_point)), "holds") << where;
             // A bound above the distance never holds.
-            EXPECT_NE(check(a, b, result.bounds.upper * (1 + 1e-12) + 1e-12, result.witness.source_point), Verdict::holds) << where;
+            EXPECT_NE(check(a, b, result.bounds.upper * (1 + 1e-12) + 1e-12, result.witness.source_point),
+                      Verdict::holds)
+                << where;
         }
     }
 }

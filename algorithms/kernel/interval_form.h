@@ -45,7 +45,7 @@ private:
 
     Polynomial polynomial_;
     std::array<Polynomial, 3> derivatives_;
-    std::array<std::size_t, 3> sizes_;  // degrees + 1
+    std::array<std::size_t, 3> sizes_;    // degrees + 1
     std::vector<Interval> dense_, work_;  // coefficients by powers, z fastest
 };
 

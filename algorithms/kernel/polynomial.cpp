@@ -62,7 +62,8 @@ private:
     std::string expected_operator() {
         const char c = peek();
         if (c == ')') return "a ')' without its '(': remove it or add the other";
-        if (std::isalnum(static_cast<unsigned char>(c)) || c == '(') return "an operator is missing: write products with *, such as 4*x";
+        if (std::isalnum(static_cast<unsigned char>(c)) || c == '(')
+            return "an operator is missing: write products with *, such as 4*x";
         return fmt::format("'{}' is none of + - * / ^ ( ): remove it", c);
     }
 
@@ -98,7 +99,8 @@ private:
                 const std::size_t from = at_;
                 const Sum by = raised();
                 const Powers none{};
-                if (by.size() != 1 || by.begin()->first != none) fail_at(from, "only a number may stand after '/': a polynomial has no x, y or z below");
+                if (by.size() != 1 || by.begin()->first != none)
+                    fail_at(from, "only a number may stand after '/': a polynomial has no x, y or z below");
                 const Interval divisor = by.begin()->second;
                 if (divisor.inf() <= 0 && divisor.sup() >= 0) fail_at(from, "a division by zero: write another number");
                 for (auto& [powers, x] : all) x /= divisor;
@@ -114,7 +116,8 @@ private:
         more();
         const std::size_t from = at_;
         int n = 0;
-        while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && n <= most_power) n = 10 * n + (text_[at_++] - '0');
+        while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && n <= most_power)
+            n = 10 * n + (text_[at_++] - '0');
         if (at_ == from) fail_at(from, "a whole number from 0 must stand after '^', such as x^2");
         if (n > most_power) fail_at(from, fmt::format("powers above {} are too many", most_power));
         if (base.size() == 1) {  // sharp: (-2)^2 and x^2 alike
@@ -133,7 +136,8 @@ private:
 
     void check_size(const Sum& all) {
         for (const auto& [powers, x] : all) {
-            if (*std::max_element(powers.begin(), powers.end()) > most_power) fail(fmt::format("a power above {} comes out: too many", most_power));
+            if (*std::max_element(powers.begin(), powers.end()) > most_power)
+                fail(fmt::format("a power above {} comes out: too many", most_power));
         }
     }
 
@@ -184,7 +188,8 @@ private:
             const bool minus = at_ < text_.size() && text_[at_] == '-';
             if (at_ < text_.size() && (text_[at_] == '-' || text_[at_] == '+')) ++at_;
             const std::size_t begin = at_;
-            while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && exponent < 1000) exponent = 10 * exponent + (text_[at_++] - '0');
+            while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && exponent < 1000)
+                exponent = 10 * exponent + (text_[at_++] - '0');
             if (at_ == begin) fail_at(begin, "digits must stand after 'e', such as 1e-3");
             if (minus) exponent = -exponent;
         }
@@ -203,12 +208,14 @@ private:
 Polynomial::Polynomial(std::string_view text) {
     const UpwardRounding upward;
     for (const auto& [powers, x] : Reader(text).read()) {
-        if (!std::isfinite(x.inf()) || !std::isfinite(x.sup())) throw InputError(fmt::format("polynomial '{}': a coefficient is beyond double precision", text));
+        if (!std::isfinite(x.inf()) || !std::isfinite(x.sup()))
+            throw InputError(fmt::format("polynomial '{}': a coefficient is beyond double precision", text));
         if (!is_zero(x)) terms_.push_back({powers, x});
     }
     finish();
     if (degrees_[0] + degrees_[1] + degrees_[2] == 0) {
-        throw InputError(fmt::format("polynomial '{}': is a constant, which has no surface: write one in x, y and z", text));
+        throw InputError(
+            fmt::format("polynomial '{}': is a constant, which has no surface: write one in x, y and z", text));
     }
 }
 
@@ -275,7 +282,8 @@ std::string surface_problem(const AlgebraicSurface& surface) {
     if (!surface.box.allFinite()) return "its box has a coordinate that is not finite: write numbers";
     for (int k = 0; k < 3; ++k) {
         if (!(surface.box(0, k) < surface.box(1, k)) || !std::isfinite(surface.box(1, k) - surface.box(0, k))) {
-            return fmt::format("its box is [{}, {}] in {}, and has no volume: write the smaller number first", surface.box(0, k), surface.box(1, k), "xyz"[k]);
+            return fmt::format("its box is [{}, {}] in {}, and has no volume: write the smaller number first",
+                               surface.box(0, k), surface.box(1, k), "xyz"[k]);
         }
     }
     try {

@@ -48,7 +48,9 @@ struct Voxels {
     std::array<std::vector<double>, 3> low, high;  // by leaf
     std::uint64_t evaluations = 0;
 
-    std::size_t bytes() const { return nodes.size() * sizeof(Node) + leaves.size() * (sizeof(std::uint32_t) + 6 * sizeof(double)); }
+    std::size_t bytes() const {
+        return nodes.size() * sizeof(Node) + leaves.size() * (sizeof(std::uint32_t) + 6 * sizeof(double));
+    }
 };
 
 Box box_of(const Grid& grid, const std::array<int, 3>& at, int size) {
@@ -62,7 +64,8 @@ Box box_of(const Grid& grid, const std::array<int, 3>& at, int size) {
 
 class Subdivision {
 public:
-    Subdivision(const AlgebraicSurface& surface, int depth, Form form) : form_(form), evaluator_(Polynomial(surface.polynomial)) {
+    Subdivision(const AlgebraicSurface& surface, int depth, Form form)
+        : form_(form), evaluator_(Polynomial(surface.polynomial)) {
         const int n = 1 << depth;
         for (int k = 0; k < 3; ++k) {
             auto& lines = voxels_.grid[std::size_t(k)];
@@ -114,7 +117,8 @@ private:
         const int half = node.size / 2;
         const auto first = static_cast<std::uint32_t>(voxels_.nodes.size());
         for (int c = 0; c < 8; ++c) {
-            const std::array<int, 3> at{node.at[0] + (c & 1) * half, node.at[1] + (c >> 1 & 1) * half, node.at[2] + (c >> 2) * half};
+            const std::array<int, 3> at{node.at[0] + (c & 1) * half, node.at[1] + (c >> 1 & 1) * half,
+                                        node.at[2] + (c >> 2) * half};
             if (keep(at, half)) voxels_.nodes.push_back({at, half});
         }
         const auto count = static_cast<std::uint32_t>(voxels_.nodes.size()) - first;
@@ -145,7 +149,8 @@ template <bool largest> double at_least(const Box& a, const Voxels& b, const Nod
     double d[3];
     for (std::size_t k = 0; k < 3; ++k) {  // a voxel's upper end is no lower than the lowest voxel's, and so on
         const auto i = Eigen::Index(k);
-        const double high = b.grid[k][std::size_t(cell.at[k]) + 1], low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
+        const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
+                     low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
         d[k] = std::max(high - a.low[i], a.high[i] - low);
     }
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
@@ -156,7 +161,8 @@ public:
     explicit IntervalSubdivision(const Options& options)
         : depth_(static_cast<int>(options.integer("depth"))), all_(options.text("pairs") == "all") {
         const std::string form = options.text("form");
-        form_ = static_cast<Form>(std::find(std::begin(form_names), std::end(form_names), form) - std::begin(form_names));
+        form_ =
+            static_cast<Form>(std::find(std::begin(form_names), std::end(form_names), form) - std::begin(form_names));
     }
 
     void prepare(const Scene& scene, const Prepared&) override {
@@ -178,9 +184,12 @@ public:
             g = pruned<false>(query, deadline, result.counters, stopped);
             large = pruned<true>(query, deadline, result.counters, stopped);
         }
-        if (stopped) large = squared_distance<true>(box_of(source_.grid, {0, 0, 0}, 1 << depth_), box_of(target_.grid, {0, 0, 0}, 1 << depth_));
+        if (stopped)
+            large = squared_distance<true>(box_of(source_.grid, {0, 0, 0}, 1 << depth_),
+                                           box_of(target_.grid, {0, 0, 0}, 1 << depth_));
         result.bounds = {distance_at_least(g, true), distance_at_most(large, true)};
-        result.witness.source_point = result.witness.target_point = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+        result.witness.source_point = result.witness.target_point =
+            Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
         trace.record(result.bounds.lower, result.bounds.upper);
         if (result.bounds.gap() <= query.tolerance.gap(result.bounds.lower)) {
             result.status = Status::converged;
@@ -194,7 +203,8 @@ public:
     }
 
 private:
-    void all_pairs(const Query& query, const Deadline& deadline, Counters& counters, std::optional<Status>& stopped, double& g, double& large) const {
+    void all_pairs(const Query& query, const Deadline& deadline, Counters& counters, std::optional<Status>& stopped,
+                   double& g, double& large) const {
         constexpr std::size_t lanes = 4;  // minima kept apart, so that the compiler may compute them side by side
         const std::size_t m = target_.leaves.size();
         const double *bl[3], *bh[3];
@@ -217,7 +227,8 @@ private:
                     const double first = bh[k][j] - al[k], second = ah[k] - bl[k][j];
                     t[k] = first > second ? first : second;
                 }
-                const double one = (s[0] * s[0] + s[1] * s[1]) + s[2] * s[2], other = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+                const double one = (s[0] * s[0] + s[1] * s[1]) + s[2] * s[2],
+                             other = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
                 least[lane] = one < least[lane] ? one : least[lane];
                 least_large[lane] = other < least_large[lane] ? other : least_large[lane];
             };
@@ -263,7 +274,9 @@ private:
     }
 
     // The largest, over voxels of A, of their least squared distance to those of B.
-    template <bool largest> double pruned(const Query& query, const Deadline& deadline, Counters& counters, std::optional<Status>& stopped) const {
+    template <bool largest>
+    double pruned(const Query& query, const Deadline& deadline, Counters& counters,
+                  std::optional<Status>& stopped) const {
         struct Entry {
             double bound;  // of the distances of all its voxels
             std::uint32_t node, leaf;
@@ -272,7 +285,8 @@ private:
         };
         double most = 0, magnitude = 0;
         for (const Grid* grid : {&source_.grid, &target_.grid}) {
-            for (const auto& lines : *grid) magnitude = std::max({magnitude, std::abs(lines.front()), std::abs(lines.back())});
+            for (const auto& lines : *grid)
+                magnitude = std::max({magnitude, std::abs(lines.front()), std::abs(lines.back())});
         }
         // Translates are so but for the rounding of grid lines, a few ulps of the largest coordinate.
         const double slack = 64 * unit_roundoff * magnitude;
@@ -295,7 +309,8 @@ private:
             if (squared < 0) {
                 ++searches;
                 const double room = std::sqrt(most) - further;
-                squared = nearest<largest>(box_of(source_.grid, source_.nodes[leaf].at, 1), room > 0 ? room * room * (1 - 1e-12) : -1, counters);
+                squared = nearest<largest>(box_of(source_.grid, source_.nodes[leaf].at, 1),
+                                           room > 0 ? room * room * (1 - 1e-12) : -1, counters);
             }
             if (squared > most) most = squared;
             const double bound = std::sqrt(squared) * (1 + 1e-12) + further;
@@ -307,7 +322,8 @@ private:
             const auto find = [&](auto&& self, std::uint32_t at) -> void {
                 const Node& cell = source_.nodes[at];
                 if (cell.size == 1) found = at;
-                for (std::uint32_t i = 0; i < cell.count && !found; ++i) self(self, cell.first + (i + cell.count / 2) % cell.count);
+                for (std::uint32_t i = 0; i < cell.count && !found; ++i)
+                    self(self, cell.first + (i + cell.count / 2) % cell.count);
             };
             find(find, node);
             return found;
@@ -324,10 +340,13 @@ private:
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
                 const Node &child = source_.nodes[i], &voxel = source_.nodes[entry.leaf];
                 bool inside = true;
-                for (std::size_t k = 0; k < 3; ++k) inside = inside && voxel.at[k] >= child.at[k] && voxel.at[k] < child.at[k] + child.size;
+                for (std::size_t k = 0; k < 3; ++k)
+                    inside = inside && voxel.at[k] >= child.at[k] && voxel.at[k] < child.at[k] + child.size;
                 if (std::sqrt(entry.squared) * (1 + 1e-12) + shift(i, entry.leaf) < std::sqrt(most)) continue;
-                if (inside) add(i, entry.leaf, entry.squared);
-                else if (const auto leaf = some_leaf(i)) add(i, *leaf, -1);
+                if (inside)
+                    add(i, entry.leaf, entry.squared);
+                else if (const auto leaf = some_leaf(i))
+                    add(i, *leaf, -1);
             }
         }
         return most;
@@ -349,14 +368,30 @@ SolverEntry interval_subdivision_solver() {
     info.source.surface = info.target.surface = true;
     info.traces = true;
     info.parameters = {
-        {.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "6",
-         .description = "of the octree: 2^depth voxels an axis", .choices = {}, .least = 1, .most = 10},
-        {.name = "form", .default_value = std::string("modified_affine"), .unit = "", .paper_value = "modified affine arithmetic",
-         .description = "how the polynomial is bounded over a cell", .choices = {std::begin(form_names), std::end(form_names)}},
-        {.name = "pairs", .default_value = std::string("all"), .unit = "", .paper_value = "all",
-         .description = "pairs of voxels whose distance is computed; 'pruned' leaves out those that cannot matter", .choices = {"all", "pruned"}},
+        {.name = "depth",
+         .default_value = std::int64_t{6},
+         .unit = "",
+         .paper_value = "6",
+         .description = "of the octree: 2^depth voxels an axis",
+         .choices = {},
+         .least = 1,
+         .most = 10},
+        {.name = "form",
+         .default_value = std::string("modified_affine"),
+         .unit = "",
+         .paper_value = "modified affine arithmetic",
+         .description = "how the polynomial is bounded over a cell",
+         .choices = {std::begin(form_names), std::end(form_names)}},
+        {.name = "pairs",
+         .default_value = std::string("all"),
+         .unit = "",
+         .paper_value = "all",
+         .description = "pairs of voxels whose distance is computed; 'pruned' leaves out those that cannot matter",
+         .choices = {"all", "pruned"}},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<IntervalSubdivision>(options); }};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
+                return std::make_unique<IntervalSubdivision>(options);
+            }};
 }
 
 }  // namespace hausbench

@@ -61,7 +61,8 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
     return infinity;
 }
 
-double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known, Counters& counters) {
+double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
+              Counters& counters) {
     const Vec3 n = foot - p;
     const double size = n.norm();
     if (!(size > 0)) return infinity;

@@ -18,6 +18,7 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
 
 // If f_B has one sign on the piece and the other on the piece moved by t, a zero lies between, within |t| of each point. Tries
 // t = foot - p, for a point p of the piece and its foot, and somewhat more, up to the length `known`.
-double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known, Counters& counters);
+double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
+              Counters& counters);
 
 }  // namespace hausbench

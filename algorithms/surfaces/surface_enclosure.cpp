@@ -38,7 +38,8 @@ Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN())
 
 class Search {
 public:
-    Search(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query, Trace& trace)
+    Search(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
+           Trace& trace)
         : a_(source), b_(target), most_cells_(most_cells), query_(query), trace_(trace), deadline_(query.time_limit) {
         result_.witness.source_point = result_.witness.target_point = nowhere();
         result_.bounds = {0, fallback()};
@@ -58,14 +59,17 @@ private:
         std::int32_t node;  // of A
         std::array<std::int32_t, kept_feet> feet;
         int feet_count;
-        bool operator<(const Cell& other) const { return upper < other.upper || (upper == other.upper && node > other.node); }
+        bool operator<(const Cell& other) const {
+            return upper < other.upper || (upper == other.upper && node > other.node);
+        }
     };
 
     // The farthest any two points of the boxes can be from each other: an upper bound because B is not empty.
     double fallback() const {
         Interval sum(0.0);
         for (int k = 0; k < 3; ++k) {
-            const Interval first = Interval(b_.box().high[k]) - Interval(a_.box().low[k]), second = Interval(a_.box().high[k]) - Interval(b_.box().low[k]);
+            const Interval first = Interval(b_.box().high[k]) - Interval(a_.box().low[k]),
+                           second = Interval(a_.box().high[k]) - Interval(b_.box().low[k]);
             sum += CGAL::square(Interval(std::max({first.sup(), second.sup(), 0.0})));
         }
         return CGAL::sqrt(sum).sup();
@@ -79,15 +83,18 @@ private:
             bounds.upper = std::min(bounds.upper, std::max(top.upper, bounds.lower));
             trace_.record(bounds.lower, bounds.upper);
             if (bounds.gap() <= query_.tolerance.gap(bounds.lower)) return Status::converged;
-            if (bounds.lower > query_.cutoff || (bounds.upper <= query_.cutoff && query_.cutoff < infinity)) return Status::cutoff_passed;
+            if (bounds.lower > query_.cutoff || (bounds.upper <= query_.cutoff && query_.cutoff < infinity))
+                return Status::cutoff_passed;
             if (splits >= query_.budget) return Status::budget;
             if (deadline_.passed()) return Status::time_limit;
             if (!proven_ && result_.counters.subdivisions > unproven_at_most) {
-                result_.note = "no point of the source could be proven to exist: its polynomial may not change its sign there";
+                result_.note =
+                    "no point of the source could be proven to exist: its polynomial may not change its sign there";
                 return Status::stalled;
             }
             if (feet_.empty() && result_.counters.closest_point_queries > unproven_at_most) {
-                result_.note = "no point of the target could be proven to exist: its polynomial may not change its sign there";
+                result_.note =
+                    "no point of the target could be proven to exist: its polynomial may not change its sign there";
                 return Status::stalled;
             }
             if (a_.size() + b_.size() > most_cells_) {
@@ -96,7 +103,8 @@ private:
             }
             if (!a_.may_split(top.node)) {
                 if (bounds.gap() <= 1e-9 * fallback()) return Status::precision_floor;
-                result_.note = "next to a point that is about equally far from much of the target: too many boxes there";
+                result_.note =
+                    "next to a point that is about equally far from much of the target: too many boxes there";
                 return Status::stalled;
             }
             queue_.pop();
@@ -123,7 +131,8 @@ private:
     void look_into(Cell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
-        for (int i = 0; i < cell.feet_count; ++i) cell.upper = std::min(cell.upper, to_foot(piece, cell.feet[std::size_t(i)]));
+        for (int i = 0; i < cell.feet_count; ++i)
+            cell.upper = std::min(cell.upper, to_foot(piece, cell.feet[std::size_t(i)]));
         if (cell.upper <= result_.bounds.lower) return;
         const double size = 2 * piece.form.half.norm();
         if (cell.upper < 8 * size || cell.upper < 1e-3 * a_.box().high.cwiseAbs().maxCoeff()) {
@@ -141,7 +150,8 @@ private:
         if (foot >= 0) {
             cell.upper = std::min(cell.upper, to_foot(piece, foot));
             if (cell.upper > result_.bounds.lower) {
-                cell.upper = std::min(cell.upper, beside(piece, b_, p, feet_[std::size_t(foot)].at, cell.upper, result_.counters));
+                cell.upper = std::min(cell.upper,
+                                      beside(piece, b_, p, feet_[std::size_t(foot)].at, cell.upper, result_.counters));
             }
             remember(cell, foot);
         }
@@ -212,7 +222,9 @@ private:
     struct Near {
         double least;
         std::int32_t node;
-        bool operator<(const Near& other) const { return least > other.least || (least == other.least && node > other.node); }
+        bool operator<(const Near& other) const {
+            return least > other.least || (least == other.least && node > other.node);
+        }
     };
 
     // At least the distance from p to B. `foot` becomes the nearest proven point found; the search ends when no point can
@@ -267,14 +279,15 @@ private:
     Deadline deadline_;
     std::vector<SurfacePoint> feet_;  // proven points of B
     std::priority_queue<Cell> queue_;
-    bool proven_ = false;  // some point of A
+    bool proven_ = false;           // some point of A
     double climbed_at_ = infinity;  // the gap then
     Result result_;
 };
 
 class SurfaceEnclosure final : public Solver {
 public:
-    explicit SurfaceEnclosure(const Options& options) : most_cells_(static_cast<std::size_t>(options.integer("most_cells"))) {}
+    explicit SurfaceEnclosure(const Options& options)
+        : most_cells_(static_cast<std::size_t>(options.integer("most_cells"))) {}
 
     void prepare(const Scene& scene, const Prepared&) override {
         const UpwardRounding upward;
@@ -282,7 +295,9 @@ public:
         target_.emplace(grown(std::get<AlgebraicSurface>(scene.target)));
     }
 
-    std::size_t prepared_bytes() const override { return (source_->size() + target_->size()) * sizeof(SurfaceTree::Node); }
+    std::size_t prepared_bytes() const override {
+        return (source_->size() + target_->size()) * sizeof(SurfaceTree::Node);
+    }
 
     Result solve(const Query& query, Trace& trace) const override {
         const UpwardRounding upward;
@@ -305,7 +320,9 @@ private:
             }
             level = std::move(next);
         }
-        if (level.empty()) throw InputError("surface '" + surface.polynomial + "': has no point in its box: give another box or polynomial");
+        if (level.empty())
+            throw InputError("surface '" + surface.polynomial +
+                             "': has no point in its box: give another box or polynomial");
         return tree;
     }
 
@@ -323,10 +340,18 @@ SolverEntry surface_enclosure_solver() {
     info.certified = true;
     info.traces = true;
     info.parameters = {
-        {.name = "most_cells", .default_value = std::int64_t{4000000}, .unit = "boxes", .paper_value = "",
-         .description = "in both trees together, of about 150 bytes each; beyond, the solver stalls", .choices = {}, .least = 1000, .most = 1e9},
+        {.name = "most_cells",
+         .default_value = std::int64_t{4000000},
+         .unit = "boxes",
+         .paper_value = "",
+         .description = "in both trees together, of about 150 bytes each; beyond, the solver stalls",
+         .choices = {},
+         .least = 1000,
+         .most = 1e9},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<SurfaceEnclosure>(options); }};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
+                return std::make_unique<SurfaceEnclosure>(options);
+            }};
 }
 
 }  // namespace hausbench

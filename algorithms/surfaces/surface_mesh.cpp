@@ -34,12 +34,14 @@ public:
                     std::size_t corners[8];
                     bool some = false, all = true;
                     for (int c = 0; c < 8; ++c) {
-                        corners[c] = (std::size_t(z + (c >> 2)) * n + std::size_t(y + (c >> 1 & 1))) * n + std::size_t(x + (c & 1));
+                        corners[c] = (std::size_t(z + (c >> 2)) * n + std::size_t(y + (c >> 1 & 1))) * n +
+                                     std::size_t(x + (c & 1));
                         some = some || positive_[corners[c]];
                         all = all && positive_[corners[c]];
                     }
                     if (!some || all) continue;
-                    for (const auto& order : orders) tetrahedron({corners[0], corners[order[0]], corners[order[1]], corners[7]});
+                    for (const auto& order : orders)
+                        tetrahedron({corners[0], corners[order[0]], corners[order[1]], corners[7]});
                 }
             }
         }
@@ -183,7 +185,9 @@ private:
         double most = 0;  // of |f| over the triangle: its linear part is largest at a vertex
         for (int i = 0; i < 3; ++i) {
             Interval value = f.rest;
-            for (int k = 0; k < 3; ++k) value += Interval(f.slope[k]) * ((Interval(vertex(t, i)[k]) - Interval(f.middle[k])) / Interval(f.half[k]));
+            for (int k = 0; k < 3; ++k)
+                value +=
+                    Interval(f.slope[k]) * ((Interval(vertex(t, i)[k]) - Interval(f.middle[k])) / Interval(f.half[k]));
             most = std::max(most, hausbench::magnitude(value));
         }
         const Vec3 gradient = f.slope.cwiseQuotient(f.half);
@@ -195,7 +199,8 @@ private:
             Box wide = box;
             wide.low[axis] = -(move - wide.low[axis]);
             wide.high[axis] += move;
-            if (!(wide.low[axis] >= tree_.box().low[axis] && wide.high[axis] <= tree_.box().high[axis])) return infinity;
+            if (!(wide.low[axis] >= tree_.box().low[axis] && wide.high[axis] <= tree_.box().high[axis]))
+                return infinity;
             const Interval slope = tree_.derivative(axis, wide, counters_);
             const double least = std::max(slope.inf(), -slope.sup());
             if (least > 0 && most / least <= move) return most / least;
@@ -267,7 +272,9 @@ private:
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells) {
     TriangleMesh mesh = Marching(surface, cells).run();
     if (mesh.triangles.rows() == 0) {
-        throw InputError("surface '" + surface.polynomial + "': no corner of the grid sees a change of sign: give more cells, or a polynomial that changes its sign");
+        throw InputError(
+            "surface '" + surface.polynomial +
+            "': no corner of the grid sees a change of sign: give more cells, or a polynomial that changes its sign");
     }
     return mesh;
 }

@@ -23,7 +23,8 @@ namespace {
 class SurfaceMeshes final : public Solver {
 public:
     explicit SurfaceMeshes(const Options& options)
-        : cells_(static_cast<int>(options.integer("cells"))), levels_(static_cast<int>(options.integer("levels"))),
+        : cells_(static_cast<int>(options.integer("cells"))),
+          levels_(static_cast<int>(options.integer("levels"))),
           asked_(find_solver(options.text("solver"))) {}
 
     void prepare(const Scene& scene, const Prepared&) override {
@@ -54,17 +55,23 @@ public:
         const Bounds of_meshes = result.bounds;
         {
             const UpwardRounding upward;
-            const Interval low = Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) - Interval(b_.surface_to_mesh);
+            const Interval low =
+                Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) - Interval(b_.surface_to_mesh);
             result.bounds.lower = std::max(low.inf(), 0.0);
             result.bounds.upper = std::min(of_meshes.upper + a_.surface_to_mesh + b_.mesh_to_surface, farthest_);
         }
         result.witness.source_element = result.witness.target_element = -1;  // of meshes that nobody else has
-        result.extras = {{"mesh_a_to_surface", {a_.mesh_to_surface}}, {"surface_to_mesh_a", {a_.surface_to_mesh}},
-                         {"mesh_b_to_surface", {b_.mesh_to_surface}}, {"surface_to_mesh_b", {b_.surface_to_mesh}},
-                         {"mesh_lower", {of_meshes.lower}},           {"mesh_upper", {of_meshes.upper}},
-                         {"triangles_a", {triangles_[0]}},            {"triangles_b", {triangles_[1]}}};
+        result.extras = {{"mesh_a_to_surface", {a_.mesh_to_surface}},
+                         {"surface_to_mesh_a", {a_.surface_to_mesh}},
+                         {"mesh_b_to_surface", {b_.mesh_to_surface}},
+                         {"surface_to_mesh_b", {b_.surface_to_mesh}},
+                         {"mesh_lower", {of_meshes.lower}},
+                         {"mesh_upper", {of_meshes.upper}},
+                         {"triangles_a", {triangles_[0]}},
+                         {"triangles_b", {triangles_[1]}}};
         trace.record(result.bounds.lower, result.bounds.upper);
-        const bool passed = result.bounds.lower > query.cutoff || (std::isfinite(query.cutoff) && result.bounds.upper <= query.cutoff);
+        const bool passed =
+            result.bounds.lower > query.cutoff || (std::isfinite(query.cutoff) && result.bounds.upper <= query.cutoff);
         if (result.bounds.gap() <= query.tolerance.gap(result.bounds.lower)) {
             result.status = Status::converged;
         } else if (passed) {
@@ -95,14 +102,31 @@ SolverEntry surface_meshes_solver() {
     info.certified = true;
     info.traces = true;
     info.parameters = {
-        {.name = "cells", .default_value = std::int64_t{32}, .unit = "cells an axis", .paper_value = "",
-         .description = "of the grid that is triangulated", .choices = {}, .least = 2, .most = 512},
-        {.name = "levels", .default_value = std::int64_t{3}, .unit = "", .paper_value = "",
-         .description = "the surface is looked at in boxes of a cell over 2^levels", .choices = {}, .least = 0, .most = 8},
-        {.name = "solver", .default_value = std::string("guthe"), .unit = "", .paper_value = "",
-         .description = "for the meshes, with its own defaults", .choices = {"guthe"}},
+        {.name = "cells",
+         .default_value = std::int64_t{32},
+         .unit = "cells an axis",
+         .paper_value = "",
+         .description = "of the grid that is triangulated",
+         .choices = {},
+         .least = 2,
+         .most = 512},
+        {.name = "levels",
+         .default_value = std::int64_t{3},
+         .unit = "",
+         .paper_value = "",
+         .description = "the surface is looked at in boxes of a cell over 2^levels",
+         .choices = {},
+         .least = 0,
+         .most = 8},
+        {.name = "solver",
+         .default_value = std::string("guthe"),
+         .unit = "",
+         .paper_value = "",
+         .description = "for the meshes, with its own defaults",
+         .choices = {"guthe"}},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<SurfaceMeshes>(options); }};
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<SurfaceMeshes>(options); }};
 }
 
 }  // namespace hausbench

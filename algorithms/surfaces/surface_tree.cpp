@@ -11,14 +11,16 @@ Vec3 clamped(const Vec3& p, const Box& box) { return p.cwiseMax(box.low).cwiseMi
 
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
 
-Interval squared(const std::array<Interval, 3>& v) { return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]); }
+Interval squared(const std::array<Interval, 3>& v) {
+    return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
+}
 
 // At least n.(y - c) over the piece, for the middle c of its box; see the header.
 double reach(const LinearForm& f, const Vec3& n) {
     const Vec3 q = n.cwiseProduct(f.half);
     const auto cost = [&](double l) {
-        return std::max(-l * f.rest.inf(), -l * f.rest.sup()) + std::abs(q[0] - l * f.slope[0]) + std::abs(q[1] - l * f.slope[1]) +
-               std::abs(q[2] - l * f.slope[2]);
+        return std::max(-l * f.rest.inf(), -l * f.rest.sup()) + std::abs(q[0] - l * f.slope[0]) +
+               std::abs(q[1] - l * f.slope[1]) + std::abs(q[2] - l * f.slope[2]);
     };
     double best = 0, least = cost(0);
     for (int k = 0; k < 3; ++k) {  // convex and piecewise linear in l: the minimum is at a corner
@@ -45,7 +47,8 @@ Interval length(const Vec3& n) { return CGAL::sqrt(squared({Interval(n[0]), Inte
 SurfaceTree::SurfaceTree(const AlgebraicSurface& surface)
     : box_{surface.box.row(0), surface.box.row(1)},
       evaluator_(Polynomial(surface.polynomial)),
-      derivatives_{FormEvaluator(polynomial().derivative(0)), FormEvaluator(polynomial().derivative(1)), FormEvaluator(polynomial().derivative(2))} {
+      derivatives_{FormEvaluator(polynomial().derivative(0)), FormEvaluator(polynomial().derivative(1)),
+                   FormEvaluator(polynomial().derivative(2))} {
     const LinearForm whole = evaluator_.linear(box_);
     if (holds_zero(whole.range())) nodes_.push_back({box_, whole});
 }
@@ -114,7 +117,8 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
         if (!(std::abs(g[axis]) > 0)) return std::nullopt;
         double room = 1.5 * std::abs(f / g[axis]) + ulps;
         for (int step = 0; step < 4; ++step, room *= 16) {
-            const double low = std::max(box_.low[axis], p[axis] - room), high = std::min(box_.high[axis], p[axis] + room);
+            const double low = std::max(box_.low[axis], p[axis] - room),
+                         high = std::min(box_.high[axis], p[axis] + room);
             std::array<Interval, 3> at{Interval(p[0]), Interval(p[1]), Interval(p[2])};
             counters.polynomial_evaluations += 2;
             at[std::size_t(axis)] = Interval(low);
@@ -199,14 +203,16 @@ double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p) {
     const Vec3 n = p - guess_on(piece, p);
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return best;
-    const double shown = (Interval((along(n, p, piece.form.middle) - Interval(reach(piece.form, n))).inf()) / size).inf();
+    const double shown =
+        (Interval((along(n, p, piece.form.middle) - Interval(reach(piece.form, n))).inf()) / size).inf();
     return std::max(best, shown);
 }
 
 double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p) {
     const LinearForm& f = piece.form;
     std::array<Interval, 3> far;
-    for (int k = 0; k < 3; ++k) far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
+    for (int k = 0; k < 3; ++k)
+        far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
     const double corners = CGAL::sqrt(squared(far)).sup();
     // |y - p|^2 is the square along n plus the square across it, which is at most that of p - c and that of the box.
     const Vec3 n = guess_on(piece, f.middle) - p;
