@@ -6,8 +6,10 @@
 #include <CGAL/Exact_rational.h>
 #include <boost/numeric/interval.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 
 #include <gtest/gtest.h>
 
