@@ -115,7 +115,8 @@ void compare_certification(const std::string& source, const std::string& target,
     }
 }
 
-void run(int rounds, const std::vector<std::string>& parts) {
+// Returns how many comparisons could be made.
+int run(int rounds, const std::vector<std::string>& parts) {
     const auto wants = [&](const char* part) {
         return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();
     };
@@ -124,10 +125,12 @@ void run(int rounds, const std::vector<std::string>& parts) {
                machine.caches, machine.system, this_build().compiler, this_build().flags, this_build().commit,
                this_build().dirty, utc_now());
     fmt::print("part,scene,contender,elements,nanoseconds,ratio,low,high,rounds,bytes,largest_difference\n");
-    const auto attempt = [](const std::string& what, const auto& f) {
+    int made = 0;
+    const auto attempt = [&](const std::string& what, const auto& f) {
         fmt::print(stderr, "{}\n", what);
         try {
             f();
+            ++made;
         } catch (const InputError& error) {  // a model that was not fetched
             fmt::print(stderr, "skipped: {}\n", error.what());
         }
@@ -155,6 +158,7 @@ void run(int rounds, const std::vector<std::string>& parts) {
             attempt(fmt::format("certification, {} to {}", a, b), [&] { compare_certification(a, b, rounds); });
         }
     }
+    return made;
 }
 
 }  // namespace
@@ -171,7 +175,10 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"build", "query", "certification"}));
     CLI11_PARSE(app, argc, argv);
     try {
-        hausbench::run(rounds, parts);
+        if (hausbench::run(rounds, parts) == 0) {
+            fmt::print(stderr, "nothing was measured: `make datasets` fetches the models\n");
+            return 5;
+        }
     } catch (const hausbench::InputError& error) {
         fmt::print(stderr, "{}\n", error.what());
         return 2;

@@ -2,8 +2,9 @@
 
     python3 -m bench.versions --old a74828f > results/reference/kernels_versions.csv
 
-builds the old commit in build/versions/<commit> if it is not there, which takes some minutes. What is timed is the CPU time of
-`hausbench measure` itself: preparing and solving. Files are read by a process of their own, whose time is not in it.
+builds the old commit in build/versions/<commit> if it is not there, which takes some minutes. What is timed is the CPU
+time of `hausbench measure` itself: preparing and solving. Files are read by a process of their own, whose time is not
+in it.
 """
 
 from __future__ import annotations
@@ -63,9 +64,10 @@ def compare(programs: dict[str, Path], files: list[Path], rounds: int) -> dict[s
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--old", default="a74828f", help="commit to compare with (default: the last one before the present kernels)")
+    parser.add_argument("--old", default="a74828f", help="commit to compare with (default: the last before these kernels)")
     parser.add_argument("--old-program", type=Path, help="its program, if it is built already")
-    parser.add_argument("--program", type=Path, default=os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench"))
+    parser.add_argument("--program", type=Path,
+                        default=os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench"))
     parser.add_argument("--rounds", type=int, default=12)
     arguments = parser.parse_args()
     old = arguments.old_program or build_of(arguments.old)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.report import COLUMNS, read, report
+from bench.report import COLUMNS, read, report, verdict
 
 CSV = f"""# machine: a computer
 {",".join(COLUMNS)}
@@ -26,7 +26,16 @@ def test_each_part_has_its_table_and_no_row_is_lost() -> None:
     assert "1.01 [0.90, 1.10] (not separated) | — |" in text
     assert "|  |  | Embree | 800 | 2.00 [1.90, 2.10] | 3.1e-8 |" in text
     assert "| hare to bunny | guthe (now) | 1500 | 1 |  |" in text
-    assert "certification costs" not in text  # no rows, no table
+    assert "What certification costs" not in text  # no rows, no table
+
+
+def test_a_claim_is_judged_by_the_worse_end_on_every_scene() -> None:
+    _, rows = read(CSV.splitlines(keepends=True))
+    assert verdict(rows, "x", "build", "Embree", 1.5, True) == "- x: holds (ratios 1.70 to 1.70)"
+    assert verdict(rows, "x", "build", "Embree", 1.65, True) == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    assert verdict(rows, "x", "build", "Embree", 1.85, False) == "- x: holds (ratios 1.70 to 1.70)"
+    assert verdict(rows, "x", "build", "Embree", 1.75, False) == "- x: holds on 0 of 1 scenes (ratios 1.70 to 1.70)"
+    assert verdict(rows, "x", "certification", "guthe", 1.2, False) == "- x: not measured"
 
 
 def test_what_is_no_such_file_is_refused() -> None:
