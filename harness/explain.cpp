@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace hausbench {
 
@@ -152,6 +153,9 @@ std::string explain(const Plan& plan, const fs::path& results) {
         text += fmt::format("  {:<44} {:>4} cases, about {}{}\n", job.label, job.cases.size(), clock_text(one.seconds),
                             one.known == job.cases.size() ? "" : " (a guess)");
         describe_needs(plan, job, text);
+        std::set<int> poses;
+        for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
+        if (poses.size() > 1) text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
     }
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {
