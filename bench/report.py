@@ -34,8 +34,8 @@ time is CPU time, the median of the rounds. A ratio is that contender's time ove
 with a 95 % order-statistic interval: above 1, the first is faster. Only ratios within one table mean anything.
 
 BVH and octree are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
-precision: vertices and queries are rounded to float, beforehand and off the clock; one thread, default build quality
-(medium), default (not robust) scene, `rtcPointQuery` with a scalar callback. CGAL is `AABB_tree` over
+precision: vertices are rounded to float beforehand, off the clock, queries as they come; one thread, default build
+quality (medium), default (not robust) scene, `rtcPointQuery` with a scalar callback. CGAL is `AABB_tree` over
 `Simple_cartesian<double>` with its default search structure, which counts as building. The last column is the largest
 difference to the first contender's distances, in diagonals of the target.
 """
