@@ -1,4 +1,8 @@
-"""Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled."""
+"""Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
+
+Times are CPU times of the solving thread, which other work on the machine disturbs least, and the time to prepare. These
+solvers have one thread.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +24,23 @@ def pooled(runs: list[Floats]) -> Floats:
     return runs[0] if len(runs) == 1 else np.array([np.median(run) for run in runs if len(run)])
 
 
+def solve_seconds(results: Results, case: int) -> Floats:
+    """By repeat: CPU time where the row has it, else wall time."""
+    cpu = results.cpu_seconds(case)
+    return cpu if len(cpu) else results.wall_seconds(case)
+
+
+def by_round(results: Results, cases: Sequence[int], prepare: float | None = None) -> dict[int, float]:
+    """Median of preparing and solving over the repeats of each round; `prepare` replaces what the rows say of it."""
+    times: dict[int, list[float]] = {}
+    for case in cases:
+        before = results.prepare_seconds(case) if prepare is None else prepare
+        rows = results.repeats_of(case)
+        for row, seconds in zip(rows, solve_seconds(results, case)):
+            times.setdefault(int(results.repeats.round[row]), []).append(float(seconds) + before)
+    return {number: float(np.median(values)) for number, values in times.items()}
+
+
 class Cell:
     """All rows of one label on one scene, pooled over seeds."""
 
@@ -34,8 +55,9 @@ class Cell:
         self.cases, self.rows = rows, len(rows)
         # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
         ok = not self.failures
-        self.seconds = pooled([results.total_seconds(r) for r in rows]) if ok else np.empty(0)
-        self.cpu = pooled([results.cpu_seconds(r) for r in rows]) if ok else np.empty(0)
+        self.seconds = (pooled([solve_seconds(results, r) + results.prepare_seconds(r) for r in rows]) if ok
+                        else np.empty(0))
+        self.wall = pooled([results.total_seconds(r) for r in rows]) if ok else np.empty(0)
         self.prepare = float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
         self.time: Estimate = median(self.seconds)
         self.interval = results.reference_of(first)
@@ -64,5 +86,5 @@ def compare(results: Results, slow: Cell, fast: Cell) -> Estimate:
         if slow.rows == fast.rows >= 6:
             return paired_ratio(slow.seconds, fast.seconds)
         return ratio_of_medians(slow.seconds, fast.seconds)
-    paired = ratio_by_round(results.total_by_round(slow.cases), results.total_by_round(fast.cases))
+    paired = ratio_by_round(by_round(results, slow.cases), by_round(results, fast.cases))
     return paired if paired.n else ratio_of_medians(slow.seconds, fast.seconds)

@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import style, tables
+from analysis.cells import solve_seconds
 from analysis.load import Results, machine_line
 from analysis.statistics import NO_DATA, Estimate, median, paired_ratio
 from analysis.verdicts import FAILS, HOLDS, UNTESTED, Verdict, above_one
@@ -33,7 +34,7 @@ class Pose:
 
 
 class Motion:
-    """One scene: its poses in order, and the median time of solving at each."""
+    """One scene: its poses in order, and the median CPU time of solving at each."""
 
     def __init__(self, results: Results, scene: str) -> None:
         cases = results.cases
@@ -54,7 +55,7 @@ class Motion:
         row = pose.rows.get(label)
         if row is None or self.results.cases.status[row] != "ok":
             return NO_DATA
-        return median(self.results.wall_seconds(row))
+        return median(solve_seconds(self.results, row))
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
         """Of each pose of the regime at which all of these were timed."""
@@ -111,7 +112,7 @@ def _regime(results: Results, rows: dict[str, int]) -> str:
 def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
     motions = [Motion(results, str(scene)) for scene in results.in_order("scene")]
     labels = style.order(pair for motion in motions for pair in motion.labels)
-    table = tables.Table(caption + " Time to solve a pose, µs: median over the poses of each kind.",
+    table = tables.Table(caption + " CPU time to solve a pose, µs: median over the poses of each kind.",
                          ["models", "|A| / |B|", "poses", *[style.look(*pair).title for pair in labels],
                           "EARLYBREAK / NOHD", "EARLYBREAK / OHD"], left=2)
     records: list[tables.Record] = []
@@ -179,7 +180,7 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
         style.log_ticks(upper.yaxis)
         lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
-    axes[0][0].set_ylabel("time to solve a pose (s)")
+    axes[0][0].set_ylabel("CPU time to solve a pose (s)")
     axes[1][0].set_ylabel("h(A, B)")
     entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
                                                      linewidth=0.4, label=title) for regime, title in REGIMES]

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import style, tables
-from analysis.cells import Cell
+from analysis.cells import Cell, by_round
 from analysis.load import Results, machine_line, paper_numbers
 from analysis.statistics import NO_DATA, Estimate, median, paired_ratio, ratio_of_medians
 from analysis.verdicts import Verdict, everywhere, rising
@@ -50,7 +50,7 @@ class Pair:
             cell.time = median(cell.seconds)
         self.ratio, self.work = NO_DATA, math.nan
         if slow and fast and len(both) == 2:
-            rounds = [_by_round(results, cell, self.prepare) for cell in (slow, fast)]
+            rounds = [by_round(results, cell.cases, self.prepare) for cell in (slow, fast)]
             shared = sorted(rounds[0].keys() & rounds[1].keys())
             pair = [[times[i] for i in shared] for times in rounds]
             self.ratio = (paired_ratio(pair[0], pair[1]) if len(shared) >= 6 else
@@ -66,14 +66,6 @@ class Pair:
         return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
 
 
-def _by_round(results: Results, cell: Cell, prepare: float) -> dict[int, float]:
-    times: dict[int, list[float]] = {}
-    for case in cell.cases:
-        for row in results.repeats_of(case):
-            times.setdefault(int(results.repeats.round[row]), []).append(float(results.repeats.wall_seconds[row]))
-    return {number: float(np.median(values)) + prepare for number, values in times.items()}
-
-
 def make(spec: Spec, results: Results, out: Path) -> list[Path]:
     printed = paper_numbers(spec.stem)
     papers = {row["pair"]: row for row in printed["row"]}
@@ -83,7 +75,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
     titles = [style.look(label).title if label in style.LOOKS else label.replace("_", " ") for label in shown]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
-        spec.caption + f" Time to prepare and solve, {unit}, here and as printed.",
+        spec.caption + f" Time to prepare and solve, {unit}, here (CPU time) and as printed.",
         ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
          "here: ratio", "work, ratio", *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
     records: list[tables.Record] = []
@@ -143,7 +135,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
         if sizes:
             left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
                       **{**style.open_marker(looks_like), "linestyle": "-"})
-    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel="time to prepare and solve (s)")
+    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel="CPU time to prepare and solve (s)")
     style.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:

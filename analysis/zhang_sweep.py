@@ -67,7 +67,7 @@ class Sweep:
 
 def make(spec: Spec, results: Results, out: Path) -> list[Path]:
     sweep = Sweep(spec, results)
-    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", "prepare and solve, ms", "times the least",
+    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", "prepare and solve, CPU ms", "times the least",
                                         spec.counter[0]], left=1)
     records: list[tables.Record] = []
     for scene in sweep.scenes:
@@ -113,7 +113,7 @@ def draw(sweep: Sweep) -> Any:
                 ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]
-    for ax, label in zip(axes, ("time to prepare and solve (s)", "time / least time of the pair")):
+    for ax, label in zip(axes, ("CPU time to prepare and solve (s)", "time / least time of the pair")):
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:

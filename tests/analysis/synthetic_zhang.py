@@ -11,7 +11,7 @@ def pairs(stem: str, without: str, options: dict[str, Any], solver: str) -> Resu
     """Known: without the part 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4, pair 5 timed out; the
     preparation of one of the two variants was slow by accident.
     """
-    file = ResultFile(stem)
+    file = ResultFile(stem, wall=1.25, cpu=1.0)
     for k, ratio in enumerate((1.5, 2.0, 2.0, 1.0, 2.0), start=1):
         common: dict[str, Any] = {"source_elements": 1000 * k, "target_elements": 2000 * k, "lower": 0.5, "upper": 0.5,
                                   "peak_bytes": 2**20}
@@ -43,7 +43,7 @@ def table2() -> ResultFile:
 
 def fig8() -> ResultFile:
     """Known: on '3K' depth 5 takes 1 ms, any other 2 ms; on '9K' depth 2 takes half as long, and depth 9 timed out."""
-    file = ResultFile("zhang2017_fig8")
+    file = ResultFile("zhang2017_fig8", wall=1.25, cpu=1.0)
     for scene in ("3K", "9K"):
         for depth in (1, 2, 5, 6, 9):
             fast = depth == 5 or (scene, depth) == ("9K", 2)
@@ -59,7 +59,7 @@ def fig8() -> ResultFile:
 
 def fig9() -> ResultFile:
     """Known: no lambda is separated from 1/80, but for 1/2, which takes twice as long; seven seeds each."""
-    file = ResultFile("zhang2017_fig9")
+    file = ResultFile("zhang2017_fig9", wall=1.25, cpu=1.0)
     for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
         for seed in range(1, 8):
             wobble = 1 + 0.02 * ((seed * int(value * 10000)) % 7 - 3) if factor < 2 else 1.0
@@ -73,7 +73,7 @@ def motion(stem: str) -> ResultFile:
     """Known: 21 poses; apart (|x| > 0.7) NOHD takes half of EARLYBREAK's time, touching OHD takes twice EARLYBREAK's,
     overlapping (|x| < 0.4) half of it; both peak at x = 0. NOHD timed out at pose 10.
     """
-    file = ResultFile(stem)
+    file = ResultFile(stem, wall=1.25, cpu=1.0)
     for index in range(21):
         x = (index - 10) / 10
         early = 0.001 * (2 - abs(x))
@@ -103,7 +103,7 @@ def fig11() -> ResultFile:
 
 def fig12() -> ResultFile:
     """Known: pears of the paper's size, of which OHD was chosen; the cow timed out."""
-    file = ResultFile("zhang2017_fig12")
+    file = ResultFile("zhang2017_fig12", wall=1.25, cpu=1.0)
     file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754,
               lower=0.25,
               upper=0.25, source_diagonal=2.0, witness_source=[0.0, 0.0, 0.0], witness_target=[0.0, 0.25, 0.0],
@@ -117,7 +117,7 @@ def steps() -> ResultFile:
     """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p
     is 5, the mean by points 3; counted are 6 steps a point, at the last pose 3.
     """
-    file = ResultFile("zhang2017_steps")
+    file = ResultFile("zhang2017_steps", wall=1.25, cpu=1.0)
     for pose in range(5):
         for seed in range(1, 8):
             file.case("earlybreak", "4", [0.1], pose_index=pose, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.1 * pose],
@@ -128,7 +128,7 @@ def steps() -> ResultFile:
 
 def as_printed() -> ResultFile:
     """Known: OHD as printed is wrong at 1 of 8 answers (0.9 of h) and timed out once; NOHD as printed at all 3."""
-    file = ResultFile("zhang2017_as_printed")
+    file = ResultFile("zhang2017_as_printed", wall=1.25, cpu=1.0)
     for pose in range(3):
         common: dict[str, Any] = {"pose_index": pose, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.5 * pose, 0, 0],
                                   "source": "A", "target": "B", "scene_note": "clouds"}
@@ -149,7 +149,7 @@ def as_printed() -> ResultFile:
 
 def memory() -> ResultFile:
     """Known: INC's memory grows as n^1.5 from 2 MiB at 10K points each; a k-d tree needs 8 MiB at 1M; scan crashed."""
-    file = ResultFile("zhang2017_memory")
+    file = ResultFile("zhang2017_memory", wall=1.25, cpu=1.0)
     for size, n, peak in (("10K", 10_000, 2 * 2**20), ("1M", 1_000_000, 2000 * 2**20)):
         common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5,
                                   "upper": 0.5}

@@ -1,0 +1,80 @@
+"""Puts the tables of a group's stems, run at the paper's sizes, into one file that is kept.
+
+    make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
+
+writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from analysis.load import REFERENCE, ResultError, Results, load, machine_line
+
+
+def stems_of(group: str, folder: Path) -> list[str]:
+    """Stems with results, tables before figures, each by its number."""
+    def order(stem: str) -> tuple[str, int]:
+        match = re.search(r"([a-z_]+)(\d*)$", stem.removeprefix(group))
+        word, number = (match[1], match[2]) if match else ("", "")
+        return ({"_table": "1", "_fig": "2"}.get(word, "3" + word), int(number or 0))
+
+    found = [path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")]
+    return sorted(found, key=order)
+
+
+def check(results: Results) -> Results:
+    if results.meta.get("profile") != "paper":
+        raise ResultError(f"{results.path}: is of profile '{results.meta.get('profile')}': measure it with "
+                          f"'make {results.path.stem} PROFILE=paper'")
+    return results
+
+
+def text_of(group: str, folder: Path) -> str:
+    stems = stems_of(group, folder)
+    if not stems:
+        raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE=paper'")
+    all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
+    machines = sorted({machine_line(results) for results in all_results})
+    parts = [f"# {group}, profile `paper`", "",
+             f"Measured here, and written by `make {group} PROFILE=paper && python3 -m analysis.paper_profile {group}`. "
+             "Nothing below is edited by hand.", "", *[f"- {line}" for line in machines], "",
+             "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
+    for stem, results in zip(stems, all_results):
+        counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
+        parts.append(f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
+                     f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
+    with tempfile.TemporaryDirectory() as out:
+        for stem, results in zip(stems, all_results):
+            importlib.import_module(f"analysis.{stem}").make(results, Path(out))
+            table = (Path(out) / "tables" / f"{stem}.md").read_text(encoding="utf-8")
+            parts += ["", f"## {stem}", "", table.rstrip("\n")]
+    return "\n".join(parts) + "\n"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.paper_profile", description="Keeps the tables of a paper's profile.")
+    parser.add_argument("group", help="such as zhang2017, or a stem")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (results/reference)")
+    chosen = parser.parse_args(arguments)
+    try:
+        text = text_of(chosen.group, chosen.results)
+    except ResultError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    single = stems_of(chosen.group, chosen.results) == [chosen.group]
+    path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
+    path.write_text(text, encoding="utf-8")
+    print(path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""The file that keeps the tables of a run at the paper's sizes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import synthetic
+import synthetic_zhang
+
+from analysis import paper_profile
+
+
+def test_keeps_the_tables_in_order(tmp_path: Path) -> None:
+    for file in (synthetic_zhang.memory(), synthetic_zhang.fig8(), synthetic_zhang.fig10(), synthetic_zhang.table1()):
+        file.meta["profile"] = "paper"
+        file.write(tmp_path)
+    assert paper_profile.main(["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    text = (tmp_path / "zhang2017_paper_profile.md").read_text(encoding="utf-8")
+    sections = [line[3:] for line in text.splitlines() if line.startswith("## ")]
+    assert sections == ["zhang2017_table1", "zhang2017_fig8", "zhang2017_fig10", "zhang2017_memory"]
+    assert "- Test CPU, 2 cores" in text and "python3 -m analysis.paper_profile zhang2017" in text
+    assert "| zhang2017_table1 | 2026-01-01T00:00:00Z | 2026-01-01T00:01:00Z | 14 ok, 1 timeout |" in text
+    assert str(tmp_path) not in text
+
+
+def test_a_single_stem_has_a_file_of_its_own_name(tmp_path: Path) -> None:
+    file = synthetic.points_speed()
+    file.meta["profile"] = "paper"
+    file.write(tmp_path)
+    assert paper_profile.main(["points_speed", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert "geometric mean" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")
+
+
+def test_refuses_other_profiles_and_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]
+    assert paper_profile.main(arguments) == 2
+    synthetic_zhang.fig8().write(tmp_path)
+    assert paper_profile.main(arguments) == 2
+    error = capsys.readouterr().err
+    assert "make zhang2017 PROFILE=paper" in error and "profile 'quick'" in error
+    assert not (tmp_path / "zhang2017_paper_profile.md").exists()
