@@ -125,6 +125,12 @@ int run(int rounds, const std::vector<std::string>& parts) {
                machine.caches, machine.system, this_build().compiler, this_build().flags, this_build().commit,
                this_build().dirty, utc_now());
     fmt::print("part,scene,contender,elements,nanoseconds,ratio,low,high,rounds,bytes,largest_difference\n");
+    if (!embree_rival()) {
+        fmt::print(
+            stderr,
+            "without Embree: sudo apt-get install --no-install-recommends libembree-dev, and make bench again\n");
+    }
+    if (!cgal_rival()) fmt::print(stderr, "without CGAL: this program was built with HAUSBENCH_WITH_CGAL_PEER=OFF\n");
     int made = 0;
     const auto attempt = [&](const std::string& what, const auto& f) {
         fmt::print(stderr, "{}\n", what);

@@ -60,11 +60,25 @@ Counts tree_counts() {
     return counts;
 }
 
+Counts point_tree_counts() {
+    Counts counts;
+    for (const auto& [name, mesh] : tree_meshes()) {
+        if (name.starts_with("random")) continue;
+        const PointBvh tree(mesh.vertices);
+        Random random(9);
+        for (int i = 0; i < 200; ++i) {
+            (void)tree.nearest(query_near(mesh, random), std::numeric_limits<double>::infinity(), -1, counts[name]);
+        }
+    }
+    return counts;
+}
+
 std::map<std::string, Counts> all_counts() {
     std::map<std::string, Counts> all;
     all["guthe"] = solver_counts("guthe");
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
+    all["point_bvh"] = point_tree_counts();
     return all;
 }
 
