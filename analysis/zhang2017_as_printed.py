@@ -89,6 +89,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be "
                    "sqrt 3 times that apart), so it answers too little; NOHD leaves the loop of Algorithm 5 without "
                    "cmin = 0, so it answers too much.",
+                   "Seeds: of the sample that OHD begins with. NOHD leaves nothing to chance; its trials are the poses.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
 
