@@ -6,6 +6,7 @@
 #include <H5Apublic.h>
 #include <H5Dpublic.h>
 #include <H5Epublic.h>
+#include <H5FDcore.h>
 #include <H5Fpublic.h>
 #include <H5Gpublic.h>
 #include <H5Lpublic.h>
@@ -16,6 +17,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -54,6 +56,8 @@ std::string library_message() {
     };
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
     H5Eclear2(H5E_DEFAULT);
+    // It may hold line breaks, and quote the file, which may hold what a terminal obeys.
+    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return text.empty() ? "HDF5 gave no reason" : text;
 }
 
@@ -170,11 +174,17 @@ void write_attribute(hid_t file, const std::filesystem::path& path, const std::s
 
 }  // namespace
 
-File::File(const std::filesystem::path& file, Open how) : path_(file) {
+File::File(const std::filesystem::path& file, Open how) : path_(file), created_(how == Open::create) {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors become exceptions, nothing is printed
     H5Eclear2(H5E_DEFAULT);
-    id_ = how == Open::create ? H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)
-                              : H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    if (created_) {
+        constexpr std::size_t growth = 1 << 20;  // bytes
+        const Id access(check(H5Pcreate(H5P_FILE_ACCESS), path_, ""), H5Pclose);
+        check(H5Pset_fapl_core(access, growth, 0), path_, "");
+        id_ = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    } else {
+        id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    }
     if (id_ < 0) fail(path_, "", library_message());
 }
 
@@ -184,16 +194,29 @@ File::~File() {
 
 void File::close() {
     if (id_ < 0) return;
+    if (created_) save();
     const hid_t id = id_;
     id_ = -1;
     check(H5Fclose(id), path_, "");
-    const int descriptor = ::open(path_.c_str(), O_RDONLY);
-    if (descriptor < 0 || ::fsync(descriptor) != 0) {
-        const std::string why = std::strerror(errno);
-        if (descriptor >= 0) ::close(descriptor);
-        fail(path_, "", "cannot be flushed to disk: " + why);
+}
+
+// The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
+void File::save() const {
+    check(H5Fflush(id_, H5F_SCOPE_LOCAL), path_, "");
+    std::vector<char> image(std::size_t(check(H5Fget_file_image(id_, nullptr, 0), path_, "")));
+    check(H5Fget_file_image(id_, image.data(), image.size()), path_, "");
+    const int descriptor = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail(path_, "", std::string("cannot be created: ") + std::strerror(errno));
+    std::size_t done = 0;
+    int error = 0;
+    while (done < image.size() && error == 0) {
+        const ssize_t count = ::write(descriptor, image.data() + done, image.size() - done);
+        if (count > 0) done += std::size_t(count);
+        else if (errno != EINTR) error = errno;
     }
-    ::close(descriptor);
+    if (error == 0 && ::fsync(descriptor) != 0) error = errno;
+    if (::close(descriptor) != 0 && error == 0) error = errno;
+    if (error != 0) fail(path_, "", std::string("cannot be written: ") + std::strerror(error));
 }
 
 void File::write(const std::string& name, const std::vector<double>& values, std::size_t columns) {

@@ -18,7 +18,8 @@ public:
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    // Flushes to disk (fsync) and closes; the destructor closes without it.
+    // Writes what was created, in one go, and flushes it to disk (fsync); without this call nothing is written. The file
+    // is made in memory, so writing takes twice its size there.
     void close();
 
     // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix,
@@ -46,8 +47,11 @@ public:
     bool has_attribute(const std::string& group, const std::string& name) const;
 
 private:
+    void save() const;
+
     std::int64_t id_ = -1;  // hid_t
     std::filesystem::path path_;
+    bool created_ = false;
 };
 
 }  // namespace hausbench::h5

@@ -87,10 +87,11 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
         if (const auto* surface = std::get_if<AlgebraicSurface>(&loaded.shape)) file.attribute("", "polynomial", surface->polynomial);
         file.close();
         std::filesystem::rename(temporary, path);
-    } catch (...) {
+    } catch (const std::runtime_error& error) {
         std::error_code ignored;
         std::filesystem::remove(temporary, ignored);
-        throw;
+        throw InputError(fmt::format("{}: cannot write the shape ({}): make room, or name another folder with HAUSBENCH_CACHE, or with "
+                                     "TMPDIR for a file that is measured", path.string(), error.what()));
     }
 }
 
