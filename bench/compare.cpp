@@ -146,22 +146,26 @@ int run(int rounds, const std::vector<std::string>& parts) {
             attempt(fmt::format("build, {}", model), [&] { compare_builds(model, rounds); });
         }
     }
-    const std::pair<const char*, const char*> near[] = {{"bunny_half", "bunny"},
-                                                        {"bunny_cgal_normalised", "bunny_normalised"},
-                                                        {"snowden_lo", "snowden_hi"},
-                                                        {"dragon", "dragon_res2"},
-                                                        {"dragon_res2", "dragon"}};
+    struct Models {
+        const char *a, *b;
+    };
+    const Models near[] = {{"bunny_half", "bunny"},
+                           {"bunny_cgal_normalised", "bunny_normalised"},
+                           {"snowden_lo", "snowden_hi"},
+                           {"dragon", "dragon_res2"},
+                           {"dragon_res2", "dragon"}};
     if (wants("query")) {
-        for (const auto& [a, b] : near)
-            attempt(fmt::format("query, {} to {}", a, b), [&] { compare_queries(a, b, rounds); });
+        for (const Models& m : near) {
+            attempt(fmt::format("query, {} to {}", m.a, m.b), [&] { compare_queries(m.a, m.b, rounds); });
+        }
     }
-    const std::pair<const char*, const char*> pairs[] = {{"bunny_half", "bunny"},
-                                                         {"elephant", "refined_elephant"},
-                                                         {"armadillo_half", "armadillo"},
-                                                         {"bunny_cgal_normalised", "bunny_normalised"}};
+    const Models pairs[] = {{"bunny_half", "bunny"},
+                            {"elephant", "refined_elephant"},
+                            {"armadillo_half", "armadillo"},
+                            {"bunny_cgal_normalised", "bunny_normalised"}};
     if (wants("certification")) {
-        for (const auto& [a, b] : pairs) {
-            attempt(fmt::format("certification, {} to {}", a, b), [&] { compare_certification(a, b, rounds); });
+        for (const Models& m : pairs) {
+            attempt(fmt::format("certification, {} to {}", m.a, m.b), [&] { compare_certification(m.a, m.b, rounds); });
         }
     }
     return made;
