@@ -31,7 +31,7 @@ def build_of(commit: str) -> Path:
     folder = ROOT / "build" / "versions" / commit
     if not folder.exists():
         subprocess.run(["git", "clone", "--quiet", "--no-checkout", str(ROOT), str(folder)], check=True)
-        subprocess.run(["git", "-C", str(folder), "checkout", "--quiet", commit], check=True)
+    subprocess.run(["git", "-C", str(folder), "checkout", "--quiet", "--detach", commit], check=True)
     build = folder / "build" / "release"
     for command in (["cmake", "-S", str(folder), "-B", str(build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                      "-DHAUSBENCH_WITH_TESTS=OFF"], ["cmake", "--build", str(build), "--target", "hausbench"]):
