@@ -259,6 +259,8 @@ private:
             result.rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
         }
         progress_.doing("verifying");
+        const bool swept = !interrupted;
+        interrupted = 0;  // the next Ctrl-C ends the checking, which can take long, too
         std::map<std::string, Shape> shapes;
         verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
             for (const ModelRow& model : plan_.models) {
@@ -267,7 +269,7 @@ private:
                 return &(at != shapes.end() ? at->second : shapes[name] = read_shape(model.resolved.shape_file).shape);
             }
             return nullptr;
-        });
+        }, [] { return interrupted != 0; });
         for (const Row& row : result.rows) ++summary.statuses[row.outcome.status];
         for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
         result.ledger = plan_.ledger;
@@ -275,7 +277,7 @@ private:
         note_time_saved(result);
         note_structures_reused(result);
         summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
-        summary.interrupted = interrupted != 0;
+        summary.interrupted = interrupted || !swept;
         describe_run(result, plan_.experiment, journal_.started(), utc_now());
         write_result(summary.file, result);
         return summary;

@@ -14,28 +14,31 @@
 
 #include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace hausbench {
 
-// The two shapes, to re-check several witnesses on.
+// Asked now and then; once true, what is not checked yet stays `not checked`.
+using Stop = std::function<bool()>;
+
+// Two shapes (points or meshes, which must outlive it), to re-check several witnesses on.
 class Checker {
 public:
-    Checker(const Shape& source, const Shape& target);
-    ~Checker();
+    Checker(const Shape& source, const Shape& target, Stop stop = {});
 
-    // Whether `lower` is proven by the witness, see above; if not, `shown` is what the witness does show (rounded down).
-    bool lower_holds(double lower, const Witness& witness, const Pose& pose, double& shown) const;
+    // Whether `lower` (finite) is proven by the witness, see above; if not, `shown` is what the witness does show (rounded
+    // down). `not_checked` where the pose takes the source out of the range of doubles.
+    Verdict lower(double lower, const Witness& witness, const Pose& pose, double& shown) const;
 
 private:
-    struct Shapes;
-    std::unique_ptr<Shapes> shapes_;
+    const Shape &source_, &target_;
+    Stop stop_;
 };
 
-// Fills in every row's check; rows found unsound get that status, with the reason. `load` returns the shape of a model by
-// name, or null. Rows read off a trace have the witness of the finer run: their lower bound is checked by it, too.
-void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load);
+// Fills in every row's check, whatever it said before; rows found unsound get that status, with the reason. `load` returns
+// the shape of a model by name, or null: its rows stay `not checked`. Rows read off a trace have the witness of the finer
+// run: their lower bound is checked by it, too.
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop = {});
 
 }  // namespace hausbench
