@@ -96,6 +96,10 @@ class Solver {
 public:
     virtual ~Solver() = default;
 
+    // Whether the bounds hold under rounding under the options given; asked where SolverInfo::certified says that they can,
+    // of a solver that is made for nothing else, so constructors only read options.
+    virtual bool certified() const { return true; }
+
     // Only what THIS scene and THESE queries call for: a few plain ifs.
     virtual Needs needs(const Scene&, const QuerySet&) const { return {}; }
 
@@ -114,7 +118,7 @@ struct SolverInfo {
     std::string title;   // as in tables and legends
     std::string paper;   // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
-    bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file
+    bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified
     std::string known_wrong = {};       // a published error that is kept to show it: why bounds may not hold; never certified
     bool exact = false;                 // the gap does not depend on the tolerance
     bool traces = false;                // offers samples to Trace

@@ -20,6 +20,16 @@ Result solve(const Scene& scene, double tolerance, const ParameterMap& given) {
     return session.solve(query, trace);
 }
 
+TEST(Guthe, IsCertifiedOnlyWhereItAccountsForRounding) {
+    const SolverEntry& guthe = find_solver("guthe");
+    const auto certified = [&](const ParameterMap& given) {
+        return guthe.make(Options("guthe", guthe.info.parameters, given))->certified();
+    };
+    EXPECT_TRUE(certified({}));
+    EXPECT_FALSE(certified({{"certify", false}}));
+    EXPECT_FALSE(certified({{"kernel", "textbook"}}));
+}
+
 TEST(Guthe, CertificationChangesBoundsByRoundingOnly) {
     Random random(1);
     for (int i = 0; i < 20; ++i) {

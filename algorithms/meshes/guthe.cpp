@@ -349,6 +349,8 @@ class Guthe final : public Solver {
 public:
     explicit Guthe(const Options& options) : choices_{options.text("kernel") == "textbook", options.flag("certify")} {}
 
+    bool certified() const override { return choices_.certify && !choices_.textbook; }
+
     Needs needs(const Scene& scene, const QuerySet&) const override {
         if (element_count(scene.target) <= scan_at_most) return {};
         return {{Structure::octree, Side::target}};
