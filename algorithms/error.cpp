@@ -51,4 +51,11 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
     return fmt::format(" (known: {})", known);
 }
 
+std::string one_line(std::string text) {
+    for (char& c : text) {
+        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+    }
+    return text.substr(0, 1000);
+}
+
 }  // namespace hausbench

@@ -1,11 +1,13 @@
 #include "isolated.h"
 
 #include "error.h"
+#include "scratch.h"
 #include "shape_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,7 +16,6 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -24,29 +25,9 @@
 namespace hausbench {
 namespace {
 
-// An empty folder that is gone at the end of the scope.
-class TemporaryFolder {
-public:
-    TemporaryFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "hausbench-load-XXXXXX").string();
-        if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": " + std::strerror(errno));
-        path_ = pattern;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
 struct Outcome {
     int status = 0;  // as waitpid gives it
-    bool timed_out = false, too_big = false;
+    bool timed_out = false, too_big = false, interrupted = false;
     std::string errors;  // the end of what it wrote on standard error
 };
 
@@ -77,9 +58,11 @@ Outcome run(std::vector<std::string> words, double seconds_limit, std::int64_t b
     arguments.push_back(nullptr);
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
-    const pid_t child = ::fork();
+    const pid_t parent = ::getpid(), child = ::fork();
     if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
     if (child == 0) {  // only calls that are safe after a fork of a program with threads
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (::getppid() != parent) ::_exit(127);
         const int nothing = ::open("/dev/null", O_RDWR);
         ::dup2(nothing, STDIN_FILENO);
         ::dup2(nothing, STDOUT_FILENO);
@@ -111,10 +94,11 @@ Outcome run(std::vector<std::string> words, double seconds_limit, std::int64_t b
         return true;
     };
     for (;;) {
-        if (!outcome.timed_out && !outcome.too_big) {
+        if (!outcome.timed_out && !outcome.too_big && !outcome.interrupted) {
+            outcome.interrupted = HoldInterrupts::came();
             outcome.timed_out = Clock::now() >= deadline;
             outcome.too_big = resident_bytes(child) > bytes_limit;
-            if (outcome.timed_out || outcome.too_big) ::kill(child, SIGKILL);
+            if (outcome.timed_out || outcome.too_big || outcome.interrupted) ::kill(child, SIGKILL);
         }
         listen(20);
         const pid_t done = ::waitpid(child, &outcome.status, WNOHANG);
@@ -141,12 +125,15 @@ std::string last_line(std::string text) {
 
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
                           const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
-    const TemporaryFolder folder;
+    const HoldInterrupts hold;  // the folder goes first
+    const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
-    std::vector<std::string> words = {program.string(), "load", file.string(), out.string()};
+    std::vector<std::string> words = {program.string(), "load"};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
+    words.insert(words.end(), {"--", file.string(), out.string()});  // its name may begin with a dash
     if (bytes_limit == 0) bytes_limit = spare_bytes();
     const Outcome outcome = run(words, seconds_limit, bytes_limit);
+    if (outcome.interrupted) throw InputError(file.string() + ": interrupted while it was read");
     if (outcome.too_big)
         throw InputError(
             fmt::format("{}: the reader was stopped when it took more than {} MB of memory: the file is damaged, or "

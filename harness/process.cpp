@@ -1,14 +1,12 @@
 #include "process.h"
 
-#include "error.h"
+#include "peers/family.h"
 
 #include <fmt/format.h>
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/file.h>
 #include <sys/prctl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,8 +16,6 @@
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
-#include <string_view>
-#include <tuple>
 #include <vector>
 
 namespace hausbench {
@@ -38,43 +34,6 @@ void write_all(int descriptor, const std::string& text) {
     }
 }
 
-// A process and all it has started that still hang on it.
-void add_family(pid_t pid, std::vector<pid_t>& to) {
-    to.push_back(pid);
-    std::ifstream children(fmt::format("/proc/{}/task/{}/children", pid, pid));
-    for (pid_t child = 0; children >> child;) add_family(child, to);
-}
-
-constexpr std::string_view folder_prefix = "hausbench-worker-";
-
-// A folder and a lock on it, which ends with this process whatever becomes of it: a folder without one is abandoned.
-std::pair<std::filesystem::path, int> locked_folder() {
-    for (;;) {
-        std::string pattern = (std::filesystem::temp_directory_path() / (std::string(folder_prefix) + "XXXXXX")).string();
-        if (!::mkdtemp(pattern.data())) {
-            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR", pattern, std::strerror(errno)));
-        }
-        const int lock = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        struct stat state {};
-        if (lock >= 0 && ::flock(lock, LOCK_EX | LOCK_NB) == 0 && ::stat(pattern.c_str(), &state) == 0) return {pattern, lock};
-        if (lock >= 0) ::close(lock);  // another run swept it away between two of these lines
-    }
-}
-
-bool remove_abandoned_folders() {
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path(), ignored)) {
-        struct stat state {};
-        if (!entry.path().filename().string().starts_with(folder_prefix) || ::lstat(entry.path().c_str(), &state) != 0) continue;
-        if (!S_ISDIR(state.st_mode) || state.st_uid != ::getuid()) continue;
-        const int lock = ::open(entry.path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-        if (lock < 0) continue;
-        if (::flock(lock, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(entry.path(), ignored);
-        ::close(lock);
-    }
-    return true;
-}
-
 // The environment, but for TMPDIR.
 std::vector<std::string> environment_with(const std::string& folder) {
     std::vector<std::string> all{"TMPDIR=" + folder};
@@ -86,27 +45,27 @@ std::vector<std::string> environment_with(const std::string& folder) {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) {
+WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) : folder_("worker") {
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what a worker leaves behind becomes this process's child, and is found
     std::signal(SIGPIPE, SIG_IGN);
     int feed[2], events[2], output[2];
     if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
         throw std::runtime_error("cannot open a pipe");
     }
-    static const bool swept = remove_abandoned_folders();
-    static_cast<void>(swept);
-    std::tie(folder_, folder_lock_) = locked_folder();
-    std::vector<std::string> environment = environment_with(folder_.string());
+    std::vector<std::string> environment = environment_with(folder_.path().string());
     std::vector<char*> entries;
     for (std::string& entry : environment) entries.push_back(entry.data());
     entries.push_back(nullptr);
     std::string path = program.string(), verb = "worker", option = "--events", descriptor = fmt::format("{}", events[1]);
     char* arguments[] = {path.data(), verb.data(), option.data(), descriptor.data(), nullptr};
     const pid_t parent = ::getpid();
+    before_ = family_of(parent);
     pid_ = ::fork();
     if (pid_ < 0) throw std::runtime_error(fmt::format("cannot start a worker: {}", std::strerror(errno)));
     if (pid_ == 0) {
         ::setpgid(0, 0);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that what it starts hangs on it, and counts
         if (::getppid() != parent) ::_exit(127);
         ::dup2(feed[0], STDIN_FILENO);
         ::dup2(output[1], STDOUT_FILENO);
@@ -128,11 +87,9 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
 WorkerProcess::~WorkerProcess() {
     kill();
     end();
+    end_family(before_);
     ::close(events_);
     ::close(output_);
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-    ::close(folder_lock_);
 }
 
 // So that a worker that writes much is not held up, and only the end of it is kept.
@@ -177,10 +134,8 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
 }
 
 std::int64_t WorkerProcess::resident_bytes() const {
-    std::vector<pid_t> family;
-    add_family(pid_, family);
     std::int64_t all = 0;
-    for (const pid_t member : family) {
+    for (const pid_t member : family_of(pid_)) {
         std::ifstream in(fmt::format("/proc/{}/statm", member));
         std::int64_t size = 0, resident = 0;
         in >> size >> resident;
@@ -191,8 +146,7 @@ std::int64_t WorkerProcess::resident_bytes() const {
 
 void WorkerProcess::kill() {
     if (status_) return;
-    std::vector<pid_t> family;
-    add_family(pid_, family);
+    const std::vector<pid_t> family = family_of(pid_);
     ::kill(-pid_, SIGKILL);  // its group, whoever is in it
     for (const pid_t member : family) ::kill(member, SIGKILL);  // first itself, which may have made no group yet
 }

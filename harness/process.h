@@ -1,11 +1,14 @@
 // A worker process as its runner sees it: started, fed, listened to, watched and ended.
 #pragma once
 
+#include "scratch.h"
+
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -14,8 +17,8 @@ namespace hausbench {
 class WorkerProcess {
 public:
     // Starts `program worker` in a process group of its own (Ctrl-C at the terminal reaches the runner alone) and writes
-    // `input` to its standard input. It dies with the runner. TMPDIR is a folder of its own, gone with it;
-    // what runners that were killed left behind goes as well.
+    // `input` to its standard input. It dies with the runner, and all it has started with it. TMPDIR
+    // is a folder of its own (scratch.h). Throws InputError where there can be none.
     WorkerProcess(const std::filesystem::path& program, const std::string& input);
     ~WorkerProcess();  // kills it, if it still runs
     WorkerProcess(const WorkerProcess&) = delete;
@@ -45,8 +48,8 @@ private:
     int events_ = -1, output_ = -1;
     bool output_open_ = true;
     std::string buffer_, said_;  // events not yet handed on; the end of its output
-    std::filesystem::path folder_;
-    int folder_lock_ = -1;
+    ScratchFolder folder_;
+    std::vector<pid_t> before_;  // what this process had started before
     std::optional<int> status_;
 };
 

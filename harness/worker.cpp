@@ -40,14 +40,6 @@ Pose pose_of(const json& values) {
     return pose;
 }
 
-// A solver's words as one line of a table.
-std::string one_line(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-    }
-    return text.substr(0, 1000);
-}
-
 class Worker {
 public:
     Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}

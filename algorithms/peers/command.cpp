@@ -1,6 +1,8 @@
 #include "peers/command.h"
 
 #include "kernel/deadline.h"
+#include "peers/family.h"
+#include "scratch.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,6 +17,7 @@
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 namespace hausbench {
 namespace {
@@ -41,16 +44,46 @@ bool read_some(int pipe, std::string& to) {
     }
 }
 
+// A shell that does nothing but kill a process group when this process ends, however that comes about; -1 if there is none.
+// `ends` is a pipe's read end whose other end this process alone has open.
+pid_t start_watch(int ends, pid_t group) {
+    const std::string line = fmt::format("read nothing; kill -9 -{}", group);
+    const pid_t child = ::fork();
+    if (child != 0) return child;
+    ::setpgid(0, 0);
+    const int null = ::open("/dev/null", O_RDWR);
+    ::dup2(ends, STDIN_FILENO);
+    ::dup2(null, STDOUT_FILENO);
+    ::dup2(null, STDERR_FILENO);
+    ::execl("/bin/sh", "sh", "-c", line.c_str(), static_cast<char*>(nullptr));
+    ::_exit(127);
+}
+
+void end_watch(pid_t watch) {
+    if (watch < 0) return;
+    ::kill(watch, SIGKILL);
+    while (::waitpid(watch, nullptr, 0) < 0 && errno == EINTR) {
+    }
+}
+
 }  // namespace
 
 CommandRun run_command(const std::string& line, double seconds) {
-    int output[2];
+    int output[2], life[2];
     if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
-    const std::int64_t own_bytes = resident_now();
-    const pid_t parent = ::getpid(), child = ::fork();
-    if (child < 0) {
+    if (::pipe2(life, O_CLOEXEC) != 0) {
+        const int why = errno;
         ::close(output[0]);
         ::close(output[1]);
+        throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(why)));
+    }
+    const std::int64_t own_bytes = resident_now();
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what the command leaves behind becomes this process's child, and is found
+    const pid_t parent = ::getpid();
+    const std::vector<pid_t> before = family_of(parent);
+    const pid_t child = ::fork();
+    if (child < 0) {
+        for (const int end : {output[0], output[1], life[0], life[1]}) ::close(end);
         throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(errno)));
     }
     if (child == 0) {
@@ -65,6 +98,8 @@ CommandRun run_command(const std::string& line, double seconds) {
         ::_exit(127);
     }
     ::setpgid(child, child);  // whoever comes first
+    const pid_t watch = start_watch(life[0], child);
+    ::close(life[0]);
     ::close(output[1]);
     ::fcntl(output[0], F_SETFL, O_NONBLOCK);
 
@@ -78,12 +113,15 @@ CommandRun run_command(const std::string& line, double seconds) {
         if (on.revents) open = read_some(output[0], run.output);
         const pid_t ended = ::wait4(child, &status, WNOHANG, &used);
         if (ended == child || (ended < 0 && errno != EINTR)) break;
-        if (!run.timed_out && deadline.passed()) {
+        if (!run.timed_out && (deadline.passed() || HoldInterrupts::came())) {
             run.timed_out = true;
             ::kill(-child, SIGKILL);
         }
     }
+    end_watch(watch);
+    ::close(life[1]);
     ::kill(-child, SIGKILL);  // what it left behind
+    end_family(before);       // and what has left its group
     read_some(output[0], run.output);
     ::close(output[0]);
     if (run.output.size() > output_kept) run.output.erase(0, run.output.size() - output_kept);

@@ -15,8 +15,9 @@ struct CommandRun {
     std::int64_t peak_bytes = -1;
 };
 
-// `/bin/sh -c line` in a process group of its own, with no input; it is killed with all of that group after `seconds`, and
-// dies with this process. Throws std::runtime_error if nothing could be started.
+// `/bin/sh -c line` in a process group of its own, with no input; it is killed after `seconds` or at an interrupt that is held
+// (scratch.h); when it ends, whatever it has started is killed, also what has left the group. The group dies with this
+// process, which becomes a subreaper. Throws std::runtime_error if nothing could be started.
 CommandRun run_command(const std::string& line, double seconds);
 
 }  // namespace hausbench

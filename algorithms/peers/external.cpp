@@ -7,18 +7,14 @@
 #include "error.h"
 #include "mesh_file.h"
 #include "peers/command.h"
+#include "scratch.h"
 #include "solver.h"
 
 #include <fmt/format.h>
 
-#include <stdlib.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <regex>
-#include <stdexcept>
 #include <string_view>
 
 namespace hausbench {
@@ -106,18 +102,9 @@ public:
             throw InputError("solver 'external': neither 'lower' nor 'upper' says where the program prints its answer: give one, or both");
         }
     }
-    ~External() override {
-        std::error_code ignored;
-        if (!folder_.empty()) fs::remove_all(folder_, ignored);
-    }
-    External(const External&) = delete;
-    External& operator=(const External&) = delete;
-
     void prepare(const Scene& scene, const Prepared&) override {
         source_ = &scene.source;
-        std::string pattern = (fs::temp_directory_path() / "hausbench-external-XXXXXX").string();
-        if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": " + std::strerror(errno));
-        folder_ = pattern;
+        folder_.emplace("external");
         write_mesh_file(file("B"), scene.target, mesh_format_of(file("B")));
     }
 
@@ -146,7 +133,7 @@ public:
     }
 
 private:
-    fs::path file(const char* name) const { return folder_ / (std::string(name) + "." + extension_); }
+    fs::path file(const char* name) const { return folder_->path() / (std::string(name) + "." + extension_); }
 
     void read(const CommandRun& run, const Query& query, Result& result) const {
         if (run.timed_out) {
@@ -168,6 +155,10 @@ private:
         Bounds bounds;
         if (lower) bounds.lower = *lower;
         if (upper) bounds.upper = *upper;
+        if (std::isinf(bounds.lower) || bounds.upper < 0) {
+            result.note = fmt::format("the program's bounds [{}, {}] are those of no distance", bounds.lower, bounds.upper);
+            return;
+        }
         result.bounds = bounds;
         if (bounds.gap() <= query.tolerance.gap(bounds.lower)) {
             result.status = Status::converged;
@@ -182,7 +173,8 @@ private:
     Place lower_, upper_, seconds_;
     double seconds_unit_;
     const Shape* source_ = nullptr;
-    fs::path folder_;
+    HoldInterrupts hold_;  // the folder goes before it
+    std::optional<ScratchFolder> folder_;
 };
 
 }  // namespace

@@ -1,0 +1,105 @@
+#include "scratch.h"
+
+#include "error.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view prefix = "hausbench-";
+constexpr std::array<std::string_view, 3> kinds = {"worker", "load", "external"};
+constexpr std::array<int, 2> held_signals = {SIGINT, SIGTERM};
+
+int holders = 0;
+volatile std::sig_atomic_t signal_that_came = 0;
+std::array<struct sigaction, held_signals.size()> actions_before;
+
+bool is_ours(const std::string& name) {
+    for (const std::string_view kind : kinds) {
+        if (name.starts_with(fmt::format("{}{}-", prefix, kind))) return true;
+    }
+    return false;
+}
+
+bool remove_abandoned_folders(const fs::path& from) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(from, ignored)) {
+        struct stat state {};
+        if (!is_ours(entry.path().filename().string()) || ::lstat(entry.path().c_str(), &state) != 0) continue;
+        if (!S_ISDIR(state.st_mode) || state.st_uid != ::getuid()) continue;
+        const int lock = ::open(entry.path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (lock < 0) continue;
+        if (::flock(lock, LOCK_EX | LOCK_NB) == 0) fs::remove_all(entry.path(), ignored);
+        ::close(lock);
+    }
+    return true;
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder(std::string_view kind) {
+    std::error_code error;
+    const fs::path temporary = fs::temp_directory_path(error);
+    if (error) {
+        const char* named = std::getenv("TMPDIR");
+        throw InputError(fmt::format("{}: no folder for temporary files: name one with TMPDIR", named ? named : "/tmp"));
+    }
+    static const bool swept = remove_abandoned_folders(temporary);
+    static_cast<void>(swept);
+    for (;;) {
+        std::string pattern = (temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string();
+        if (!::mkdtemp(pattern.data())) {
+            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR", pattern,
+                                         std::strerror(errno)));
+        }
+        path_ = pattern;
+        lock_ = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        struct stat state {};
+        if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0 && ::stat(pattern.c_str(), &state) == 0) return;
+        if (lock_ >= 0) ::close(lock_);  // another process swept it away between two of these lines
+    }
+}
+
+ScratchFolder::~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    ::close(lock_);
+}
+
+HoldInterrupts::HoldInterrupts() {
+    if (holders++ > 0) return;
+    signal_that_came = 0;
+    for (std::size_t i = 0; i < held_signals.size(); ++i) {
+        ::sigaction(held_signals[i], nullptr, &actions_before[i]);
+        if (actions_before[i].sa_handler != SIG_DFL) continue;  // ignored, or somebody else's
+        struct sigaction action {};
+        action.sa_handler = [](int number) { signal_that_came = number; };
+        ::sigaction(held_signals[i], &action, nullptr);
+    }
+}
+
+HoldInterrupts::~HoldInterrupts() {
+    if (--holders > 0) return;
+    for (std::size_t i = 0; i < held_signals.size(); ++i) {
+        if (actions_before[i].sa_handler == SIG_DFL) ::sigaction(held_signals[i], &actions_before[i], nullptr);
+    }
+    if (const int number = signal_that_came) ::raise(number);
+}
+
+bool HoldInterrupts::came() { return signal_that_came != 0; }
+
+}  // namespace hausbench
