@@ -16,12 +16,6 @@ std::string type_name(const ParameterValue& value) {
     return names[value.index()];
 }
 
-std::string join(const std::vector<std::string>& words) {
-    std::string all;
-    for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
-    return all;
-}
-
 // `value` as the type of the parameter's default; a whole number is taken where a real one is wanted.
 ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const ParameterValue& value) {
     const std::string where = fmt::format("solver '{}', parameter '{}'", solver, spec.name);
@@ -43,7 +37,7 @@ ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const
     }
     if (const auto* text = std::get_if<std::string>(&result); text && !spec.choices.empty()) {
         if (std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end()) {
-            throw InputError(fmt::format("{}: '{}' is not one of: {}", where, *text, join(spec.choices)));
+            throw InputError(fmt::format("{}: '{}' is none of its choices{}", where, *text, nearest_hint(*text, spec.choices)));
         }
     }
     if (const auto* text = std::get_if<std::string>(&result); text && spec.problem) {

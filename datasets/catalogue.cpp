@@ -153,6 +153,9 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
 
 Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program)
     : cache_(std::move(cache)), program_(std::move(program)) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(manifest, ignored))
+        throw InputError(manifest.string() + ": cannot be opened: set HAUSBENCH_ROOT to the checkout");
     toml::table root;
     try {
         root = toml::parse_file(manifest.string());
@@ -193,6 +196,14 @@ const ModelInfo& Catalogue::find(const std::string& name) const {
     for (const ModelInfo& model : models_)
         if (model.name == name) return model;
     throw InputError(fmt::format("no model '{}' in the manifest{}", name, nearest_hint(name, names_of(models_))));
+}
+
+void Catalogue::make_folders() const {
+    std::error_code error;
+    std::filesystem::create_directories(cache_ / "shapes", error);
+    if (error)
+        throw InputError(fmt::format("{}: cannot be made ({}): name another folder with HAUSBENCH_CACHE",
+                                     (cache_ / "shapes").string(), error.message()));
 }
 
 std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
@@ -239,7 +250,7 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
         }
         const std::string problem = shape_problem(loaded.shape);
         if (!problem.empty()) throw InputError(fmt::format("model '{}': {}", name, problem));
-        std::filesystem::create_directories(shape_file.parent_path());
+        make_folders();
         write_shape(shape_file, loaded);
     }
     return ResolvedModel{shape_file,

@@ -48,6 +48,9 @@ public:
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
 
+    // The folders that resolve() writes to, where they are not there yet. Throws InputError where they cannot be made.
+    void make_folders() const;
+
     // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their
     // SHA-256 is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in
     // CACHE/shapes/<key>.h5 where key is a hash of the recipe, the operation and all inputs' bytes, so an edited

@@ -184,22 +184,22 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     std::error_code error;
     const std::string name = file.string();
     const auto status = std::filesystem::status(file, error);
-    if (!std::filesystem::exists(status)) throw InputError(name + ": no such file");
-    if (std::filesystem::is_directory(status)) throw InputError(name + ": is a directory, not a file");
+    if (!std::filesystem::exists(status)) throw InputError(name + ": no such file: check its path");
+    if (std::filesystem::is_directory(status)) throw InputError(name + ": is a folder: name a file in it");
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
-        throw InputError(name + ": is empty");
+        throw InputError(name + ": is empty: save or fetch it again");
     if (format.empty() && lower_case(name).ends_with(".surface.toml")) {
         LoadedShape loaded{read_surface_file(file), {}};
         loaded.report.format = "surface";
         return loaded;
     }
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
-    if (kind.empty()) throw InputError(name + ": has no extension: say its format");
+    if (kind.empty()) throw InputError(name + ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl or what it is");
     if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off")
         return readers::load_with_assimp(file, format);
 
     std::string bytes = read_all(file);
-    if (bytes.empty()) throw InputError(name + ": is empty");
+    if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     LoadReport report;
     report.format = kind;
     return readers::finish(name, readers::read_with_cgal(name, std::move(bytes), kind), report, kind == "stl");

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -61,14 +62,16 @@ public:
         if (!value || !node.is_number() || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
         return *value;
     }
-    double positive(const toml::node& node, std::string_view key) const {
+    double positive(const toml::node& node, std::string_view key, double most = std::numeric_limits<double>::max()) const {
         const double value = number(node, key);
         if (!(value > 0)) fail(node, fmt::format("'{}' must be above 0, not {}", key, value));
+        if (value > most) fail(node, fmt::format("'{}' must be at most {}, not {}", key, most, value));
         return value;
     }
-    double positive(std::string_view key, double otherwise) const {
+    double limit(std::string_view key, double otherwise) const {
+        constexpr double most = 1e8;  // megabytes, seconds: no machine has more, and counters of nanoseconds hold it
         const toml::node* node = find(key);
-        return node ? positive(*node, key) : otherwise;
+        return node ? positive(*node, key, most) : otherwise;
     }
     int count(std::string_view key, int least, int otherwise) const {
         const toml::node* node = find(key);
@@ -130,8 +133,21 @@ void merge(toml::table& base, const toml::table& over) {
     }
 }
 
-bool wanted(const Reader& reader, const std::string& profile) {
+// All that there are: the two that every experiment has, and its own.
+std::vector<std::string> profiles_of(const toml::table& table) {
+    std::set<std::string> known = {"quick", "paper"};
+    if (const toml::table* profiles = table["profile"].as_table()) {
+        for (const auto& [name, node] : *profiles) known.insert(std::string(name.str()));
+    }
+    return {known.begin(), known.end()};
+}
+
+bool wanted(const Reader& reader, const std::string& profile, const std::vector<std::string>& known) {
     const auto profiles = reader.texts("profiles");
+    for (const std::string& name : profiles) {
+        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+        reader.fail(*reader.find("profiles"), fmt::format("unknown profile '{}'{}", name, nearest_hint(name, known)));
+    }
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
@@ -246,21 +262,16 @@ Limits read_limits(const fs::path& file, const Reader& root) {
     if (!node) return limits;
     if (!node->is_table()) root.fail(*node, "'limits' must be a table");
     Reader reader(file, *node->as_table(), "[limits]", {"case_seconds", "prepare_seconds", "memory_mb"});
-    limits.case_seconds = reader.positive("case_seconds", limits.case_seconds);
-    limits.prepare_seconds = reader.positive("prepare_seconds", limits.prepare_seconds);
-    limits.memory_bytes = std::int64_t(reader.positive("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
+    limits.case_seconds = reader.limit("case_seconds", limits.case_seconds);
+    limits.prepare_seconds = reader.limit("prepare_seconds", limits.prepare_seconds);
+    limits.memory_bytes = std::int64_t(reader.limit("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
     return limits;
 }
 
 toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
-    const std::vector<std::string> builtin = {"quick", "paper"};
-    std::set<std::string> known(builtin.begin(), builtin.end());
-    if (const toml::table* profiles = table["profile"].as_table()) {
-        for (const auto& [name, node] : *profiles) known.insert(std::string(name.str()));
-    }
-    if (!known.contains(profile)) {
-        throw InputError(fmt::format("{}: unknown profile '{}'{}", file.string(), profile,
-                                     nearest_hint(profile, {known.begin(), known.end()})));
+    const auto known = profiles_of(table);
+    if (std::find(known.begin(), known.end(), profile) == known.end()) {
+        throw InputError(fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, known)));
     }
     if (const toml::table* over = table["profile"][profile].as_table()) {
         auto keys = root_keys;
@@ -306,7 +317,8 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.trace = root.flag("trace", experiment.trace);
     experiment.limits = read_limits(file, root);
 
-    std::set<std::string> names;
+    const auto profiles = profiles_of(table);
+    std::set<std::string> names, names_of_all;  // of scenes: in this profile, in any
     for (const char* kind : {"scene", "solver"}) {
         const toml::node* node = root.find(kind);
         const toml::array* array = node ? node->as_array() : nullptr;
@@ -315,7 +327,8 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]", {"name", "source", "target", "note", "motion", "profiles"});
-                if (!wanted(reader, profile)) continue;
+                names_of_all.insert(reader.text("name"));
+                if (!wanted(reader, profile, profiles)) continue;
                 experiment.scenes.push_back(read_scene(file, reader));
                 if (!names.insert(experiment.scenes.back().name).second) {
                     reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", experiment.scenes.back().name, profile));
@@ -323,15 +336,16 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
                               {"name", "label", "parameters", "tolerances", "scenes", "profiles"});
-                if (!wanted(reader, profile)) continue;
+                if (!wanted(reader, profile, profiles)) continue;
                 SolverPlan solver = read_solver(reader);
                 if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
                 if (solver.tolerances.empty()) reader.fail("no 'tolerances', here or at the top: a tolerance has no default");
                 for (const std::string& scene : solver.scenes) {
-                    if (!names.contains(scene)) {
-                        reader.fail(fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.begin(), names.end()})));
-                    }
+                    if (names_of_all.contains(scene)) continue;
+                    reader.fail(fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names_of_all.begin(), names_of_all.end()})));
                 }
+                // None where all its scenes belong to other profiles; of an empty list, it would run on every scene.
+                if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(), [&](const auto& s) { return names.contains(s); })) continue;
                 experiment.solvers.push_back(std::move(solver));
             }
         }

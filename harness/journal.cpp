@@ -23,6 +23,18 @@ constexpr int journal_schema = 2;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
+// What is left of a first line whose write never finished.
+bool torn_header(std::string_view text) {
+    constexpr std::string_view start = R"({"hausbench_journal":)";
+    if (text.find('\n') != std::string_view::npos) return false;
+    for (std::size_t i = 0; i < text.size() && i < 17 + start.size(); ++i) {
+        const char c = text[i];
+        const bool fits = i < 16 ? (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') : i == 16 ? c == ' ' : c == start[i - 17];
+        if (!fits) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)) {
@@ -67,20 +79,14 @@ void Journal::read() {
         const bool last = end == std::string::npos || end + 1 == text.size();
         const std::string line = text.substr(good, end == std::string::npos ? end : end - good);
         if (end == std::string::npos || line.size() < 18 || line[16] != ' ' || checksum(std::string_view(line).substr(17)) != line.substr(0, 16)) {
-            if (number == 1 && !(line.size() < 18)) {
+            if (number == 1 && !torn_header(text)) {
                 throw InputError(fmt::format("{}: is not a journal of hausbench: move it away or choose another folder with --results", file_.string()));
             }
             if (!last) throw InputError(fmt::format("{}:{}: damaged: start over with --fresh", file_.string(), number));
             break;  // torn: the write never finished
         }
-        const json record = json::parse(std::string_view(line).substr(17));
-        if (number == 1) {
-            if (record.value("hausbench_journal", 0) != journal_schema) {
-                throw InputError(fmt::format("{}: written by another version of hausbench: finish with that one, or start over with --fresh", file_.string()));
-            }
-            started_ = record.at("started");
-        } else {
-            outcomes_[{record.at("identity"), record.at("round")}] = outcome_from_json(record.at("outcome"));
+        if (!take(number, std::string_view(line).substr(17))) {
+            throw InputError(fmt::format("{}:{}: is no record of a run: start over with --fresh", file_.string(), number));
         }
         good = end + 1;
     }
@@ -88,6 +94,23 @@ void Journal::read() {
         throw InputError(fmt::format("{}: cannot mend its last line: {}", file_.string(), std::strerror(errno)));
     }
     if (started_.empty()) begin();
+}
+
+bool Journal::take(int number, std::string_view text) {
+    try {
+        const json record = json::parse(text);
+        if (number > 1) {
+            outcomes_[{record.at("identity"), record.at("round")}] = outcome_from_json(record.at("outcome"));
+            return true;
+        }
+        if (record.value("hausbench_journal", 0) != journal_schema) {
+            throw InputError(fmt::format("{}: written by another version of hausbench: finish with that one, or start over with --fresh", file_.string()));
+        }
+        started_ = record.at("started");
+        return true;
+    } catch (const json::exception&) {
+        return false;
+    }
 }
 
 void Journal::clear() {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace hausbench {
@@ -34,6 +35,7 @@ public:
 private:
     void write_line(const std::string& text);
     void read();
+    bool take(int number, std::string_view text);  // a line; false if it is no record
     void clear();
     void begin();
 

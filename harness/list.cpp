@@ -18,6 +18,7 @@ json shapes_json(const ShapeSet& shapes) {
     json out = json::array();
     if (shapes.points) out.push_back("points");
     if (shapes.mesh) out.push_back("mesh");
+    if (shapes.surface) out.push_back("surface");
     return out;
 }
 

@@ -19,6 +19,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <new>
@@ -80,6 +81,30 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
     return parameters;
 }
 
+// What is wrong with a command line, with the nearest name for a wrong one.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
+    const auto verbs = app.get_subcommands();
+    const auto unknown = app.remaining(true);
+    const std::string help = fmt::format("run `hausbench{} --help`", verbs.empty() ? "" : " " + verbs.front()->get_name());
+    std::vector<std::string> known;
+    if (verbs.empty()) {
+        for (const CLI::App* verb : app.get_subcommands(nullptr)) {
+            if (!verb->get_group().empty()) known.push_back(verb->get_name());
+        }
+        if (unknown.empty()) return fmt::format("no verb is given{}; {}", nearest_hint("", known), help);
+        return fmt::format("unknown verb '{}'{}; {}", unknown.front(), nearest_hint(unknown.front(), known), help);
+    }
+    std::string what = error.what();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !unknown.empty()) {
+        for (const CLI::Option* option : verbs.front()->get_options()) {
+            if (!option->get_lnames().empty()) known.push_back("--" + option->get_lnames().front());
+        }
+        const std::string& word = unknown.front();
+        what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, known)) : fmt::format("unexpected '{}'", word);
+    }
+    return one_line(fmt::format("{}: {}; {}", verbs.front()->get_name(), what, help));
+}
+
 int dispatch(int argc, char** argv) {
     CLI::App app("Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, Pompeiu-Hausdorff).");
     app.require_subcommand(1);
@@ -137,7 +162,10 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("--solver", request.solver, "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
     measure_verb->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")->capture_default_str();
     measure_verb->add_option("--of", request.of, "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a fraction of the lower bound")
-        ->capture_default_str()->check(CLI::IsMember({"diagonal", "absolute", "lower"}));
+        ->capture_default_str()->check([](const std::string& of) {
+            const std::vector<std::string> known = {"diagonal", "absolute", "lower"};
+            return std::find(known.begin(), known.end(), of) != known.end() ? "" : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, known));
+        });
     measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     measure_verb->add_option("--time-limit", request.time_limit, "seconds for each direction; the bounds hold when it runs out");
@@ -146,7 +174,11 @@ int dispatch(int argc, char** argv) {
     measure_verb->callback([&] {
         request.options = parse_parameters(parameters);
         const Measured measured = measure(request);
-        std::fputs((measure_json ? to_json(measured, request).dump() + "\n" : describe(measured, request)).c_str(), stdout);
+        constexpr auto replace = nlohmann::json::error_handler_t::replace;  // a program's words may be no UTF-8
+        std::fputs((measure_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request)).c_str(), stdout);
+        if (answered(measured)) return;
+        fmt::print(stderr, "hausbench: solver '{}' gave no answer\n", measured.solver);
+        code = 1;
     });
 
     std::string exported;
@@ -201,7 +233,8 @@ int dispatch(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help
+        throw InputError(complaint(app, error));
     }
     return code;
 }

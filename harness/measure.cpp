@@ -29,7 +29,8 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
                           {false, 1, query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0});
     Trace untraced;
     const auto begin = std::chrono::steady_clock::now();
-    const Result result = session.solve(query, untraced);
+    Result result = session.solve(query, untraced);
+    result.note = one_line(result.note);
     measured.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     measured.prepare_seconds += session.prepare_seconds();
     if (first) {
@@ -43,8 +44,21 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     }
     whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
     whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
-    if (result.status != Status::converged) whole.status = result.status;
+    if (result.status != Status::converged) {
+        whole.status = result.status;
+        whole.note = result.note;
+    }
     for (const CounterField& field : counter_fields) whole.counters.*field.member += result.counters.*field.member;
+}
+
+// What can be done where a solver does not take the pair.
+std::string solvers_for(ShapeKind source, ShapeKind target) {
+    std::string names;
+    for (const SolverEntry& entry : solvers()) {
+        if (refusal(entry.info, source, target).empty()) names += (names.empty() ? "" : ", ") + entry.info.name;
+    }
+    if (names.empty()) return fmt::format("no solver measures {} against {}: give two files of one kind", to_string(source), to_string(target));
+    return fmt::format("choose one that does with --solver: {}", names);
 }
 
 }  // namespace
@@ -68,7 +82,8 @@ Measured measure(const MeasureRequest& request) {
     measured.solver = !request.solver.empty() ? request.solver : points ? "earlybreak" : surfaces ? "surface_enclosure" : "guthe";
     const SolverEntry& entry = find_solver(measured.solver);
     if (const auto why = refusal(entry.info, measured.source_kind, measured.target_kind); !why.empty()) {
-        throw InputError(fmt::format("{} and {}: {}; choose another with --solver", request.source.string(), request.target.string(), why));
+        throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), why,
+                                     solvers_for(measured.source_kind, measured.target_kind)));
     }
     if (request.of == "diagonal" && measured.diagonal == 0) {
         throw InputError(fmt::format("{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
@@ -85,6 +100,10 @@ Measured measure(const MeasureRequest& request) {
     return measured;
 }
 
+bool answered(const Measured& measured) {
+    return measured.result.status != Status::stalled || std::isfinite(measured.result.bounds.upper) || measured.result.bounds.lower > 0;
+}
+
 nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
     const auto point = [](const Vec3& v) -> nlohmann::json {
         if (!v.allFinite()) return nullptr;
@@ -96,6 +115,7 @@ nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
     return {{"lower", number(m.result.bounds.lower)},
             {"upper", number(m.result.bounds.upper)},
             {"status", to_string(m.result.status)},
+            {"note", m.result.note},
             {"source_point", point(turned ? w.target_point : w.source_point)},
             {"target_point", point(turned ? w.source_point : w.target_point)},
             {"witness_direction", m.witness_direction},
@@ -129,7 +149,7 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
                                                     : "(a length)";
     text += fmt::format("solver     {}, tolerance {:g} {}\n", m.solver, request.tolerance, of);
     text += fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);
-    text += fmt::format("           gap {:.3g}, {}\n", b.gap(), to_string(m.result.status));
+    text += fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(m.result.status), m.result.note.empty() ? "" : ": " + m.result.note);
     if (p.allFinite()) {
         text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1], p[2], q[0],
                             q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");

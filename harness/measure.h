@@ -35,6 +35,9 @@ struct Measured {
 // Throws InputError for anything wrong with the files, the solver, its parameters or the tolerance.
 Measured measure(const MeasureRequest& request);
 
+// Whether the solver said anything at all: not where it stalled at [0, infinity].
+bool answered(const Measured& measured);
+
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
 std::string describe(const Measured& measured, const MeasureRequest& request);  // for a person; ends in a newline
 

@@ -2,6 +2,8 @@
 
 #include "error.h"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 
 namespace hausbench {
@@ -11,7 +13,11 @@ namespace fs = std::filesystem;
 fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
 
 fs::path project_root() {
-    if (const char* root = std::getenv("HAUSBENCH_ROOT")) return root;
+    if (const char* root = std::getenv("HAUSBENCH_ROOT")) {
+        std::error_code ignored;
+        if (fs::exists(fs::path(root) / "datasets" / "manifest.toml", ignored)) return root;
+        throw InputError(fmt::format("HAUSBENCH_ROOT={}: no datasets/manifest.toml in it: set it to the checkout", root));
+    }
     for (const fs::path& start : {fs::current_path(), program_path().parent_path()}) {
         for (fs::path folder = start; folder.has_relative_path(); folder = folder.parent_path()) {
             if (fs::exists(folder / "datasets" / "manifest.toml")) return folder;

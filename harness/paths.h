@@ -9,7 +9,7 @@ namespace hausbench {
 std::filesystem::path program_path();
 
 // The checkout: HAUSBENCH_ROOT, else the nearest folder above the working directory, else above the program, that holds
-// datasets/manifest.toml. Throws InputError if there is none.
+// datasets/manifest.toml. Throws InputError if there is none, or HAUSBENCH_ROOT holds none.
 std::filesystem::path project_root();
 
 // HAUSBENCH_CACHE, else datasets/cache of the project: fetched files and shapes.

@@ -34,6 +34,11 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
+// Whether the solver's bounds hold under rounding with these options.
+bool promises(const SolverEntry& entry, const ParameterMap& given) {
+    return entry.info.certified && entry.make(Options(entry.info.name, entry.info.parameters, given))->certified();
+}
+
 class Planner {
 public:
     Planner(const Experiment& experiment, const Catalogue& catalogue, const std::function<void(const std::string&)>& say)
@@ -53,6 +58,7 @@ public:
             catalogue_.find(scene.source);
             catalogue_.find(scene.target);
         }
+        catalogue_.make_folders();  // without them nothing can be had: that is an error, not a sweep of failed rows
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             if (!chosen(choice.scenes, experiment.scenes[i].name)) continue;
             const SceneModels models = resolve(experiment.scenes[i]);
@@ -62,6 +68,7 @@ public:
                 for (const ParameterMap& options : solver.options) add(i, models, solver, options);
             }
         }
+        if (plan_.cases.empty()) refuse_empty();
         check_identities();
         return std::move(plan_);
     }
@@ -122,6 +129,7 @@ private:
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
         const bool reads_trace = entry && !plan_.leave_nothing_out && (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
+        const int certified = entry ? promises(*entry, given) : -1;
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
@@ -147,7 +155,7 @@ private:
                 asked.tolerance = tolerances[t];
                 asked.tolerance_of = experiment.of;
                 asked.limits = experiment.limits;
-                if (entry) asked.certified = entry->info.certified;
+                asked.certified = certified;
                 asked.identity = identify(asked);
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));
@@ -182,6 +190,13 @@ private:
                                                 : "the trace of the finest tolerance holds their answers",
                               std::int64_t(asked - job.cases.size())});
         }
+    }
+
+    [[noreturn]] void refuse_empty() const {
+        const Experiment& e = plan_.experiment;
+        const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
+        throw InputError(fmt::format("{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose others with "
+                                     "--profile, --solver and --scene", e.file.string(), what, e.profile));
     }
 
     void check_identities() const {

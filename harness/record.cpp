@@ -119,6 +119,7 @@ json to_json(const Outcome& o) {
             {"peak_bytes", o.peak_bytes},
             {"preparation", preparation},
             {"repeats", repeats},
+            {"repeats_asked", o.repeats_asked},
             {"trace", trace},
             {"from_trace", o.from_trace},
             {"build", o.build},
@@ -142,6 +143,7 @@ Outcome outcome_from_json(const json& j) {
     o.peak_bytes = j.at("peak_bytes");
     for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), number(p.at(1)), p.at(2)});
     for (const json& r : j.at("repeats")) o.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
+    o.repeats_asked = j.value("repeats_asked", int(o.repeats.size()));  // journals of earlier versions do not say
     for (const json& s : j.at("trace")) o.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
     o.from_trace = j.at("from_trace");
     o.build = j.at("build");

@@ -57,6 +57,7 @@ struct Outcome {
     std::int64_t peak_bytes = -1;
     std::vector<PreparationTime> preparation;
     std::vector<Repeat> repeats;
+    int repeats_asked = 0;  // of the round; there are fewer where time ran out
     std::vector<TraceSample> trace;
     bool from_trace = false;
     std::string build, machine;

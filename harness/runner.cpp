@@ -45,12 +45,20 @@ private:
     struct sigaction before_[2];
 };
 
+const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!error && !std::filesystem::is_directory(folder, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
+    if (error) throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results", folder.string(), error.message()));
+    return folder;
+}
+
 class Runner {
 public:
     Runner(const Plan& plan, const RunOptions& options)
         : plan_(plan),
           options_(options),
-          journal_((std::filesystem::create_directories(options.results), options.results / (plan.experiment.stem + options.suffix + ".journal")), options.fresh),
+          journal_(made_folder(options.results) / (plan.experiment.stem + options.suffix + ".journal"), options.fresh),
           progress_(options.quiet) {}
 
     RunSummary run() {
@@ -83,7 +91,7 @@ private:
         if (!options_.any_build && (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id)) return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         const bool timed = outcome.status == "ok" || outcome.status == "floor";
-        if (timed && outcome.repeats.empty() && plan_.experiment.repeats > 0) return nullptr;
+        if (timed && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
         if (round == 0 && outcome.status == "ok" && outcome.trace.empty() && !plan_.marks(row).empty()) return nullptr;
         return &outcome;
     }
@@ -107,6 +115,7 @@ private:
                     [&](std::size_t row, Outcome outcome) {
                         outcome.build = build_of(plan_.cases[row].solver);
                         outcome.machine = this_machine().id;
+                        outcome.repeats_asked = plan_.experiment.repeats;
                         ++statuses[outcome.status];
                         journal_.append({plan_.cases[row].identity, round}, outcome);
                         progress_.done(1);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,10 @@ BAD_EXPERIMENTS = {
     "[[scene]]\nname = 'spheres'\nsource = 'sphere1'\ntarget = 'sphere1'": ("two scenes named 'spheres'", "rename"),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'spin' }": ("unknown motion", "static"),
     "tolerances = [": ("tiny.toml:", ""),
+    "limits = { memory_mb = 1e15 }": ("'memory_mb'", "at most"),
+    "limits = { case_seconds = 1e15 }": ("'case_seconds'", "at most"),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nprofiles = ['papr']": ("unknown profile 'papr'", "paper"),
+    "[[solver]]\nname = 'guthe'\nparameters = { kernel = 'robsut' }": ("robsut", "did you mean 'robust'"),
 }
 
 
@@ -100,6 +105,63 @@ def test_unknown_profile_scene_solver(hausbench: Program, experiment: Path, tmp_
     assert "absent.toml" in hausbench.fails("run", tmp_path / "absent.toml")
 
 
-def test_no_arguments_and_unknown_verb(hausbench: Program) -> None:
-    assert hausbench().returncode == 2
-    assert hausbench("mesure").returncode == 2
+def test_a_profile_with_nothing_in_it(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(EXPERIMENT.replace('name = "spheres"', 'name = "spheres"\nprofiles = ["paper"]'))
+    assert "no [[scene]] is left in profile 'quick'" in hausbench.fails("run", experiment, "--results", tmp_path)
+    experiment.write_text(EXPERIMENT + 'profiles = ["paper"]\n')
+    assert "no [[solver]] is left" in hausbench.fails("run", experiment, "--results", tmp_path)
+    # A solver of a scene that this profile leaves out is left out with it, and does not run on the others.
+    experiment.write_text(EXPERIMENT.replace("[[solver]]", """[[scene]]
+name = "large"
+source = "sphere3"
+target = "sphere3"
+profiles = ["paper"]
+
+[[solver]]
+name = "cgal"
+scenes = ["large"]
+
+[[solver]]"""))
+    done = hausbench("run", experiment, "--results", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "1 ok" in done.stdout
+
+
+def test_command_lines(hausbench: Program, tetrahedron: Path) -> None:
+    assert "'measure'" in hausbench.fails("mesure")
+    assert "no verb" in hausbench.fails()
+    assert "diagonal" in hausbench.fails("measure", tetrahedron, tetrahedron, "--of", "diagnoal")
+    assert "--tolerance" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerance", "abc")
+    assert "did you mean '--tolerance'" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerence", "1")
+    assert "B is required" in hausbench.fails("measure", tetrahedron)
+    assert hausbench("--help").returncode == 0 and hausbench("measure", "--help").returncode == 0
+
+
+def test_a_remedy_that_exists(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    plain = tmp_path / "plain"
+    plain.write_bytes(tetrahedron.read_bytes())
+    assert "rename" in hausbench.fails("measure", plain, tetrahedron)
+    points = tmp_path / "points.obj"
+    points.write_text("v 0 0 0\n")
+    assert "--solver: external" in hausbench.fails("measure", tetrahedron, points)
+    surface = tmp_path / "ball.surface.toml"
+    surface.write_text('polynomial = "x^2 + y^2 + z^2 - 1"\nbox = [[-2, 2], [-2, 2], [-2, 2]]\n')
+    assert "two files of one kind" in hausbench.fails("measure", tetrahedron, surface)
+
+
+def test_folders_that_cannot_be(hausbench: Program, experiment: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    for folder in (file, file / "below", Path("/proc/folder")):
+        assert "--results" in hausbench.fails("run", experiment, "--results", folder)
+    for cache in (file, Path("/proc/folder")):
+        monkeypatch.setenv("HAUSBENCH_CACHE", str(cache))
+        assert "HAUSBENCH_CACHE" in hausbench.fails("run", experiment, "--results", tmp_path)
+    monkeypatch.delenv("HAUSBENCH_CACHE")
+    for temporary in ("/nonexistent", "/proc"):
+        monkeypatch.setenv("TMPDIR", temporary)
+        assert "TMPDIR" in hausbench.fails("measure", tetrahedron, tetrahedron)
+        assert "TMPDIR" in hausbench.fails("run", experiment, "--results", tmp_path)
+    environment = {**hausbench.environment(), "HAUSBENCH_ROOT": str(tmp_path)}
+    done = subprocess.run(hausbench.command("list"), env=environment, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "HAUSBENCH_ROOT" in done.stderr

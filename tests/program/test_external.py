@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import fcntl
 import os
+import signal
 import struct
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,6 +16,7 @@ import h5py
 import pytest
 
 from conftest import ROOT, Program
+from test_run import wait_for
 
 PEER = ROOT / "tests" / "program" / "external_peer.py"
 
@@ -126,6 +129,12 @@ def test_a_program_that_fails(sweep: Sweep) -> None:
     assert rows["good status"] == ["ok", "ok"]
 
 
+def test_bounds_of_no_distance_are_no_answer(sweep: Sweep) -> None:
+    for deed in ("; echo h = inf; echo at most inf", "; echo at most -1"):
+        rows = sweep(deed=deed, lower=r"^h = (\S+)")
+        assert rows["status"] == ["failed", "failed"] and "of no distance" in rows["reason"][0]
+
+
 def test_a_program_that_lies(sweep: Sweep) -> None:
     rows = sweep(deed="lie")
     assert rows["status"][1] == "unsound" and rows["good status"] == ["ok", "ok"]
@@ -151,6 +160,34 @@ def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) ->
     assert rows["status"] == ["timeout", "timeout"] and "did not end in time" in rows["reason"][0]
     assert nothing_left(tmp_path)
     wait_until_gone(tmp_path / "pid")
+
+
+def test_nothing_outlives_a_case(sweep: Sweep, tmp_path: Path) -> None:
+    left = tmp_path / "left"
+    rows = sweep(deed=f"; setsid sh -c 'echo $$ > {left}; exec sleep 60' > /dev/null 2>&1 & sleep 0.2; echo")
+    assert rows["status"] == ["ok", "ok"], rows["reason"]
+    wait_until_gone(left)
+
+
+@pytest.mark.parametrize("verb", ["run", "measure"])
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_nothing_outlives_the_program(sweep: Sweep, hausbench: Program, tetrahedron: Path, tmp_path: Path, verb: str,
+                                      end: signal.Signals) -> None:
+    pid = tmp_path / "pid"
+    hang = f"sh -c 'echo $$ > {pid}; exec sleep 60'; echo {{A}} {{B}}"
+    if verb == "run":
+        arguments: list[str | Path] = ["run", sweep.write(python=hang + " #", limit=50), "--results", tmp_path, "--solver", "peer"]
+    else:
+        arguments = ["measure", tetrahedron, tetrahedron, "--solver", "external", "--set", "lower=(.*)", "--set", "command=" + hang]
+    process = subprocess.Popen(hausbench.command(*arguments), env=hausbench.environment(), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    wait_for(lambda: pid.exists() and pid.read_text().endswith("\n"))
+    process.send_signal(end)
+    assert process.wait(20) == (130 if (verb, end) == ("run", signal.SIGINT) else -end)
+    wait_until_gone(pid)
+    if end == signal.SIGKILL:  # the next clears up
+        assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
+    assert nothing_left(tmp_path)
 
 
 def test_memory_of_the_program_counts(sweep: Sweep, tmp_path: Path) -> None:

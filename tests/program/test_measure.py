@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from conftest import Program
+from test_run import wait_for
 
 
 def measured(hausbench: Program, *arguments: str | Path) -> dict[str, object]:
@@ -60,3 +64,48 @@ def test_a_person_is_told_solver_and_tolerance(hausbench: Program, tetrahedron: 
     done = hausbench("measure", tetrahedron, raised)
     assert done.returncode == 0
     assert "guthe" in done.stdout and "1e-06" in done.stdout and "diagonal" in done.stdout and "h(A,B)" in done.stdout
+
+
+def test_a_name_that_begins_with_a_dash(hausbench: Program, tetrahedron: Path) -> None:
+    tetrahedron.rename(tetrahedron.parent / "-dash.off")
+    done = hausbench("measure", "--json", "--", "-dash.off", "-dash.off")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["lower"] == 0
+
+
+def test_no_answer_is_no_success(hausbench: Program, tetrahedron: Path) -> None:
+    given = ("--solver", "external", "--set", "lower=(.*)", "--set")
+    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "of no distance"), ("echo '\xff' # {A} {B}", "no number")):
+        done = hausbench("measure", tetrahedron, tetrahedron, *given, "command=" + command, "--json")
+        assert done.returncode == 1 and "no answer" in done.stderr
+        answer = json.loads(done.stdout)
+        assert answer["status"] == "stalled" and why in answer["note"] and answer["upper"] == "inf"
+        assert why in hausbench("measure", tetrahedron, tetrahedron, *given, "command=" + command).stdout
+
+
+def test_list_shows_what_solvers_take(hausbench: Program) -> None:
+    solvers = {solver["name"]: solver for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
+    assert solvers["surface_enclosure"]["source"] == ["surface"] and solvers["naive"]["target"] == ["points"]
+    assert "surface to surface" in hausbench("list").stdout
+
+
+def scratch_folders(folder: Path) -> list[str]:
+    return [entry.name for entry in folder.iterdir() if entry.name.startswith("hausbench-")]
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_an_interrupted_reader_leaves_nothing(hausbench: Program, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                              end: signal.Signals) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    fifo = tmp_path / "fifo.off"
+    os.mkfifo(fifo)
+    process = subprocess.Popen(hausbench.command("measure", fifo, tetrahedron), env=hausbench.environment(), stderr=subprocess.DEVNULL)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    wait_for(lambda: bool(scratch_folders(tmp_path)) and bool(children.read_text()))
+    reader = Path(f"/proc/{children.read_text().split()[0]}")
+    process.send_signal(end)
+    assert process.wait(10) == -end
+    wait_for(lambda: not reader.exists() or "State:\tZ" in (reader / "status").read_text())
+    if end == signal.SIGKILL:  # the next clears up
+        assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
+    assert scratch_folders(tmp_path) == []

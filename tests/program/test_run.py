@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
+import json
 import signal
 import subprocess
 import time
@@ -115,6 +117,21 @@ def test_rounds_add_repeats_from_fresh_processes(hausbench: Program, experiment:
     assert texts(file, "cases/status") == ["ok"]
 
 
+def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    text = experiment.read_text()
+    for asked, there in ((2, 2), (5, 5), (3, 5)):
+        experiment.write_text(text.replace("repeats = 1", f"repeats = {asked}"))
+        file = run(hausbench, experiment, tmp_path)
+        assert len(numbers(file, "repeats/wall_seconds")) == there
+
+
+def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
+    file = run(hausbench, experiment, tmp_path)
+    for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
+        assert certified == (json.loads(options) == {"kernel": "robust", "certify": True})
+
+
 def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
     experiment.write_text(experiment.read_text().replace("sphere1", "bunny"))
@@ -141,8 +158,32 @@ def test_a_torn_last_record_is_run_again(hausbench: Program, experiment: Path, t
     lines = whole.splitlines(True)
     journal.write_bytes(lines[0] + b"0" * 40 + b"\n" + lines[1])
     assert "damaged" in hausbench.fails("run", experiment, "--results", tmp_path)
-    journal.write_text("something else entirely, of another program\n")
-    assert "not a journal" in hausbench.fails("run", experiment, "--results", tmp_path)
+
+
+def signed(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16] + " " + text + "\n"
+
+
+def test_journals_that_are_none(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    file = run(hausbench, experiment, tmp_path)
+    journal = tmp_path / "tiny.journal"
+    header = journal.read_text().splitlines(True)[0]
+    for text, said in (
+        ("something else entirely, of another program\n", "not a journal"),
+        ("hello\n", "not a journal"),
+        ("hello", "not a journal"),
+        (signed("[1, 2]"), "--fresh"),
+        (signed('{"hausbench_journal": 1}'), "--fresh"),
+        (header + signed('{"identity": "x"}'), "tiny.journal:2"),
+        (header + signed("[]"), "tiny.journal:2"),
+    ):
+        journal.write_text(text)
+        assert said in hausbench.fails("run", experiment, "--results", tmp_path)
+        assert journal.read_text() == text  # nobody's file is lost
+    for length in (0, 5, 16, 17, 30, len(header) - 1):  # a header whose write never finished
+        journal.write_text(header[:length])
+        run(hausbench, experiment, tmp_path)
+    assert texts(file, "cases/status") == ["ok"]
 
 
 SLOW = """\
