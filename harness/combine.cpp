@@ -15,22 +15,27 @@ namespace hausbench {
 
 namespace fs = std::filesystem;
 
-void verify_result(ResultFile& result, const Catalogue& catalogue) {
+std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue) {
     std::map<std::string, Shape> shapes;
+    std::vector<std::string> missing;
     for (const ModelRecord& model : result.models) {
         const auto resolved = catalogue.resolve(model.name);
-        const auto* good = std::get_if<ResolvedModel>(&resolved);
-        if (!good) continue;
-        if (good->content_hash != model.sha256) {
-            throw InputError(fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
-                                         "made with", model.name, model.sha256, good->content_hash));
+        if (const auto* absent = std::get_if<MissingModel>(&resolved)) {
+            missing.push_back(fmt::format("model '{}' is not here, so its rows are not checked: {}", model.name, absent->reason));
+            continue;
         }
-        shapes[model.name] = read_shape(good->shape_file).shape;
+        const auto& good = std::get<ResolvedModel>(resolved);
+        if (good.content_hash != model.sha256) {
+            throw InputError(fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
+                                         "made with", model.name, model.sha256, good.content_hash));
+        }
+        shapes[model.name] = read_shape(good.shape_file).shape;
     }
     verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
         const auto at = shapes.find(name);
         return at == shapes.end() ? nullptr : &at->second;
     });
+    return missing;
 }
 
 bool any_unsound(const ResultFile& result) {
@@ -45,7 +50,22 @@ std::string name_of(const Case& c) {
     return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance, c.tolerance_of);
 }
 
-bool was_run(const Outcome& o) { return o.status != "skipped" || !o.solver_status.empty(); }
+bool was_run(const Outcome& o) { return (o.status != "skipped" && o.status != "not_built") || !o.solver_status.empty(); }
+
+// Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
+// One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
+std::string place_of(const Case& c) {
+    return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance), c.tolerance_of}).dump();
+}
+
+bool same_options(const Row& a, const Row& b) {
+    const auto within = [](const ParameterMap& few, const ParameterMap& many) {
+        return std::all_of(few.begin(), few.end(), [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
+    };
+    if (a.outcome.status == "not_built") return within(a.asked.options, b.asked.options);
+    if (b.outcome.status == "not_built") return within(b.asked.options, a.asked.options);
+    return a.asked.options == b.asked.options;
+}
 
 bool same_answer(const Outcome& a, const Outcome& b) {
     const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
@@ -75,9 +95,8 @@ std::string describe_checks(const ResultFile& result) {
 
 ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     ResultFile merged = read_result(files.front());
-    std::map<std::string, std::vector<std::size_t>> places;  // identities may stand on several scenes
-    const auto key = [](const Row& row) { return row.asked.identity + row.asked.scene; };
-    for (std::size_t i = 0; i < merged.rows.size(); ++i) places[key(merged.rows[i])].push_back(i);
+    std::map<std::string, std::vector<std::size_t>> places;
+    for (std::size_t i = 0; i < merged.rows.size(); ++i) places[place_of(merged.rows[i].asked)].push_back(i);
     for (std::size_t f = 1; f < files.size(); ++f) {
         const ResultFile next = read_result(files[f]);
         const auto refuse = [&](const std::string& what) {
@@ -94,23 +113,26 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
         merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
         merged.texts["finished"] = std::max(merged.texts["finished"], next.texts.at("finished"));
         for (const Row& row : next.rows) {
-            const auto at = places.find(key(row));
-            if (at == places.end()) {
-                places[key(row)].push_back(merged.rows.size());
-                merged.rows.push_back(row);
-                continue;
-            }
-            for (std::size_t i : at->second) {
+            std::vector<std::size_t>& here = places[place_of(row.asked)];
+            bool found = false;
+            for (std::size_t i : here) {
                 Row& mine = merged.rows[i];
+                if (!same_options(mine, row)) continue;
+                found = true;
                 if (!was_run(row.outcome)) continue;
                 if (!was_run(mine.outcome)) {
                     mine = row;
+                } else if (mine.asked.identity != row.asked.identity) {
+                    refuse(fmt::format("they asked for different things at {}: another model or limit", name_of(row.asked)));
                 } else if (!same_answer(mine.outcome, row.outcome)) {
                     refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked), mine.outcome.status,
                                        mine.outcome.bounds.lower, mine.outcome.bounds.upper, row.outcome.status, row.outcome.bounds.lower,
                                        row.outcome.bounds.upper));
                 }
             }
+            if (found) continue;
+            here.push_back(merged.rows.size());
+            merged.rows.push_back(row);
         }
         for (const ModelRecord& model : next.models) {
             const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
@@ -118,7 +140,9 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
         }
         for (const LedgerEntry& entry : next.ledger) {
             const auto same = [&](const LedgerEntry& l) { return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what; };
-            if (std::none_of(merged.ledger.begin(), merged.ledger.end(), same)) merged.ledger.push_back(entry);
+            const auto at = std::find_if(merged.ledger.begin(), merged.ledger.end(), same);
+            if (at == merged.ledger.end()) merged.ledger.push_back(entry);
+            else if (std::isnan(at->seconds_saved)) at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
         }
     }
     return merged;
@@ -149,11 +173,16 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         }
         const Estimate ratio = paired_ratio(before, after);
         all.push_back(ratio.value);
-        const char* verdict = ratio.n == 1 ? "one pair" : !separated(ratio) ? "not separated" : ratio.value > 1 ? "slower" : "faster";
+        const char* verdict = ratio.n == 1 ? "one pair" : ratio.confidence < 0.95 ? "too few pairs" : !separated(ratio) ? "not separated" : ratio.value > 1 ? "slower" : "faster";
         table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {}\n", name_of(row.asked), ratio.value, ratio.low,
                              ratio.high, ratio.n, 100 * ratio.confidence, verdict);
     }
-    std::string text = fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched, base.rows.size() - matched,
+    if (matched == 0) throw InputError("the two results have no case in common: compare results of the same experiment and profile");
+    std::string text;
+    for (const char* name : {"build", "machine"}) {
+        if (base.texts.at(name) != candidate.texts.at(name)) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, base.texts.at(name), candidate.texts.at(name));
+    }
+    text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched, base.rows.size() - matched,
                                    candidate.rows.size() - matched);
     text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
     text += fmt::format("time of the second / time of the first, median of paired repeats [interval] ({} cases without times)\n", untimed) + table;

@@ -11,19 +11,22 @@
 namespace hausbench {
 
 // Re-checks every row (verify.h) on the shapes of the catalogue, which must be those that were measured (SHA-256).
-// Models that cannot be had leave their rows `not checked`. Throws InputError where a model has other bytes now.
-void verify_result(ResultFile& result, const Catalogue& catalogue);
+// Returns a line for each model that cannot be had, whose rows become `not checked`, whatever the file says of them. Throws
+// InputError where a model has other bytes now.
+std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue);
 
 // A table: how many rows of each solver hold, are unsound, have no witness or were not checked; then each unsound row.
 std::string describe_checks(const ResultFile& result);
 bool any_unsound(const ResultFile& result);
 
-// One result out of several of the same experiment and profile (shards, or parts): of each case the row that was run.
+// One result out of several of the same experiment and profile (shards, or parts): of each case the row that was run, also
+// where one of the machines lacked its model or its solver.
 // Throws InputError for different experiments, different builds or machines (unless any_build), or two rows of one case
 // whose answers differ.
 ResultFile merge_results(const std::vector<std::filesystem::path>& files, bool any_build);
 
-// Rows of the same identity side by side: differing answers first, then the ratio of times (candidate / base).
+// Rows of the same identity side by side: differing answers first, then the ratio of times (candidate / base), which is called
+// faster or slower only at 95 % confidence. Throws InputError where no case is in both.
 std::string compare_results(const ResultFile& base, const ResultFile& candidate);
 
 }  // namespace hausbench

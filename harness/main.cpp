@@ -105,6 +105,10 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     return one_line(fmt::format("{}: {}; {}", verbs.front()->get_name(), what, help));
 }
 
+void say(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) fmt::print(stderr, "hausbench: {}\n", line);
+}
+
 int dispatch(int argc, char** argv) {
     CLI::App app("Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, Pompeiu-Hausdorff).");
     app.require_subcommand(1);
@@ -189,13 +193,14 @@ int dispatch(int argc, char** argv) {
     export_verb->callback([&] { fmt::print("{}\n", export_model(catalogue(), exported, export_to)); });
 
     fs::path verified;
-    auto* verify_verb = app.add_subcommand("verify", "re-check every row of a result by code that shares nothing with the solvers; exit code 1 if a row is unsound");
+    auto* verify_verb = app.add_subcommand("verify", "re-check every row of a result by code that shares nothing with the solvers; exit code 1 if a row is unsound, or a model to check it on is not here");
     verify_verb->add_option("result", verified, "result file (.h5)")->required();
     verify_verb->callback([&] {
         ResultFile result = read_result(verified);
-        verify_result(result, catalogue());
+        const auto missing = verify_result(result, catalogue());
         std::fputs(describe_checks(result).c_str(), stdout);
-        code = any_unsound(result) ? 1 : 0;
+        say(missing);
+        code = any_unsound(result) || !missing.empty() ? 1 : 0;
     });
 
     fs::path merged;
@@ -206,9 +211,16 @@ int dispatch(int argc, char** argv) {
     merge_verb->add_option("results", parts, "result files (.h5)")->required();
     merge_verb->add_flag("--any-build", any_build, "merge although builds or machines differ");
     merge_verb->callback([&] {
+        if (parts.size() < 2) throw InputError("merge: one result is nothing to put together: name the file to write first, then two results or more");
+        std::error_code none;
+        const auto is_merged = [&](const fs::path& part) { return fs::equivalent(part, merged, none); };
+        if (fs::exists(merged, none) && std::none_of(parts.begin(), parts.end(), is_merged)) {
+            throw InputError(fmt::format("{}: exists, and is not among the results to merge: name a new file first, or remove it", merged.string()));
+        }
         ResultFile result = merge_results(parts, any_build);
-        verify_result(result, catalogue());  // a lower bound in one part may refute an upper bound in another
+        say(verify_result(result, catalogue()));  // a lower bound in one part may refute an upper bound in another
         write_result(merged, result);
+        fmt::print("{}: {} cases of {} results\n", merged.string(), result.rows.size(), parts.size());
     });
 
     fs::path base, candidate;

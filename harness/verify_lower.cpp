@@ -115,8 +115,9 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& pose, d
         double least = std::numeric_limits<double>::infinity();
         for (Index i = 0; i < element_count(source_); ++i) {
             const auto corners = off(i);
-            const double d = corners ? rough_offset(p, *corners).stableNorm() : std::numeric_limits<double>::infinity();
-            if (d < least) least = d, nearest_off = corners;
+            if (!corners) continue;
+            const double d = rough_offset(p, *corners).stableNorm();
+            if (!nearest_off || d < least) least = d, nearest_off = corners;
         }
     }
     if (!nearest_off) return Verdict::not_checked;
