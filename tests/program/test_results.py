@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import os
+import hashlib
+import random
 import resource
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -59,3 +61,206 @@ def test_disk_full_while_a_shape_is_written(hausbench: Program, experiment: Path
         assert ("make room" in reason and "HAUSBENCH_CACHE" in reason) == (status == "failed")
     line = with_small_files(hausbench, 500, "measure", tetrahedron, tetrahedron)
     assert "make room" in line and "TMPDIR" in line and "damaged" not in line
+
+
+@pytest.fixture
+def scaled(tmp_path: Path) -> Callable[[str, dict[str, float]], Path]:
+    """A project folder whose models are tetrahedra, one and the other a quarter higher, times some power of ten."""
+
+    def make(experiment: str, scales: dict[str, float]) -> Path:
+        root = tmp_path / "root"
+        (root / "datasets").mkdir(parents=True)
+        manifest = ""
+        for name, scale in scales.items():
+            for model, up in ((name, 0.0), (f"{name}_raised", 0.25)):
+                corners = "".join(f"{x * scale!r} {y * scale!r} {(z + up) * scale!r}\n" for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+                text = f"OFF\n4 4 0\n{corners}3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+                (root / "datasets" / f"{model}.off").write_text(text)
+                digest = hashlib.sha256(text.encode()).hexdigest()
+                manifest += f'[model.{model}]\nsource = "file"\npath = "{model}.off"\nsha256 = "{digest}"\nlicence = "none"\n'
+        (root / "datasets" / "manifest.toml").write_text(manifest)
+        scenes = "".join(f'[[scene]]\nname = "{name}"\nsource = "{name}_raised"\ntarget = "{name}"\n' for name in scales)
+        (tmp_path / "scaled.toml").write_text(
+            f'title = "scales"\ntolerances = [1e-3]\nof = "diagonal"\nrepeats = 1\n{scenes}{experiment}'
+        )
+        return root
+
+    return make
+
+
+def run_in(hausbench: Program, root: Path, *arguments: str | Path, timeout: float = 60) -> subprocess.CompletedProcess[str]:
+    environment = {**hausbench.environment(), "HAUSBENCH_ROOT": str(root), "HAUSBENCH_CACHE": str(root / "cache")}
+    return subprocess.run(
+        hausbench.command(*arguments), cwd=hausbench.folder, env=environment, capture_output=True, text=True, timeout=timeout
+    )
+
+
+SCALES = {"least": 1e-320, "subnormal": 1e-310, "small": 1e-160, "one": 1.0, "large": 1e156, "most": 1e308}
+
+
+def test_checks_end_and_hold_at_every_scale(hausbench: Program, scaled: Callable[[str, dict[str, float]], Path], tmp_path: Path) -> None:
+    root = scaled('[[solver]]\nname = "guthe"\n[[solver]]\nname = "naive"\n', SCALES)
+    done = run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path, "--quiet")
+    assert done.returncode == 0, done.stderr
+    file = tmp_path / "scaled.h5"
+    rows = list(zip(texts(file, "cases/scene"), texts(file, "cases/solver"), texts(file, "cases/status"), texts(file, "cases/lower_check"),
+                    numbers(file, "cases/lower")))
+    for scene, solver, status, check, lower in rows:
+        if solver != "guthe":
+            continue
+        assert status in ("ok", "floor"), (scene, status)
+        assert check == "holds" and lower > 0, (scene, check, lower)
+        assert lower == pytest.approx(0.25 * SCALES[scene], rel=0.01), scene
+
+
+def damaged(good: Path, changes: dict[str, object], row: int) -> Path:
+    bad = good.with_name("bad.h5")
+    shutil.copy(good, bad)
+    with h5py.File(bad, "r+") as f:
+        for column, value in changes.items():
+            f[f"cases/{column}"][row] = value
+    return bad
+
+
+HUGE = np.full(12, 1e308)
+
+
+@pytest.mark.parametrize("changes", [
+    {"pose": np.full(12, np.nan)},
+    {"pose": HUGE},
+    {"pose": np.where(np.arange(12) == 0, np.inf, 0)},
+    {"lower": 1.797e308, "upper": 1.797e308},
+    {"lower": np.inf, "upper": np.inf},
+    {"witness_source": np.array([1e200, 0, 0])},
+    {"witness_source": np.array([1e200, 0, 0]), "witness_source_element": -1},
+    {"witness_source": np.full(3, 1.79e308), "witness_source_element": -1},
+    {"witness_source": np.full(3, -1.79e308), "lower": 1.797e308, "upper": 1.797e308},
+], ids=str)
+def test_verify_takes_any_number(hausbench: Program, experiment: Path, tmp_path: Path, changes: dict[str, object]) -> None:
+    good = run(hausbench, experiment, tmp_path)
+    done = hausbench("verify", damaged(good, changes, 0), timeout=20)
+    assert done.returncode in ((0, 1) if "pose" in changes else (1,)), (done.returncode, done.stdout, done.stderr)
+    row = done.stdout.splitlines()[1].split()
+    assert row[0] == "guthe" and row[1] == "0", row  # never `holds`
+
+
+def test_a_reason_is_that_of_every_row_it_is_said_of(hausbench: Program, tmp_path: Path) -> None:
+    good = run(hausbench, SMOKE, tmp_path)
+    solver, witness = texts(good, "cases/solver"), numbers(good, "cases/witness_source")
+    first = next(i for i, s in enumerate(solver) if s == "guthe" and numbers(good, "cases/lower")[i] > 0)
+    rows = [i for i, s in enumerate(solver) if s == "guthe" and np.array_equal(witness[i], witness[first])]
+    assert len(rows) > 1
+    bad = tmp_path / "bad.h5"
+    shutil.copy(good, bad)
+    with h5py.File(bad, "r+") as f:
+        for i in rows:
+            f["cases/lower"][i], f["cases/upper"][i] = 99.0, 100.0
+    done = hausbench("verify", bad)
+    shown = [line.rsplit("(", 1)[1] for line in done.stdout.splitlines() if "above what its witness shows" in line]
+    assert done.returncode == 1 and len(shown) >= len(rows) and not any(text.startswith("0)") for text in shown)
+
+
+def without_the_models(root: Path) -> None:
+    """From now on they are files of packages that nobody fetched."""
+    manifest = root / "datasets" / "manifest.toml"
+    manifest.write_text(manifest.read_text().replace('source = "file"', 'source = "debian"\npackage = "absent"\nversion = "1"'))
+    shutil.rmtree(root / "cache")
+
+
+def test_verify_without_the_models_says_so(hausbench: Program, scaled: Callable[[str, dict[str, float]], Path], tmp_path: Path) -> None:
+    root = scaled('[[solver]]\nname = "guthe"\n', {"one": 1.0})
+    assert run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path).returncode == 0
+    bad = damaged(tmp_path / "scaled.h5", {"lower": 99.0, "upper": 100.0}, 0)
+    assert texts(bad, "cases/lower_check") == ["holds"]
+    without_the_models(root)
+    done = run_in(hausbench, root, "verify", bad)
+    assert done.returncode == 1
+    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "0", "1"]  # not checked, whatever the file says
+    assert "'one_raised' is not here" in done.stderr and "absent" in done.stderr
+
+
+def test_merge_takes_the_row_of_the_machine_that_had_the_model(
+    hausbench: Program, scaled: Callable[[str, dict[str, float]], Path], tmp_path: Path
+) -> None:
+    root = scaled('[[solver]]\nname = "guthe"\n', {"one": 1.0, "two": 2.0})
+    assert run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path / "with").returncode == 0
+    manifest = (root / "datasets" / "manifest.toml").read_text()
+    without_the_models(root)
+    assert run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path / "without").returncode == 0
+    (root / "datasets" / "manifest.toml").write_text(manifest)
+    parts = [tmp_path / "with" / "scaled.h5", tmp_path / "without" / "scaled.h5"]
+    assert texts(parts[1], "cases/status") == ["skipped", "skipped"]
+    for name, order in (("one.h5", parts), ("other.h5", parts[::-1])):
+        done = run_in(hausbench, root, "merge", name, *order)
+        assert done.returncode == 0 and "2 cases" in done.stdout, done.stderr
+        assert texts(tmp_path / name, "cases/status") == ["ok", "ok"]
+        same_answers(tmp_path / name, parts[0])
+        assert texts(tmp_path / name, "cases/lower_check") == ["holds", "holds"]
+
+
+def test_a_status_that_there_is_not(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    good = run(hausbench, experiment, tmp_path)
+    assert "bogus" in hausbench.fails("verify", damaged(good, {"status": "bogus"}, 0))
+
+
+def test_damaged_results_take_nothing_down(hausbench: Program, tmp_path: Path) -> None:
+    good = run(hausbench, SMOKE, tmp_path)
+    whole = good.read_bytes()
+    heaps = [at for at in range(len(whole) - 4) if whole[at:at + 4] == b"GCOL"]  # where HDF5 keeps the texts
+    moments = random.Random(6)
+    stray = tmp_path / "stray.h5"
+    refused = 0
+    for trial in range(40):
+        content = bytearray(whole)
+        for _ in range(8):
+            at = moments.choice(heaps) + moments.randrange(8, 64) if trial % 2 else moments.randrange(len(whole))
+            content[at] = moments.randrange(256)
+        stray.write_bytes(content)
+        done = subprocess.run(hausbench.command("verify", stray), env=hausbench.environment(), capture_output=True, timeout=60)
+        assert done.returncode in (0, 1, 2), (trial, done.returncode)
+        done.stderr.decode("ascii")
+        assert len(done.stderr.splitlines()) <= (1 if done.returncode == 2 else 100), done.stderr
+        refused += done.returncode == 2
+        if done.returncode == 2 and refused % 5 == 1:
+            assert hausbench("explain", SMOKE, "--results", tmp_path).returncode == 0
+    assert refused > 10
+
+
+def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    one, two, three = run(hausbench, experiment, tmp_path), tmp_path / "two.h5", tmp_path / "three.h5"
+    shutil.copy(one, two)
+    shutil.copy(one, three)
+    with h5py.File(three, "r+") as f:
+        f["meta"].attrs["title"] = "another"
+    before = one.read_bytes()
+    assert "two results or more" in hausbench.fails("merge", one, two)
+    assert "exists" in hausbench.fails("merge", one, two, three)
+    assert one.read_bytes() == before
+    done = hausbench("merge", one, one, two)  # that is meant
+    assert done.returncode == 0 and str(one) in done.stdout and "1 cases of 2 results" in done.stdout
+
+
+def test_merge_keeps_the_time_saved(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text().replace("tolerances = [1e-3]", "tolerances = [1e-3, 1e-2]\ntrace = true") +
+                          '[[scene]]\nname = "back"\nsource = "sphere2"\ntarget = "sphere1"\n')
+    for i in (1, 2):
+        assert hausbench("run", experiment, "--results", tmp_path, "--shard", f"{i}/2").returncode == 0
+    parts = sorted(tmp_path.glob("tiny.shard-*.h5"))
+    saved = np.array([numbers(part, "ledger/seconds_saved") for part in parts])
+    assert np.isnan(saved).any(axis=1).all() and np.isfinite(saved).any(axis=0).all()
+    assert hausbench("merge", tmp_path / "merged.h5", *parts).returncode == 0
+    np.testing.assert_array_equal(numbers(tmp_path / "merged.h5", "ledger/seconds_saved"), np.nanmax(saved, axis=0))
+
+
+def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2"))
+    one, two = run(hausbench, experiment, tmp_path / "one"), run(hausbench, experiment, tmp_path / "two")
+    with h5py.File(two, "r+") as f:
+        f["meta"].attrs["machine"] = "0" * 64
+        f["repeats/wall_seconds"][:] *= 10
+    done = hausbench("compare", one, two)
+    assert done.returncode == 0 and "machines differ" in done.stdout and "builds differ" not in done.stdout
+    assert "answers: all the same" in done.stdout
+    assert "too few pairs" in done.stdout and "slower" not in done.stdout  # two pairs are 50 % confidence
+    experiment.write_text(experiment.read_text().replace("1e-3", "1e-2"))
+    assert "no case in common" in hausbench.fails("compare", one, run(hausbench, experiment, tmp_path / "other"))
