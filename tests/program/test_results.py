@@ -198,6 +198,18 @@ def test_merge_takes_the_row_of_the_machine_that_had_the_model(
         assert texts(tmp_path / name, "cases/lower_check") == ["holds", "holds"]
 
 
+def test_merge_takes_the_row_of_the_machine_that_had_the_solver(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    one, two = run(hausbench, experiment, tmp_path), tmp_path / "two.h5"
+    shutil.copy(one, two)
+    with h5py.File(two, "r+") as f:  # as a build without the solver writes it
+        for column, value in (("status", "not_built"), ("solver_status", ""), ("options", "{}"), ("identity", "0" * 64), ("lower", np.nan), ("upper", np.nan)):
+            f[f"cases/{column}"][0] = value
+    for order in ((one, two), (two, one)):
+        merged = tmp_path / f"{order[0].stem}-first.h5"
+        assert hausbench("merge", merged, *order).returncode == 0
+        same_answers(merged, one)
+
+
 def test_a_status_that_there_is_not(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
     good = run(hausbench, experiment, tmp_path)
     assert "bogus" in hausbench.fails("verify", damaged(good, {"status": "bogus"}, 0))

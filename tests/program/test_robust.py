@@ -138,7 +138,7 @@ def test_folder_that_cannot_be_written(hausbench: Program, experiment: Path) -> 
     assert "/proc" in line and "--results" in line
 
 
-def test_full_disk(hausbench: Program, slow: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_disk_full_while_the_journal_is_written(hausbench: Program, slow: Path, tmp_path: Path) -> None:  # noqa: F811
     undisturbed = run(hausbench, slow, tmp_path / "whole")
     folder = tmp_path / "full"
 
