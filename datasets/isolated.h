@@ -7,7 +7,7 @@
 
 namespace hausbench {
 
-// Starts `program load FILE OUT.h5 [--format F]` (the harness's hidden verb), waits, reads the shape it wrote. Throws
+// Starts `program load [--format F] -- FILE OUT.h5` (the harness's hidden verb), waits, reads the shape it wrote. Throws
 // InputError with the child's own message, or "the reader was killed by signal N", or "did not finish within N s", or
 // "was stopped when it took more than N MB of memory". `bytes_limit` is on its resident set (a limit on the address
 // space would end sanitizer builds at once); 0: three quarters of the memory that is free.

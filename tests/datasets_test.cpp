@@ -431,7 +431,7 @@ TEST_F(Files, Sha256IsTheStandardOne) {
 
 class Isolated : public Files {
 protected:
-    // A stand-in for the program: a shell script that gets the same arguments (load FILE OUT [--format F]).
+    // A stand-in for the program: a shell script that gets the same arguments (load [--format F] -- FILE OUT).
     std::filesystem::path script(const std::string& body) const {
         const std::filesystem::path file = write("program", "#!/bin/sh\n" + body);
         std::filesystem::permissions(file, std::filesystem::perms::owner_all);
@@ -450,7 +450,7 @@ protected:
 TEST_F(Isolated, TheChildsShapeComesBack) {
     write_shape(folder_.path() / "shape.h5", {awkward(), {}});
     const auto program = script(fmt::format(
-        "[ \"$1 $2 $4 $5\" = 'load mesh.obj --format obj' ] && cp {}/shape.h5 \"$3\"", folder_.path().string()));
+        "[ \"$1 $2 $3 $4 $5\" = 'load --format obj -- mesh.obj' ] && cp {}/shape.h5 \"$6\"", folder_.path().string()));
     EXPECT_TRUE(same_bits(points_of(load_isolated(program, "mesh.obj", "obj").shape), awkward().vertices));
 }
 
