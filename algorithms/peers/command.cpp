@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -44,46 +45,45 @@ bool read_some(int pipe, std::string& to) {
     }
 }
 
-// A shell that does nothing but kill a process group when this process ends, however that comes about; -1 if there is none.
-// `ends` is a pipe's read end whose other end this process alone has open.
-pid_t start_watch(int ends, pid_t group) {
-    const std::string line = fmt::format("read nothing; kill -9 -{}", group);
+// A shell that does nothing but kill the last process group it was told of when this process ends, however that comes about.
+// Returns where it is told; -1 if there is none. One for all commands: starting it would count in their times.
+int start_watch() {
+    int talk[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return -1;
     const pid_t child = ::fork();
-    if (child != 0) return child;
-    ::setpgid(0, 0);
-    const int null = ::open("/dev/null", O_RDWR);
-    ::dup2(ends, STDIN_FILENO);
-    ::dup2(null, STDOUT_FILENO);
-    ::dup2(null, STDERR_FILENO);
-    ::execl("/bin/sh", "sh", "-c", line.c_str(), static_cast<char*>(nullptr));
-    ::_exit(127);
+    if (child == 0) {
+        ::setpgid(0, 0);
+        const int null = ::open("/dev/null", O_RDWR);
+        ::dup2(talk[0], STDIN_FILENO);
+        ::dup2(null, STDOUT_FILENO);
+        ::dup2(null, STDERR_FILENO);
+        ::execl("/bin/sh", "sh", "-c", "while read line; do group=$line; done; [ -z $group ] || kill -9 -$group", static_cast<char*>(nullptr));
+        ::_exit(127);
+    }
+    ::close(talk[0]);
+    return child < 0 ? -1 : talk[1];
 }
 
-void end_watch(pid_t watch) {
-    if (watch < 0) return;
-    ::kill(watch, SIGKILL);
-    while (::waitpid(watch, nullptr, 0) < 0 && errno == EINTR) {
-    }
+// An empty text: nothing is to be killed.
+void tell(int watch, const std::string& group) {
+    const std::string line = group + "\n";
+    if (watch >= 0) static_cast<void>(::send(watch, line.data(), line.size(), MSG_NOSIGNAL));
 }
 
 }  // namespace
 
 CommandRun run_command(const std::string& line, double seconds) {
-    int output[2], life[2];
+    int output[2];
     if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
-    if (::pipe2(life, O_CLOEXEC) != 0) {
-        const int why = errno;
-        ::close(output[0]);
-        ::close(output[1]);
-        throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(why)));
-    }
+    static const int watch = start_watch();
     const std::int64_t own_bytes = resident_now();
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what the command leaves behind becomes this process's child, and is found
     const pid_t parent = ::getpid();
     const std::vector<pid_t> before = family_of(parent);
     const pid_t child = ::fork();
     if (child < 0) {
-        for (const int end : {output[0], output[1], life[0], life[1]}) ::close(end);
+        ::close(output[0]);
+        ::close(output[1]);
         throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(errno)));
     }
     if (child == 0) {
@@ -98,8 +98,7 @@ CommandRun run_command(const std::string& line, double seconds) {
         ::_exit(127);
     }
     ::setpgid(child, child);  // whoever comes first
-    const pid_t watch = start_watch(life[0], child);
-    ::close(life[0]);
+    tell(watch, fmt::format("{}", child));
     ::close(output[1]);
     ::fcntl(output[0], F_SETFL, O_NONBLOCK);
 
@@ -118,8 +117,7 @@ CommandRun run_command(const std::string& line, double seconds) {
             ::kill(-child, SIGKILL);
         }
     }
-    end_watch(watch);
-    ::close(life[1]);
+    tell(watch, "");
     ::kill(-child, SIGKILL);  // what it left behind
     end_family(before);       // and what has left its group
     read_some(output[0], run.output);
