@@ -152,6 +152,9 @@ def plane_of(results: Results, scene: str, surface: SurfaceText) -> tuple[int, f
     return 1, float(surface.low[1] + surface.high[1]) / 2, np.full((2, 3), np.nan)
 
 
+SOURCE_COLOUR, TARGET_COLOUR, OPACITY = "#333333", "#8FC1E3", 0.75
+
+
 def draw(results: Results, scenes: list[str]) -> Any:
     cases = results.cases
     notes = dict(zip(results.models.name, results.models.note))
@@ -166,13 +169,13 @@ def draw(results: Results, scenes: list[str]) -> Any:
         surfaces = [SurfaceText(str(notes[model])) for model in (cases.target[first], cases.source[first])]
         axis, at, witness = plane_of(results, scene, surfaces[1])
         across = [k for k in range(3) if k != axis]
-        for surface, colour in zip(surfaces, ("#8FC1E3", "#333333")):
+        for surface, colour in zip(surfaces, (TARGET_COLOUR, SOURCE_COLOUR)):
             size = (surface.high - surface.low) / VOXELS
             slab = min(int((at - surface.low[axis]) / size[axis]), VOXELS - 1)
             kept = np.take(surface.kept(VOXELS), slab, axis=axis)
             for i, j in np.argwhere(kept):
                 corner = surface.low[across] + np.array([i, j]) * size[across]
-                ax.add_patch(plt.Rectangle(tuple(corner), *size[across], facecolor=colour, alpha=0.75, linewidth=0))
+                ax.add_patch(plt.Rectangle(tuple(corner), *size[across], facecolor=colour, alpha=OPACITY, linewidth=0))
         ax.plot(witness[:, across[0]], witness[:, across[1]], color=witness_colour, linewidth=1.4, zorder=10,
                 clip_on=False)
         ax.plot(*witness[0, across], marker="o", markersize=3.5, color=witness_colour, zorder=11, clip_on=False)
@@ -183,7 +186,13 @@ def draw(results: Results, scenes: list[str]) -> Any:
         ax.set_title(scene, fontsize=7, pad=3)
         x, y = "xyz"[across[0]], "xyz"[across[1]]
         ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2)
-    figure.tight_layout(w_pad=0.6, h_pad=0.8)
+    marks = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
+             for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
+    marks.append(plt.Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))
+    strip = 0.2 / figure.get_figheight()
+    figure.set_layout_engine("tight", w_pad=0.6, h_pad=0.8, rect=(0, 0, 1, 1 - strip))
+    figure.legend(marks, ["voxels kept of A", "voxels kept of B", "from the witness on A to its nearest point of B"],
+                  loc="upper center", ncols=3, fontsize=6.5, borderaxespad=0.2)
     return figure
 
 
