@@ -180,7 +180,8 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     if (matched == 0) throw InputError("the two results have no case in common: compare results of the same experiment and profile");
     std::string text;
     for (const char* name : {"build", "machine"}) {
-        if (base.texts.at(name) != candidate.texts.at(name)) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, base.texts.at(name), candidate.texts.at(name));
+        const std::string &a = base.texts.at(name), &b = candidate.texts.at(name);
+        if (a != b) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, a, b);
     }
     text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched, base.rows.size() - matched,
                                    candidate.rows.size() - matched);
