@@ -285,11 +285,11 @@ protected:
         std::ofstream(folder_.path() / "cache" / "raw" / hash / name, std::ios::binary) << bytes;
         return hash;
     }
-    // A stand-in for the reading program: gives the same shape whatever the file, and notes each call.
+    // A stand-in for the reading program (its last argument is the file to write): the same shape whatever the file; notes each call.
     std::string reader() const {
         write_shape(folder_.path() / "read.h5", {sphere(0), {}});
         const std::filesystem::path script = folder_.path() / "reader";
-        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\ncp {0}/read.h5 \"$3\"\n",
+        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\nfor out; do :; done\ncp {0}/read.h5 \"$out\"\n",
                                              folder_.path().string());
         std::filesystem::permissions(script, std::filesystem::perms::owner_all);
         return script.string();
