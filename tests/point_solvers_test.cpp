@@ -127,5 +127,21 @@ TEST(PointSolvers, PublishedErrorsAreErrors) {
     }
 }
 
+TEST(PointSolvers, OhdWithTheCullingAsPrintedIsNotCertified) {
+    const SolverEntry& ohd = find_solver("ohd");
+    const auto certified = [&](const ParameterMap& given) { return ohd.make(Options("ohd", ohd.info.parameters, given))->certified(); };
+    EXPECT_TRUE(certified({}));
+    EXPECT_TRUE(certified({{"culling", "none"}}));
+    EXPECT_FALSE(certified({{"culling", "as_printed"}}));
+    Random random(47);
+    for (int i = 0; i < 100; ++i) {
+        const SmallScene small{{PointSet{cloud(random, 400)}, PointSet{cloud(random, 400)}}, {}};
+        const Result option = answer(ohd, small, {{"culling", "as_printed"}, {"lambda", 0.05}});
+        const Result entry = answer(find_solver("ohd_as_printed"), small, {{"lambda", 0.05}});
+        EXPECT_EQ(option.bounds.lower, entry.bounds.lower);
+        EXPECT_EQ(option.bounds.upper, entry.bounds.upper);
+    }
+}
+
 }  // namespace
 }  // namespace hausbench
