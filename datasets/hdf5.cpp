@@ -1,5 +1,7 @@
 #include "hdf5.h"
 
+#include "hash.h"
+
 // One by one, because the library's <hdf5.h> has the name of our own header.
 #include <H5public.h>
 
@@ -20,8 +22,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -59,6 +64,13 @@ std::string library_message() {
     // It may hold line breaks, and quote the file, which may hold what a terminal obeys.
     std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return text.empty() ? "HDF5 gave no reason" : text;
+}
+
+constexpr std::string_view seal_mark = "\nsha256 ";
+constexpr std::size_t seal_length = seal_mark.size() + 64 + 1;
+
+std::string seal_of(const char* bytes, std::size_t count) {
+    return std::string(seal_mark) + Sha256().add(bytes, count).hex() + "\n";
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& object, const std::string& why) {
@@ -200,11 +212,22 @@ void File::close() {
     check(H5Fclose(id), path_, "");
 }
 
+void check_seal(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    if (bytes.size() < seal_length) return;
+    const std::size_t content = bytes.size() - seal_length;
+    if (bytes.compare(content, seal_mark.size(), seal_mark) != 0) return;
+    if (seal_of(bytes.data(), content) != bytes.substr(content)) fail(file, "", "some of its bytes are not those that were written");
+}
+
 // The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
 void File::save() const {
     check(H5Fflush(id_, H5F_SCOPE_LOCAL), path_, "");
     std::vector<char> image(std::size_t(check(H5Fget_file_image(id_, nullptr, 0), path_, "")));
     check(H5Fget_file_image(id_, image.data(), image.size()), path_, "");
+    const std::string seal = seal_of(image.data(), image.size());
+    image.insert(image.end(), seal.begin(), seal.end());
     const int descriptor = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor < 0) fail(path_, "", std::string("cannot be created: ") + std::strerror(errno));
     std::size_t done = 0;

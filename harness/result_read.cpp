@@ -223,15 +223,16 @@ std::int64_t address_space() {
     return pages * ::sysconf(_SC_PAGE_SIZE);
 }
 
-// The library crashes on some damaged files, so a copy of this process reads the file first: whatever that does, it does to the
-// copy. Where the copy lives, reading the file here does the same thing again.
+// The library crashes on some damaged files. A file without a seal, changed by another program, may be one: so a copy of this
+// process reads it first, and whatever that does, it does to the copy. Where the copy lives, reading it here mostly does the same.
 void read_in_a_copy(const fs::path& file) {
     std::fflush(nullptr);
     const pid_t child = ::fork();
     if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
     if (child == 0) {
         const auto most = rlim_t(address_space()) + (rlim_t(4) << 30) + 16 * rlim_t(fs::file_size(file));  // a damaged count asks for more
-        const rlimit nothing{0, 0}, seconds{120, 120}, memory{most, most};
+        const auto enough = rlim_t(5 + fs::file_size(file) / 1'000'000);  // s; it reads 100 MB/s, and loops for ever on some files
+        const rlimit nothing{0, 0}, seconds{enough, enough + 1}, memory{most, most};
         const int silent = ::open("/dev/null", O_WRONLY);
         ::dup2(silent, STDERR_FILENO);  // the last words of an abort
         ::setrlimit(RLIMIT_CORE, &nothing);
@@ -268,6 +269,7 @@ ResultFile read_result(const fs::path& file) {
     if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name a result file (.h5)", file.string()));
     if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: run its experiment first", file.string()));
     try {
+        h5::check_seal(file);
         read_in_a_copy(file);
         return read_trusting(file);
     } catch (const InputError&) {
