@@ -46,7 +46,8 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
     if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);
 
     std::string known;
-    for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i) known += fmt::format("{}{}", i > 0 ? ", " : "", candidates[i]);
+    for (std::size_t i = 0; i < candidates.size() && i < names_shown; ++i)
+        known += fmt::format("{}{}", i > 0 ? ", " : "", candidates[i]);
     if (candidates.size() > names_shown) known += fmt::format(" and {} more", candidates.size() - names_shown);
     return fmt::format(" (known: {})", known);
 }

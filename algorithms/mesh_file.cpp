@@ -54,7 +54,8 @@ public:
 
 private:
     [[noreturn]] void fail() const {
-        throw InputError(fmt::format("{}: cannot be written ({}): choose another place, or make room", file_.string(), std::strerror(errno)));
+        throw InputError(fmt::format("{}: cannot be written ({}): choose another place, or make room", file_.string(),
+                                     std::strerror(errno)));
     }
     void flush() {
         if (std::fwrite(buffer_.data(), 1, buffer_.size(), stream_) != buffer_.size()) fail();
@@ -70,16 +71,20 @@ private:
 
 MeshFormat mesh_format_of(const fs::path& file) {
     std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
     if (extension == ".off") return MeshFormat::off;
     if (extension == ".obj") return MeshFormat::obj;
     if (extension == ".ply") return MeshFormat::ply;
-    throw InputError(fmt::format("{}: formats that are written are .off, .obj and .ply: end its name with one of them", file.string()));
+    throw InputError(fmt::format("{}: formats that are written are .off, .obj and .ply: end its name with one of them",
+                                 file.string()));
 }
 
 void write_mesh_file(const fs::path& file, const Shape& shape, MeshFormat format) {
     if (kind_of(shape) == ShapeKind::surface) {
-        throw InputError(fmt::format("{}: an algebraic surface has no triangles to write: export a model derived from it by 'triangulate'", file.string()));
+        throw InputError(fmt::format(
+            "{}: an algebraic surface has no triangles to write: export a model derived from it by 'triangulate'",
+            file.string()));
     }
     const Points& points = points_of(shape);
     const auto* mesh = std::get_if<TriangleMesh>(&shape);
@@ -87,12 +92,14 @@ void write_mesh_file(const fs::path& file, const Shape& shape, MeshFormat format
     Writer out(file);
     if (format == MeshFormat::off) out.add("OFF\n{} {} 0\n", points.rows(), faces);
     if (format == MeshFormat::ply) {
-        out.add("ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n", points.rows());
+        out.add("ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
+                points.rows());
         if (mesh) out.add("element face {}\nproperty list uchar int vertex_indices\n", faces);
         out.add("end_header\n");
     }
     const char* before = format == MeshFormat::obj ? "v " : "";
-    for (Index i = 0; i < points.rows(); ++i) out.add("{}{:.17g} {:.17g} {:.17g}\n", before, points(i, 0), points(i, 1), points(i, 2));
+    for (Index i = 0; i < points.rows(); ++i)
+        out.add("{}{:.17g} {:.17g} {:.17g}\n", before, points(i, 0), points(i, 1), points(i, 2));
     const char* corners = format == MeshFormat::obj ? "f" : "3";
     const Index first = format == MeshFormat::obj ? 1 : 0;
     for (Index i = 0; i < faces; ++i) {

@@ -37,7 +37,8 @@ ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const
     }
     if (const auto* text = std::get_if<std::string>(&result); text && !spec.choices.empty()) {
         if (std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end()) {
-            throw InputError(fmt::format("{}: '{}' is none of its choices{}", where, *text, nearest_hint(*text, spec.choices)));
+            throw InputError(
+                fmt::format("{}: '{}' is none of its choices{}", where, *text, nearest_hint(*text, spec.choices)));
         }
     }
     if (const auto* text = std::get_if<std::string>(&result); text && spec.problem) {
@@ -71,7 +72,8 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
     }
     for (const auto& [key, value] : given) {
         const std::string& name = key;
-        const auto spec = std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
+        const auto spec =
+            std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
         if (spec == specs.end()) {
             const std::string hint = known.empty() ? " (it has none)" : nearest_hint(name, known);
             throw InputError(fmt::format("solver '{}' has no parameter '{}'{}", solver, name, hint));
@@ -80,14 +82,16 @@ Options::Options(std::string_view solver, const std::vector<ParameterSpec>& spec
     }
     for (const ParameterSpec& spec : specs) {
         if (!given.contains(spec.name) && spec.required()) {
-            throw InputError(fmt::format("solver '{}' needs its parameter '{}': {}", solver, spec.name, spec.description));
+            throw InputError(
+                fmt::format("solver '{}' needs its parameter '{}': {}", solver, spec.name, spec.description));
         }
     }
 }
 
 template <class T> const T& Options::get(const std::string& name) const {
     const auto found = values_.find(name);
-    if (found == values_.end()) throw std::logic_error("solver '" + solver_ + "' reads undeclared parameter '" + name + "'");
+    if (found == values_.end())
+        throw std::logic_error("solver '" + solver_ + "' reads undeclared parameter '" + name + "'");
     const T* value = std::get_if<T>(&found->second);
     if (!value) throw std::logic_error("solver '" + solver_ + "' reads parameter '" + name + "' as another type");
     read_.insert(name);

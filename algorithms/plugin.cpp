@@ -25,7 +25,8 @@ std::vector<Plugin>& list_of_plugins() {
 bool is_cut_short(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     Elf64_Ehdr header{};
-    if (!in.read(reinterpret_cast<char*>(&header), sizeof header) || std::string_view(reinterpret_cast<char*>(header.e_ident), SELFMAG) != ELFMAG) {
+    if (!in.read(reinterpret_cast<char*>(&header), sizeof header) ||
+        std::string_view(reinterpret_cast<char*>(header.e_ident), SELFMAG) != ELFMAG) {
         return false;  // dlopen() says what it is
     }
     std::error_code ignored;
@@ -42,8 +43,10 @@ bool is_cut_short(const fs::path& file) {
 template <class Function> Function* symbol(void* library, const char* name, const fs::path& file) {
     void* address = ::dlsym(library, name);
     if (!address) {
-        throw InputError(fmt::format("{}: is a library but no plug-in, it has no '{}': put HAUSBENCH_PLUGIN(...) in one of its "
-                                     "files (plugin.h)", file.string(), name));
+        throw InputError(
+            fmt::format("{}: is a library but no plug-in, it has no '{}': put HAUSBENCH_PLUGIN(...) in one of its "
+                        "files (plugin.h)",
+                        file.string(), name));
     }
     return reinterpret_cast<Function*>(address);
 }
@@ -54,25 +57,32 @@ const std::vector<Plugin>& plugins() { return list_of_plugins(); }
 
 void load_plugin(const fs::path& named) {
     const fs::path file = fs::absolute(named).lexically_normal();
-    if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: name a plug-in, a MODULE library (.so)", named.string()));
-    if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name a plug-in in it (.so)", named.string()));
-    if (is_cut_short(file)) throw InputError(fmt::format("{}: the file is cut short: copy or build it again", file.string()));
+    if (!fs::exists(file))
+        throw InputError(fmt::format("{}: does not exist: name a plug-in, a MODULE library (.so)", named.string()));
+    if (fs::is_directory(file))
+        throw InputError(fmt::format("{}: is a folder: name a plug-in in it (.so)", named.string()));
+    if (is_cut_short(file))
+        throw InputError(fmt::format("{}: the file is cut short: copy or build it again", file.string()));
     void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed: its solvers are in use to the end
     if (!library) {
         const char* why = ::dlerror();
-        throw InputError(fmt::format("{}: cannot be loaded ({}): build it as a MODULE library with find_package(hausbench)",
-                                     file.string(), why ? why : "no reason given"));
+        throw InputError(
+            fmt::format("{}: cannot be loaded ({}): build it as a MODULE library with find_package(hausbench)",
+                        file.string(), why ? why : "no reason given"));
     }
     const int interface = symbol<int()>(library, "hausbench_plugin_interface", file)();
     if (interface != plugin_interface) {
-        throw InputError(fmt::format("{}: was made for plug-in interface {}, this program has {}: build it again against this hausbench",
-                                     file.string(), interface, plugin_interface));
+        throw InputError(fmt::format(
+            "{}: was made for plug-in interface {}, this program has {}: build it again against this hausbench",
+            file.string(), interface, plugin_interface));
     }
     std::array<char, 1024> layout{};
     symbol<void(char*, unsigned long)>(library, "hausbench_plugin_layout", file)(layout.data(), layout.size() - 1);
     if (plugin_layout() != layout.data()) {
-        throw InputError(fmt::format("{}: was built with other headers or libraries ({}) than this program ({}): build it again "
-                                     "against this hausbench", file.string(), layout.data(), plugin_layout()));
+        throw InputError(
+            fmt::format("{}: was built with other headers or libraries ({}) than this program ({}): build it again "
+                        "against this hausbench",
+                        file.string(), layout.data(), plugin_layout()));
     }
     std::vector<SolverEntry> entries;
     try {
@@ -82,7 +92,8 @@ void load_plugin(const fs::path& named) {
     } catch (const std::exception& error) {
         throw InputError(fmt::format("{}: could not say what it offers: {}", file.string(), error.what()));
     }
-    if (entries.empty()) throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
+    if (entries.empty())
+        throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
     add_solvers(entries, file.string());
     Plugin plugin{file, {}};
     for (const SolverEntry& entry : entries) plugin.solvers.push_back(entry.info.name);

@@ -25,26 +25,28 @@ inline constexpr int plugin_interface = 2;
 
 // Libraries whose objects cross the border, and the sizes of what does.
 inline std::string plugin_layout() {
-    std::string text = "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION)
-        ", alignment " + std::to_string(EIGEN_MAX_ALIGN_BYTES) + ", libstdc++ ABI " HAUSBENCH_TEXT(_GLIBCXX_USE_CXX11_ABI) ", sizes";
-    for (const std::size_t size : {sizeof(Scene), sizeof(Prepared), sizeof(Query), sizeof(Result), sizeof(QuerySet), sizeof(Trace),
-                                   sizeof(Options), sizeof(ParameterSpec), sizeof(SolverInfo), sizeof(SolverEntry)}) {
+    std::string text =
+        "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION) ", alignment " +
+        std::to_string(EIGEN_MAX_ALIGN_BYTES) + ", libstdc++ ABI " HAUSBENCH_TEXT(_GLIBCXX_USE_CXX11_ABI) ", sizes";
+    for (const std::size_t size :
+         {sizeof(Scene), sizeof(Prepared), sizeof(Query), sizeof(Result), sizeof(QuerySet), sizeof(Trace),
+          sizeof(Options), sizeof(ParameterSpec), sizeof(SolverInfo), sizeof(SolverEntry)}) {
         text += ' ' + std::to_string(size);
     }
     return text;
 }
 
 // Functions that a plug-in exports, with C linkage so that their names are known.
-#define HAUSBENCH_PLUGIN(...)                                                                                              \
-    extern "C" __attribute__((visibility("default"))) int hausbench_plugin_interface() {                                   \
-        return ::hausbench::plugin_interface;                                                                              \
-    }                                                                                                                      \
-    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_layout(char* text, unsigned long size) {       \
-        ::hausbench::plugin_layout().copy(text, size);                                                                     \
-    }                                                                                                                      \
-    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_solvers(                                       \
-        std::vector<::hausbench::SolverEntry>& to) {                                                                       \
-        to = {__VA_ARGS__};                                                                                                \
+#define HAUSBENCH_PLUGIN(...)                                                                                        \
+    extern "C" __attribute__((visibility("default"))) int hausbench_plugin_interface() {                             \
+        return ::hausbench::plugin_interface;                                                                        \
+    }                                                                                                                \
+    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_layout(char* text, unsigned long size) { \
+        ::hausbench::plugin_layout().copy(text, size);                                                               \
+    }                                                                                                                \
+    extern "C" __attribute__((visibility("default"))) void hausbench_plugin_solvers(                                 \
+        std::vector<::hausbench::SolverEntry>& to) {                                                                 \
+        to = {__VA_ARGS__};                                                                                          \
     }
 
 // Adds a plug-in's solvers to the registry; it stays loaded. Before anything else is done: see add_solvers() in registry.h.

@@ -6,9 +6,10 @@
 namespace hausbench {
 
 std::string to_string(const Need& need) {
-    constexpr const char* names[] = {"octree", "point octree", "R-tree", "point blocks",
+    constexpr const char* names[] = {"octree", "point octree",     "R-tree",    "point blocks",
                                      "BVH",    "swept sphere BVH", "point BVH", "adjacency"};
-    return std::string(need.side == Side::source ? "source " : "target ") + names[static_cast<std::size_t>(need.structure)];
+    return std::string(need.side == Side::source ? "source " : "target ") +
+           names[static_cast<std::size_t>(need.structure)];
 }
 
 bool fits(Structure structure, ShapeKind kind) {
@@ -28,14 +29,30 @@ Prepared::Prepared(const Scene& scene, const Needs& needs) {
         const auto begin = std::chrono::steady_clock::now();
         std::size_t bytes = 0;
         switch (need.structure) {
-            case Structure::octree: bytes = octree_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
-            case Structure::point_octree: bytes = point_octree_[side].emplace(points_of(shape)).bytes(); break;
-            case Structure::rtree: bytes = rtree_[side].emplace(points_of(shape)).bytes(); break;
-            case Structure::bvh: bytes = bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
-            case Structure::swept_bvh: bytes = swept_bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
-            case Structure::point_bvh: bytes = point_bvh_[side].emplace(points_of(shape)).bytes(); break;
-            case Structure::adjacency: bytes = adjacency_[side].emplace(std::get<TriangleMesh>(shape)).bytes(); break;
-            case Structure::point_blocks: bytes = point_blocks_[side].emplace(points_of(shape)).bytes(); break;
+            case Structure::octree:
+                bytes = octree_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
+                break;
+            case Structure::point_octree:
+                bytes = point_octree_[side].emplace(points_of(shape)).bytes();
+                break;
+            case Structure::rtree:
+                bytes = rtree_[side].emplace(points_of(shape)).bytes();
+                break;
+            case Structure::bvh:
+                bytes = bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
+                break;
+            case Structure::swept_bvh:
+                bytes = swept_bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
+                break;
+            case Structure::point_bvh:
+                bytes = point_bvh_[side].emplace(points_of(shape)).bytes();
+                break;
+            case Structure::adjacency:
+                bytes = adjacency_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
+                break;
+            case Structure::point_blocks:
+                bytes = point_blocks_[side].emplace(points_of(shape)).bytes();
+                break;
         }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
         times_.push_back({to_string(need), elapsed.count(), bytes});
@@ -45,14 +62,22 @@ Prepared::Prepared(const Scene& scene, const Needs& needs) {
 bool Prepared::has(Structure structure, Side side) const {
     const auto at = static_cast<std::size_t>(side);
     switch (structure) {
-        case Structure::octree: return octree_[at].has_value();
-        case Structure::point_octree: return point_octree_[at].has_value();
-        case Structure::rtree: return rtree_[at].has_value();
-        case Structure::bvh: return bvh_[at].has_value();
-        case Structure::swept_bvh: return swept_bvh_[at].has_value();
-        case Structure::point_bvh: return point_bvh_[at].has_value();
-        case Structure::adjacency: return adjacency_[at].has_value();
-        case Structure::point_blocks: return point_blocks_[at].has_value();
+        case Structure::octree:
+            return octree_[at].has_value();
+        case Structure::point_octree:
+            return point_octree_[at].has_value();
+        case Structure::rtree:
+            return rtree_[at].has_value();
+        case Structure::bvh:
+            return bvh_[at].has_value();
+        case Structure::swept_bvh:
+            return swept_bvh_[at].has_value();
+        case Structure::point_bvh:
+            return point_bvh_[at].has_value();
+        case Structure::adjacency:
+            return adjacency_[at].has_value();
+        case Structure::point_blocks:
+            return point_blocks_[at].has_value();
     }
     return false;
 }

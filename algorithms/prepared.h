@@ -76,8 +76,7 @@ public:
     const std::map<Need, int>& uses() const { return uses_; }
 
 private:
-    template <class Kind>
-    const Kind& get(const std::optional<Kind> (&built)[2], Structure structure, Side side) const;
+    template <class Kind> const Kind& get(const std::optional<Kind> (&built)[2], Structure structure, Side side) const;
 
     std::optional<TriangleOctree> octree_[2];
     std::optional<PointOctree> point_octree_[2];

@@ -15,14 +15,14 @@ SolverEntry ohd_solver();         // points/ohd.cpp
 SolverEntry adaptive_solver();    // points/adaptive.cpp
 SolverEntry nohd_as_printed_solver();
 SolverEntry ohd_as_printed_solver();
-SolverEntry scan_solver();        // points/scan.cpp
-SolverEntry guthe_solver();       // meshes/guthe.cpp
+SolverEntry scan_solver();                  // points/scan.cpp
+SolverEntry guthe_solver();                 // meshes/guthe.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
-SolverEntry surface_enclosure_solver();  // surfaces/surface_enclosure.cpp
-SolverEntry surface_meshes_solver();  // surfaces/surface_meshes.cpp
-SolverEntry kdtree_solver();      // peers/kdtree.cpp
-SolverEntry cgal_solver();        // peers/cgal.cpp
-SolverEntry external_solver();    // peers/external.cpp
+SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
+SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
+SolverEntry kdtree_solver();                // peers/kdtree.cpp
+SolverEntry cgal_solver();                  // peers/cgal.cpp
+SolverEntry external_solver();              // peers/external.cpp
 
 namespace {
 
@@ -61,9 +61,11 @@ void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin
     for (const SolverEntry& entry : solvers()) names.insert(entry.info.name);
     for (const NotBuilt& absent : solvers_not_built()) names.insert(absent.name);
     for (const SolverEntry& entry : more) {
-        if (entry.info.name.empty() || !entry.make) throw InputError(origin + ": offers a solver without a name or without a function that makes it");
+        if (entry.info.name.empty() || !entry.make)
+            throw InputError(origin + ": offers a solver without a name or without a function that makes it");
         if (!names.insert(entry.info.name).second) {
-            throw InputError(origin + ": there is a solver '" + entry.info.name + "' already: give this one another name");
+            throw InputError(origin + ": there is a solver '" + entry.info.name +
+                             "' already: give this one another name");
         }
     }
     list_of_solvers().insert(list_of_solvers().end(), more.begin(), more.end());

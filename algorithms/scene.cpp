@@ -5,7 +5,8 @@
 namespace hausbench {
 
 ShapeKind kind_of(const Shape& shape) {
-    constexpr ShapeKind kinds[] = {ShapeKind::points, ShapeKind::mesh, ShapeKind::surface};  // in the order of the variant
+    constexpr ShapeKind kinds[] = {ShapeKind::points, ShapeKind::mesh,
+                                   ShapeKind::surface};  // in the order of the variant
     return kinds[shape.index()];
 }
 

@@ -33,8 +33,9 @@ struct TriangleMesh {
 // The points of a closed box where a polynomial in x, y, z vanishes: never empty, as all shapes. A solver that finds that
 // this one is throws InputError when it prepares.
 struct AlgebraicSurface {
-    std::string polynomial;  // as kernel/polynomial.h reads it; its coefficients are the numbers written, not their roundings
-    Points box;              // two rows: the least and the largest corner, the first below the second in each coordinate
+    std::string
+        polynomial;  // as kernel/polynomial.h reads it; its coefficients are the numbers written, not their roundings
+    Points box;      // two rows: the least and the largest corner, the first below the second in each coordinate
 };
 
 using Shape = std::variant<PointSet, TriangleMesh, AlgebraicSurface>;

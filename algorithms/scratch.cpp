@@ -56,15 +56,16 @@ ScratchFolder::ScratchFolder(std::string_view kind) {
     const fs::path temporary = fs::temp_directory_path(error);
     if (error) {
         const char* named = std::getenv("TMPDIR");
-        throw InputError(fmt::format("{}: no folder for temporary files: name one with TMPDIR", named ? named : "/tmp"));
+        throw InputError(
+            fmt::format("{}: no folder for temporary files: name one with TMPDIR", named ? named : "/tmp"));
     }
     static const bool swept = remove_abandoned_folders(temporary);
     static_cast<void>(swept);
     for (;;) {
         std::string pattern = (temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string();
         if (!::mkdtemp(pattern.data())) {
-            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR", pattern,
-                                         std::strerror(errno)));
+            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR",
+                                         pattern, std::strerror(errno)));
         }
         path_ = pattern;
         lock_ = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

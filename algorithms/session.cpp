@@ -96,7 +96,8 @@ Session::Session(const SolverEntry& entry, const Options& options, Scene scene, 
     for (const Need& need : needs_) {
         const auto& may = entry.info.may_need;
         if (std::find(may.begin(), may.end(), need) == may.end()) {
-            throw std::logic_error("solver '" + entry.info.name + "' needs a " + to_string(need) + " that is not in may_need");
+            throw std::logic_error("solver '" + entry.info.name + "' needs a " + to_string(need) +
+                                   " that is not in may_need");
         }
     }
     // Of all a solver may ever need, what these shapes have no use for is left out all the same.
@@ -125,21 +126,24 @@ double Session::widening(const Pose& pose) const {
         if (entry != 0) least = std::min(least, std::abs(entry));
     }
     const Vec3 translation = pose.translation.unaryExpr([&](double t) { return std::ldexp(t, exponent_); });
-    const bool exact_translation = translation.unaryExpr([&](double t) { return std::ldexp(t, -exponent_); }) ==
-                                   pose.translation;
+    const bool exact_translation =
+        translation.unaryExpr([&](double t) { return std::ldexp(t, -exponent_); }) == pose.translation;
     // Logarithms rounded down, so that no product here underflows itself.
     const auto exponent_of = [](double x) { return std::isfinite(x) && x != 0 ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(smallest_);
     if (exact_translation && product >= -1022 && product - exponent_ >= -1022) return widening;
     const double most = pose.rotation.cwiseAbs().maxCoeff();
     const double size = 3 * most * largest_ + translation.cwiseAbs().maxCoeff();
-    return widening + 2 * (10 * unit_roundoff * size + std::ldexp(1.0, std::max(exponent_, 0) - 1070) + 4 * most * lost_);
+    return widening +
+           2 * (10 * unit_roundoff * size + std::ldexp(1.0, std::max(exponent_, 0) - 1070) + 4 * most * lost_);
 }
 
 Result Session::solve(const Query& query, Trace& trace) const {
     check(query);
     if (!moveable_ && !query.pose.is_identity()) {
-        throw InputError("query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it first");
+        throw InputError(
+            "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
+            "first");
     }
     Query scaled = query;
     Result previous;

@@ -37,10 +37,10 @@ private:
 
     std::unique_ptr<Scene> scene_;
     bool traces_ = false;
-    bool moveable_ = true;                   // the source may be posed: it is no algebraic surface
-    int exponent_ = 0;                       // scaled = original * 2^exponent
-    double lost_ = 0;                        // what a scaled coordinate may have lost to underflow
-    double largest_ = 0, smallest_ = 0;      // nonzero |coordinate| of the source, scaled
+    bool moveable_ = true;               // the source may be posed: it is no algebraic surface
+    int exponent_ = 0;                   // scaled = original * 2^exponent
+    double lost_ = 0;                    // what a scaled coordinate may have lost to underflow
+    double largest_ = 0, smallest_ = 0;  // nonzero |coordinate| of the source, scaled
     Needs needs_;
     std::unique_ptr<Prepared> prepared_;
     std::unique_ptr<Solver> solver_;

@@ -25,7 +25,9 @@ namespace hausbench {
 
 struct ShapeSet {
     bool points = false, mesh = false, surface = false;
-    bool contains(ShapeKind kind) const { return kind == ShapeKind::points ? points : kind == ShapeKind::mesh ? mesh : surface; }
+    bool contains(ShapeKind kind) const {
+        return kind == ShapeKind::points ? points : kind == ShapeKind::mesh ? mesh : surface;
+    }
 };
 
 // How small the gap upper - lower must get.
@@ -39,8 +41,8 @@ struct Tolerance {
 };
 
 enum class Status {
-    converged,        // the gap is within the tolerance
-    cutoff_passed,    // lower > cutoff, or upper <= cutoff: the question "is h below the cutoff?" is answered
+    converged,      // the gap is within the tolerance
+    cutoff_passed,  // lower > cutoff, or upper <= cutoff: the question "is h below the cutoff?" is answered
     time_limit,
     budget,           // Query::budget subdivisions (or the solver's own unit of work, see its header) were spent
     precision_floor,  // the tolerance is below what double precision can certify
@@ -70,7 +72,8 @@ struct Result {
     Witness witness;
     Counters counters;
     Extras extras;
-    std::string note = {};  // one line, why the status is not `converged`, where the solver knows more than the status says
+    std::string note =
+        {};  // one line, why the status is not `converged`, where the solver knows more than the status says
     // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
@@ -87,7 +90,7 @@ struct Query {
 
 // What all queries to come have in common, so that a solver can leave out what they do not need.
 struct QuerySet {
-    bool moves = false;      // some pose is not the identity
+    bool moves = false;  // some pose is not the identity
     std::size_t count = 1;
     double finest_tolerance = 0;
 };
@@ -114,14 +117,16 @@ public:
 };
 
 struct SolverInfo {
-    std::string name;    // as in experiment files
-    std::string title;   // as in tables and legends
-    std::string paper;   // key in papers.bib; empty: our own, and the title ends with "(ours)"
+    std::string name;   // as in experiment files
+    std::string title;  // as in tables and legends
+    std::string paper;  // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
-    bool certified = false;             // the bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified
-    std::string known_wrong = {};       // a published error that is kept to show it: why bounds may not hold; never certified
-    bool exact = false;                 // the gap does not depend on the tolerance
-    bool traces = false;                // offers samples to Trace
+    bool certified =
+        false;  // the bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified
+    std::string known_wrong =
+        {};               // a published error that is kept to show it: why bounds may not hold; never certified
+    bool exact = false;   // the gap does not depend on the tolerance
+    bool traces = false;  // offers samples to Trace
     bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
     Needs may_need = {};                // every structure it can ever use
     std::vector<ParameterSpec> parameters = {};

@@ -20,7 +20,8 @@ public:
 
     // `marks`: gaps, the largest first. The first sample offered at or below a mark is kept whatever the last one was, so
     // that the answer to a coarser tolerance can be read off the trace of a finer one, to the bit.
-    explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {}) : on_(mode == Mode::on), marks_(std::move(marks)) {}
+    explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {})
+        : on_(mode == Mode::on), marks_(std::move(marks)) {}
 
     bool on() const { return on_; }
 

@@ -22,7 +22,7 @@ struct ModelInfo {
     std::string package, version, path, sha256, format;
     // generated: recipe; derived: operation and `from`
     std::string recipe, from;
-    std::map<std::string, double> numbers;  // parameters of the recipe or operation
+    std::map<std::string, double> numbers;    // parameters of the recipe or operation
     std::optional<AlgebraicSurface> surface;  // of the recipe "surface"
 };
 

@@ -1,8 +1,8 @@
 #include "derive.h"
 
 #include "error.h"
-#include "surfaces/surface_mesh.h"
 #include "random.h"
+#include "surfaces/surface_mesh.h"
 
 #include <fmt/format.h>
 
@@ -198,12 +198,14 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
     const auto mesh = [&]() -> const TriangleMesh& { return mesh_of(origin.shape, operation); };
     const auto* as_mesh = std::get_if<TriangleMesh>(&origin.shape);
     if (const auto* surface = std::get_if<AlgebraicSurface>(&origin.shape)) {
-        if (operation != "triangulate") throw InputError("operation '" + operation + "' takes no algebraic surface: triangulate it first");
+        if (operation != "triangulate")
+            throw InputError("operation '" + operation + "' takes no algebraic surface: triangulate it first");
         LoadReport report = origin.report;
         report.format = "derived";
         return {triangulate(*surface, index("cells")), report};
     }
-    if (operation == "triangulate") throw InputError("operation 'triangulate' takes an algebraic surface, not a mesh or points");
+    if (operation == "triangulate")
+        throw InputError("operation 'triangulate' takes an algebraic surface, not a mesh or points");
     LoadedShape made{origin.shape, origin.report};
     made.report.format = "derived";
     made.report.polygons = 0;

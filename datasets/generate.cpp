@@ -278,7 +278,8 @@ Shape generate(const std::string& recipe, const Numbers& numbers) {
     if (recipe == "cube") return cube(whole("subdivisions"));
     if (recipe == "torus") return torus(whole("rings"), whole("sides"), real("major"), real("minor"));
     if (recipe == "gear")
-        return gear(whole("teeth"), whole("steps"), whole("rings"), whole("layers"), real("outer"), real("root"), real("bore"), real("height"));
+        return gear(whole("teeth"), whole("steps"), whole("rings"), whole("layers"), real("outer"), real("root"),
+                    real("bore"), real("height"));
     if (recipe == "plane") return plane(whole("n"), real("z"));
     if (recipe == "gaussian_points")
         return gaussian_points(whole("count"), seed(), real("sigma"), {real("x"), real("y"), real("z")});

@@ -62,7 +62,8 @@ std::string library_message() {
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
     H5Eclear2(H5E_DEFAULT);
     // It may hold line breaks, and quote the file, which may hold what a terminal obeys.
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return text.empty() ? "HDF5 gave no reason" : text;
 }
 
@@ -218,7 +219,8 @@ void check_seal(const std::filesystem::path& file) {
     if (bytes.size() < seal_length) return;
     const std::size_t content = bytes.size() - seal_length;
     if (bytes.compare(content, seal_mark.size(), seal_mark) != 0) return;
-    if (seal_of(bytes.data(), content) != bytes.substr(content)) fail(file, "", "some of its bytes are not those that were written");
+    if (seal_of(bytes.data(), content) != bytes.substr(content))
+        fail(file, "", "some of its bytes are not those that were written");
 }
 
 // The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
@@ -234,8 +236,10 @@ void File::save() const {
     int error = 0;
     while (done < image.size() && error == 0) {
         const ssize_t count = ::write(descriptor, image.data() + done, image.size() - done);
-        if (count > 0) done += std::size_t(count);
-        else if (errno != EINTR) error = errno;
+        if (count > 0)
+            done += std::size_t(count);
+        else if (errno != EINTR)
+            error = errno;
     }
     if (error == 0 && ::fsync(descriptor) != 0) error = errno;
     if (::close(descriptor) != 0 && error == 0) error = errno;

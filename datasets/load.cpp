@@ -194,7 +194,9 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
         return loaded;
     }
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
-    if (kind.empty()) throw InputError(name + ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl or what it is");
+    if (kind.empty())
+        throw InputError(name +
+                         ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl or what it is");
     if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off")
         return readers::load_with_assimp(file, format);
 

@@ -84,14 +84,17 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
             const Triangles& t = mesh->triangles;
             file.write("triangles", std::vector<Index>(t.data(), t.data() + t.size()), 3);
         }
-        if (const auto* surface = std::get_if<AlgebraicSurface>(&loaded.shape)) file.attribute("", "polynomial", surface->polynomial);
+        if (const auto* surface = std::get_if<AlgebraicSurface>(&loaded.shape))
+            file.attribute("", "polynomial", surface->polynomial);
         file.close();
         std::filesystem::rename(temporary, path);
     } catch (const std::runtime_error& error) {
         std::error_code ignored;
         std::filesystem::remove(temporary, ignored);
-        throw InputError(fmt::format("{}: cannot write the shape ({}): make room, or name another folder with HAUSBENCH_CACHE, or with "
-                                     "TMPDIR for a file that is measured", path.string(), error.what()));
+        throw InputError(fmt::format(
+            "{}: cannot write the shape ({}): make room, or name another folder with HAUSBENCH_CACHE, or with "
+            "TMPDIR for a file that is measured",
+            path.string(), error.what()));
     }
 }
 

@@ -21,13 +21,16 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& cata
     for (const ModelRecord& model : result.models) {
         const auto resolved = catalogue.resolve(model.name);
         if (const auto* absent = std::get_if<MissingModel>(&resolved)) {
-            missing.push_back(fmt::format("model '{}' is not here, so its rows are not checked: {}", model.name, absent->reason));
+            missing.push_back(
+                fmt::format("model '{}' is not here, so its rows are not checked: {}", model.name, absent->reason));
             continue;
         }
         const auto& good = std::get<ResolvedModel>(resolved);
         if (good.content_hash != model.sha256) {
-            throw InputError(fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
-                                         "made with", model.name, model.sha256, good.content_hash));
+            throw InputError(fmt::format(
+                "model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
+                "made with",
+                model.name, model.sha256, good.content_hash));
         }
         shapes[model.name] = read_shape(good.shape_file).shape;
     }
@@ -47,20 +50,26 @@ bool any_unsound(const ResultFile& result) {
 namespace {
 
 std::string name_of(const Case& c) {
-    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance, c.tolerance_of);
+    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance,
+                       c.tolerance_of);
 }
 
-bool was_run(const Outcome& o) { return (o.status != "skipped" && o.status != "not_built") || !o.solver_status.empty(); }
+bool was_run(const Outcome& o) {
+    return (o.status != "skipped" && o.status != "not_built") || !o.solver_status.empty();
+}
 
 // Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
 // One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
 std::string place_of(const Case& c) {
-    return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance), c.tolerance_of}).dump();
+    return nlohmann::json(
+               {c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance), c.tolerance_of})
+        .dump();
 }
 
 bool same_options(const Row& a, const Row& b) {
     const auto within = [](const ParameterMap& few, const ParameterMap& many) {
-        return std::all_of(few.begin(), few.end(), [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
+        return std::all_of(few.begin(), few.end(),
+                           [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
     };
     if (a.outcome.status == "not_built") return within(a.asked.options, b.asked.options);
     if (b.outcome.status == "not_built") return within(b.asked.options, a.asked.options);
@@ -80,12 +89,13 @@ std::string describe_checks(const ResultFile& result) {
         ++lower[row.asked.label][row.check.lower];
         ++upper[row.asked.label][row.check.upper];
     }
-    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds", "unsound", "no wit.",
-                                   "not ch.", "upper ok", "unsound", "not ch.");
+    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds",
+                                   "unsound", "no wit.", "not ch.", "upper ok", "unsound", "not ch.");
     for (auto& [label, l] : lower) {
         auto& u = upper[label];
-        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds], l[Verdict::unsound],
-                            l[Verdict::no_witness], l[Verdict::not_checked], u[Verdict::holds], u[Verdict::unsound], u[Verdict::not_checked]);
+        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds],
+                            l[Verdict::unsound], l[Verdict::no_witness], l[Verdict::not_checked], u[Verdict::holds],
+                            u[Verdict::unsound], u[Verdict::not_checked]);
     }
     for (const Row& row : result.rows) {
         if (!row.check.reason.empty()) text += fmt::format("unsound: {}: {}\n", name_of(row.asked), row.check.reason);
@@ -103,11 +113,13 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
             throw InputError(fmt::format("{} and {}: {}", files.front().string(), files[f].string(), what));
         };
         for (const char* name : {"stem", "profile", "experiment_toml"}) {
-            if (next.texts.at(name) != merged.texts.at(name)) refuse(fmt::format("their {} differs: merge results of one experiment", name));
+            if (next.texts.at(name) != merged.texts.at(name))
+                refuse(fmt::format("their {} differs: merge results of one experiment", name));
         }
         for (const char* name : {"build", "machine"}) {
             if (!any_build && next.texts.at(name) != merged.texts.at(name)) {
-                refuse(fmt::format("made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+                refuse(fmt::format(
+                    "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
             }
         }
         merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
@@ -123,11 +135,12 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
                 if (!was_run(mine.outcome)) {
                     mine = row;
                 } else if (mine.asked.identity != row.asked.identity) {
-                    refuse(fmt::format("they asked for different things at {}: another model or limit", name_of(row.asked)));
+                    refuse(fmt::format("they asked for different things at {}: another model or limit",
+                                       name_of(row.asked)));
                 } else if (!same_answer(mine.outcome, row.outcome)) {
-                    refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked), mine.outcome.status,
-                                       mine.outcome.bounds.lower, mine.outcome.bounds.upper, row.outcome.status, row.outcome.bounds.lower,
-                                       row.outcome.bounds.upper));
+                    refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
+                                       mine.outcome.status, mine.outcome.bounds.lower, mine.outcome.bounds.upper,
+                                       row.outcome.status, row.outcome.bounds.lower, row.outcome.bounds.upper));
                 }
             }
             if (found) continue;
@@ -139,10 +152,14 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
             if (std::none_of(merged.models.begin(), merged.models.end(), same)) merged.models.push_back(model);
         }
         for (const LedgerEntry& entry : next.ledger) {
-            const auto same = [&](const LedgerEntry& l) { return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what; };
+            const auto same = [&](const LedgerEntry& l) {
+                return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what;
+            };
             const auto at = std::find_if(merged.ledger.begin(), merged.ledger.end(), same);
-            if (at == merged.ledger.end()) merged.ledger.push_back(entry);
-            else if (std::isnan(at->seconds_saved)) at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+            if (at == merged.ledger.end())
+                merged.ledger.push_back(entry);
+            else if (std::isnan(at->seconds_saved))
+                at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
         }
     }
     return merged;
@@ -160,8 +177,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         ++matched;
         const Outcome &a = at->second->outcome, &b = row.outcome;
         if (!same_answer(a, b)) {
-            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked), a.status, a.bounds.lower,
-                                     a.bounds.upper, b.status, b.bounds.lower, b.bounds.upper);
+            differing +=
+                fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked), a.status,
+                            a.bounds.lower, a.bounds.upper, b.status, b.bounds.lower, b.bounds.upper);
         }
         if (b.from_trace) continue;  // its times are those of the row it was read off
         std::vector<double> before, after;
@@ -173,24 +191,34 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         }
         const Estimate ratio = paired_ratio(before, after);
         all.push_back(ratio.value);
-        const char* verdict = ratio.n == 1 ? "one pair" : ratio.confidence < 0.95 ? "too few pairs" : !separated(ratio) ? "not separated" : ratio.value > 1 ? "slower" : "faster";
-        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {}\n", name_of(row.asked), ratio.value, ratio.low,
-                             ratio.high, ratio.n, 100 * ratio.confidence, verdict);
+        const char* verdict = ratio.n == 1              ? "one pair"
+                              : ratio.confidence < 0.95 ? "too few pairs"
+                              : !separated(ratio)       ? "not separated"
+                              : ratio.value > 1         ? "slower"
+                                                        : "faster";
+        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {}\n", name_of(row.asked),
+                             ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence, verdict);
     }
-    if (matched == 0) throw InputError("the two results have no case in common: compare results of the same experiment and profile");
+    if (matched == 0)
+        throw InputError("the two results have no case in common: compare results of the same experiment and profile");
     std::string text;
     for (const char* name : {"build", "machine"}) {
         const std::string &a = base.texts.at(name), &b = candidate.texts.at(name);
         if (a != b) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, a, b);
     }
-    text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched, base.rows.size() - matched,
-                                   candidate.rows.size() - matched);
+    text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched,
+                        base.rows.size() - matched, candidate.rows.size() - matched);
     text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
-    text += fmt::format("time of the second / time of the first, median of paired repeats [interval] ({} cases without times)\n", untimed) + table;
+    text +=
+        fmt::format(
+            "time of the second / time of the first, median of paired repeats [interval] ({} cases without times)\n",
+            untimed) +
+        table;
     if (!all.empty()) {
         double logs = 0;
         for (double ratio : all) logs += std::log(ratio);
-        text += fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), std::exp(logs / double(all.size())));
+        text +=
+            fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), std::exp(logs / double(all.size())));
     }
     return text;
 }

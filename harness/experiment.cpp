@@ -59,10 +59,12 @@ public:
     }
     double number(const toml::node& node, std::string_view key) const {
         const auto value = node.value<double>();
-        if (!value || !node.is_number() || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
+        if (!value || !node.is_number() || !std::isfinite(*value))
+            fail(node, fmt::format("'{}' must be a finite number", key));
         return *value;
     }
-    double positive(const toml::node& node, std::string_view key, double most = std::numeric_limits<double>::max()) const {
+    double positive(const toml::node& node, std::string_view key,
+                    double most = std::numeric_limits<double>::max()) const {
         const double value = number(node, key);
         if (!(value > 0)) fail(node, fmt::format("'{}' must be above 0, not {}", key, value));
         if (value > most) fail(node, fmt::format("'{}' must be at most {}, not {}", key, most, value));
@@ -177,7 +179,8 @@ Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& 
         Reader reader(file, *table, "the motion", {"kind", "file"});
         return PoseFile{file.parent_path() / reader.text("file")};
     }
-    scene.fail(node, fmt::format("unknown motion '{}'{}", kind, nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
+    scene.fail(node, fmt::format("unknown motion '{}'{}", kind,
+                                 nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
 }
 
 ParameterValue read_value(const Reader& reader, const toml::node& node, std::string_view key) {
@@ -185,7 +188,8 @@ ParameterValue read_value(const Reader& reader, const toml::node& node, std::str
     if (auto i = node.value_exact<std::int64_t>()) return *i;
     if (auto d = node.value_exact<double>()) return *d;
     if (auto s = node.value_exact<std::string>()) return *s;
-    reader.fail(node, fmt::format("parameter '{}' must be a number, a text, true, false, or a list of them to sweep", key));
+    reader.fail(node,
+                fmt::format("parameter '{}' must be a number, a text, true, false, or a list of them to sweep", key));
 }
 
 // Every combination of the swept values, the last parameter fastest, each checked against the solver's declarations.
@@ -253,8 +257,8 @@ SolverPlan read_solver(const Reader& reader) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title", "paper", "tolerances", "of", "repeats", "rounds", "trace",
-                                            "limits", "profile", "scene", "solver"};
+const std::vector<std::string> root_keys = {"title", "paper",  "tolerances", "of",    "repeats", "rounds",
+                                            "trace", "limits", "profile",    "scene", "solver"};
 
 Limits read_limits(const fs::path& file, const Reader& root) {
     Limits limits;
@@ -271,7 +275,8 @@ Limits read_limits(const fs::path& file, const Reader& root) {
 toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
     const auto known = profiles_of(table);
     if (std::find(known.begin(), known.end(), profile) == known.end()) {
-        throw InputError(fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, known)));
+        throw InputError(
+            fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, known)));
     }
     if (const toml::table* over = table["profile"][profile].as_table()) {
         auto keys = root_keys;
@@ -290,9 +295,12 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.file = file;
     experiment.stem = file.stem().string();
     experiment.profile = profile;
-    if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name an experiment file (.toml)", file.string()));
+    if (fs::is_directory(file))
+        throw InputError(fmt::format("{}: is a folder: name an experiment file (.toml)", file.string()));
     std::ifstream in(file);
-    if (!in) throw InputError(fmt::format("{}: cannot open it: name an experiment file, such as one below experiments/", file.string()));
+    if (!in)
+        throw InputError(
+            fmt::format("{}: cannot open it: name an experiment file, such as one below experiments/", file.string()));
     std::ostringstream text;
     text << in.rdbuf();
     experiment.toml = text.str();
@@ -301,8 +309,8 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     try {
         table = with_profile(file, toml::parse(experiment.toml, file.string()), profile);
     } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line, error.source().begin.column,
-                                     error.description()));
+        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
+                                     error.source().begin.column, error.description()));
     }
     Reader root(file, table, "", root_keys);
     experiment.title = root.text("title");
@@ -326,12 +334,14 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
         for (const toml::node& item : *array) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
-                Reader reader(file, *item.as_table(), "[[scene]]", {"name", "source", "target", "note", "motion", "profiles"});
+                Reader reader(file, *item.as_table(), "[[scene]]",
+                              {"name", "source", "target", "note", "motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 if (!wanted(reader, profile, profiles)) continue;
                 experiment.scenes.push_back(read_scene(file, reader));
                 if (!names.insert(experiment.scenes.back().name).second) {
-                    reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", experiment.scenes.back().name, profile));
+                    reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one",
+                                            experiment.scenes.back().name, profile));
                 }
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
@@ -339,13 +349,17 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 if (!wanted(reader, profile, profiles)) continue;
                 SolverPlan solver = read_solver(reader);
                 if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
-                if (solver.tolerances.empty()) reader.fail("no 'tolerances', here or at the top: a tolerance has no default");
+                if (solver.tolerances.empty())
+                    reader.fail("no 'tolerances', here or at the top: a tolerance has no default");
                 for (const std::string& scene : solver.scenes) {
                     if (names_of_all.contains(scene)) continue;
-                    reader.fail(fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names_of_all.begin(), names_of_all.end()})));
+                    reader.fail(fmt::format("unknown scene '{}'{}", scene,
+                                            nearest_hint(scene, {names_of_all.begin(), names_of_all.end()})));
                 }
                 // None where all its scenes belong to other profiles; of an empty list, it would run on every scene.
-                if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(), [&](const auto& s) { return names.contains(s); })) continue;
+                if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
+                                                           [&](const auto& s) { return names.contains(s); }))
+                    continue;
                 experiment.solvers.push_back(std::move(solver));
             }
         }
@@ -363,7 +377,8 @@ std::vector<fs::path> experiment_files(const fs::path& folder) {
     std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
     for (std::size_t i = 1; i < files.size(); ++i) {
         if (files[i].stem() == files[i - 1].stem()) {
-            throw InputError(fmt::format("{} and {}: two experiments of one stem: rename one", files[i - 1].string(), files[i].string()));
+            throw InputError(fmt::format("{} and {}: two experiments of one stem: rename one", files[i - 1].string(),
+                                         files[i].string()));
         }
     }
     return files;

@@ -27,7 +27,8 @@ double expected_work(const Case& c) {
     const double a = double(c.source_elements), b = double(c.target_elements);
     if (c.solver == "naive") return a * b;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.name == c.solver) return (entry.info.target.mesh ? distances_per_triangle : distances_per_point) * (a + b);
+        if (entry.info.name == c.solver)
+            return (entry.info.target.mesh ? distances_per_triangle : distances_per_point) * (a + b);
     }
     return distances_per_point * (a + b);
 }
@@ -58,9 +59,10 @@ public:
         const double work = expected_work(asked);
         if (others == solvers_.end()) return {0, work * seconds_per_distance, work, false};
         // The case of that solver whose work was nearest, scaled.
-        const Known& near = *std::min_element(others->second.begin(), others->second.end(), [&](const Known& x, const Known& y) {
-            return std::abs(std::log(x.work / work)) < std::abs(std::log(y.work / work));
-        });
+        const Known& near =
+            *std::min_element(others->second.begin(), others->second.end(), [&](const Known& x, const Known& y) {
+                return std::abs(std::log(x.work / work)) < std::abs(std::log(y.work / work));
+            });
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
     }
 
@@ -70,7 +72,8 @@ private:
         if (o.machine != this_machine().id || o.from_trace) return;
         const bool killed = o.status == "timeout" && !std::isfinite(o.solve_seconds);
         if (!killed && !std::isfinite(o.solve_seconds)) return;
-        Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds, expected_work(row.asked), true};
+        Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds,
+                    expected_work(row.asked), true};
         cases_[row.asked.identity] = known;
         if (known.work > 0) solvers_[row.asked.solver].push_back(known);
     }
@@ -95,7 +98,8 @@ JobEstimate estimate(const Plan& plan, const Job& job, const Memory& memory) {
         out.known += known.answered;
         const double once = std::min(known.solve, asked.limits.case_seconds);
         const bool in_time = known.solve < asked.limits.case_seconds;
-        const double repeats = in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * asked.limits.case_seconds + once) : 0;
+        const double repeats =
+            in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * asked.limits.case_seconds + once) : 0;
         out.seconds += e.rounds * (once + repeats) + (e.trace && !plan.marks(row).empty() ? once : 0);
     }
     out.seconds += e.rounds * (start_seconds + prepare);
@@ -103,7 +107,9 @@ JobEstimate estimate(const Plan& plan, const Job& job, const Memory& memory) {
 }
 
 std::string clock_text(double seconds) {
-    return seconds < 10 ? fmt::format("{:.1f} s", seconds) : seconds < 120 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.1f} min", seconds / 60);
+    return seconds < 10    ? fmt::format("{:.1f} s", seconds)
+           : seconds < 120 ? fmt::format("{:.0f} s", seconds)
+                           : fmt::format("{:.1f} min", seconds / 60);
 }
 
 // Which structures the solver asks for on this scene, and which it can do without.
@@ -134,8 +140,9 @@ std::string explain(const Plan& plan, const fs::path& results) {
     const Experiment& e = plan.experiment;
     std::size_t run = 0, known = 0;
     for (const Job& job : plan.jobs) run += job.cases.size();
-    std::string text = fmt::format("{} ({}, profile {}): {} cases asked for, {} to run in {} workers, {} rounds, {} timed repeats each\n",
-                                   e.stem, e.title, e.profile, plan.cases.size(), run, plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
+    std::string text = fmt::format(
+        "{} ({}, profile {}): {} cases asked for, {} to run in {} workers, {} rounds, {} timed repeats each\n", e.stem,
+        e.title, e.profile, plan.cases.size(), run, plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
     text += "MODELS\n";
     for (const ModelRow& model : plan.models) {
         text += fmt::format("  {:<28} {:>9} {}, diagonal {:.6g}\n", model.info->name, model.resolved.elements,
@@ -155,13 +162,15 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        if (poses.size() > 1) text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+        if (poses.size() > 1)
+            text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
     }
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {
         text += fmt::format("  {:<44} {} ({}): {}\n", entry.subject, entry.what, entry.count, entry.reason);
     }
-    text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n", clock_text(total), known, run);
+    text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
+                        clock_text(total), known, run);
     return text;
 }
 

@@ -20,7 +20,8 @@ LoadedShape find_shape(const Catalogue& catalogue, const std::string& model) {
             continue;
         }
         const auto resolved = catalogue.resolve(model);
-        if (const auto* missing = std::get_if<MissingModel>(&resolved)) throw InputError(fmt::format("model '{}': {}", model, missing->reason));
+        if (const auto* missing = std::get_if<MissingModel>(&resolved))
+            throw InputError(fmt::format("model '{}': {}", model, missing->reason));
         return read_shape(std::get<ResolvedModel>(resolved).shape_file);
     }
     if (std::filesystem::exists(model)) return load_isolated(program_path(), model);
@@ -35,7 +36,8 @@ std::string export_model(const Catalogue& catalogue, const std::string& model, c
     write_mesh_file(to, loaded.shape, format);
     const bool points = kind_of(loaded.shape) == ShapeKind::points;
     return points ? fmt::format("{}: {} points", to.string(), element_count(loaded.shape))
-                  : fmt::format("{}: {} triangles, {} vertices", to.string(), element_count(loaded.shape), points_of(loaded.shape).rows());
+                  : fmt::format("{}: {} triangles, {} vertices", to.string(), element_count(loaded.shape),
+                                points_of(loaded.shape).rows());
 }
 
 }  // namespace hausbench

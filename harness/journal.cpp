@@ -29,7 +29,9 @@ bool torn_header(std::string_view text) {
     if (text.find('\n') != std::string_view::npos) return false;
     for (std::size_t i = 0; i < text.size() && i < 17 + start.size(); ++i) {
         const char c = text[i];
-        const bool fits = i < 16 ? (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') : i == 16 ? c == ' ' : c == start[i - 17];
+        const bool fits = i < 16    ? (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f')
+                          : i == 16 ? c == ' '
+                                    : c == start[i - 17];
         if (!fits) return false;
     }
     return true;
@@ -40,16 +42,18 @@ bool torn_header(std::string_view text) {
 Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
-        throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results", file_.string(),
-                                     std::strerror(errno)));
+        throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results",
+                                     file_.string(), std::strerror(errno)));
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         ::close(descriptor_);
         throw InputError(fmt::format("{}: another run is writing this result: wait for it, or end it", file_.string()));
     }
     try {
-        if (fresh) clear();
-        else read();
+        if (fresh)
+            clear();
+        else
+            read();
     } catch (...) {
         ::close(descriptor_);
         throw;
@@ -69,7 +73,8 @@ void Journal::read() {
     for (;;) {
         const ssize_t n = ::read(descriptor_, buffer, sizeof buffer);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
+        if (n < 0)
+            throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
         if (n == 0) break;
         text.append(buffer, std::size_t(n));
     }
@@ -78,15 +83,19 @@ void Journal::read() {
         const std::size_t end = text.find('\n', good);
         const bool last = end == std::string::npos || end + 1 == text.size();
         const std::string line = text.substr(good, end == std::string::npos ? end : end - good);
-        if (end == std::string::npos || line.size() < 18 || line[16] != ' ' || checksum(std::string_view(line).substr(17)) != line.substr(0, 16)) {
+        if (end == std::string::npos || line.size() < 18 || line[16] != ' ' ||
+            checksum(std::string_view(line).substr(17)) != line.substr(0, 16)) {
             if (number == 1 && !torn_header(text)) {
-                throw InputError(fmt::format("{}: is not a journal of hausbench: move it away or choose another folder with --results", file_.string()));
+                throw InputError(fmt::format(
+                    "{}: is not a journal of hausbench: move it away or choose another folder with --results",
+                    file_.string()));
             }
             if (!last) throw InputError(fmt::format("{}:{}: damaged: start over with --fresh", file_.string(), number));
             break;  // torn: the write never finished
         }
         if (!take(number, std::string_view(line).substr(17))) {
-            throw InputError(fmt::format("{}:{}: is no record of a run: start over with --fresh", file_.string(), number));
+            throw InputError(
+                fmt::format("{}:{}: is no record of a run: start over with --fresh", file_.string(), number));
         }
         good = end + 1;
     }
@@ -104,7 +113,9 @@ bool Journal::take(int number, std::string_view text) {
             return true;
         }
         if (record.value("hausbench_journal", 0) != journal_schema) {
-            throw InputError(fmt::format("{}: written by another version of hausbench: finish with that one, or start over with --fresh", file_.string()));
+            throw InputError(fmt::format(
+                "{}: written by another version of hausbench: finish with that one, or start over with --fresh",
+                file_.string()));
         }
         started_ = record.at("started");
         return true;
@@ -132,14 +143,14 @@ void Journal::write_line(const std::string& text) {
             const int cause = errno;
             // Whole lines only, even on a full disk. If this fails as well, opening the journal cuts the torn line off.
             if (::ftruncate(descriptor_, start) == 0) ::lseek(descriptor_, start, SEEK_SET);
-            throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again", file_.string(),
-                                         std::strerror(cause)));
+            throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again",
+                                         file_.string(), std::strerror(cause)));
         }
         done += std::size_t(n);
     }
     if (::fsync(descriptor_) != 0 && errno != EINVAL) {
-        throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again", file_.string(),
-                                     std::strerror(errno)));
+        throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again",
+                                     file_.string(), std::strerror(errno)));
     }
 }
 

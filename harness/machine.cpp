@@ -7,9 +7,9 @@
 
 #include <CGAL/version.h>
 #include <Eigen/Core>
+#include <H5public.h>
 #include <assimp/version.h>
 #include <fmt/format.h>
-#include <H5public.h>
 #include <nlohmann/json.hpp>
 
 #include <sys/utsname.h>
@@ -53,8 +53,8 @@ std::string cache_sizes() {
     for (int i = 0; i < 8; ++i) {
         const fs::path folder = fmt::format("/sys/devices/system/cpu/cpu0/cache/index{}", i);
         if (!fs::exists(folder)) break;
-        text += fmt::format("{}L{} {} {}", text.empty() ? "" : ", ", first_line(folder / "level"), first_line(folder / "type"),
-                            first_line(folder / "size"));
+        text += fmt::format("{}L{} {} {}", text.empty() ? "" : ", ", first_line(folder / "level"),
+                            first_line(folder / "type"), first_line(folder / "size"));
     }
     return text.empty() ? "unknown" : text;
 }

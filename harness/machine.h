@@ -9,9 +9,9 @@
 namespace hausbench {
 
 struct Build {
-    std::string id;         // SHA-256 of the program: changes when anything that could change an answer does
-    std::string commit;     // of the sources, "unknown" outside a checkout; not part of the id
-    std::string dirty;      // "yes", "no" or "unknown"
+    std::string id;      // SHA-256 of the program: changes when anything that could change an answer does
+    std::string commit;  // of the sources, "unknown" outside a checkout; not part of the id
+    std::string dirty;   // "yes", "no" or "unknown"
     std::string version, compiler, flags, type;
     std::string libraries;  // JSON object: name -> version
 };

@@ -57,9 +57,11 @@ int run(const RunArguments& arguments) {
     take_shard(plan, shard);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
     if (!shard.whole()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
-    const RunSummary summary = run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
+    const RunSummary summary =
+        run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
     std::string counts;
-    for (const auto& [status, count] : summary.statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
+    for (const auto& [status, count] : summary.statuses)
+        counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
     fmt::print("{}: {}\n", summary.file.string(), counts);
     if (!summary.interrupted) return 0;
     fmt::print(stderr, "interrupted: what was finished is safe; the same command goes on from here\n");
@@ -73,10 +75,14 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
         if (equals == std::string::npos) throw InputError(fmt::format("--set {}: write it as name=value", text));
         const auto value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
         ParameterValue& to = parameters[text.substr(0, equals)];
-        if (value.is_boolean()) to = value.get<bool>();
-        else if (value.is_number_integer()) to = value.get<std::int64_t>();
-        else if (value.is_number()) to = value.get<double>();
-        else to = text.substr(equals + 1);
+        if (value.is_boolean())
+            to = value.get<bool>();
+        else if (value.is_number_integer())
+            to = value.get<std::int64_t>();
+        else if (value.is_number())
+            to = value.get<double>();
+        else
+            to = text.substr(equals + 1);
     }
     return parameters;
 }
@@ -85,7 +91,8 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();
     const auto unknown = app.remaining(true);
-    const std::string help = fmt::format("run `hausbench{} --help`", verbs.empty() ? "" : " " + verbs.front()->get_name());
+    const std::string help =
+        fmt::format("run `hausbench{} --help`", verbs.empty() ? "" : " " + verbs.front()->get_name());
     std::vector<std::string> known;
     if (verbs.empty()) {
         for (const CLI::App* verb : app.get_subcommands(nullptr)) {
@@ -100,7 +107,8 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
             if (!option->get_lnames().empty()) known.push_back("--" + option->get_lnames().front());
         }
         const std::string& word = unknown.front();
-        what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, known)) : fmt::format("unexpected '{}'", word);
+        what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, known))
+                                     : fmt::format("unexpected '{}'", word);
     }
     return one_line(fmt::format("{}: {}; {}", verbs.front()->get_name(), what, help));
 }
@@ -110,13 +118,16 @@ void say(const std::vector<std::string>& lines) {
 }
 
 int dispatch(int argc, char** argv) {
-    CLI::App app("Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, Pompeiu-Hausdorff).");
+    CLI::App app(
+        "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
+        "Pompeiu-Hausdorff).");
     app.require_subcommand(1);
     int code = 0;
 
     std::vector<fs::path> plugin_files;
     const auto takes_plugins = [&](CLI::App* verb) {  // loaded before anything looks for a solver
-        verb->add_option("--plugin", plugin_files, "a library with more solvers; may be repeated")->allow_extra_args(false);
+        verb->add_option("--plugin", plugin_files, "a library with more solvers; may be repeated")
+            ->allow_extra_args(false);
         verb->parse_complete_callback([&] {
             for (const fs::path& file : plugin_files) load_plugin(file);
         });
@@ -125,26 +136,37 @@ int dispatch(int argc, char** argv) {
     RunArguments run_arguments;
     auto* run_verb = app.add_subcommand("run", "run an experiment and write its results (resumes by itself)");
     run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
-    run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")->capture_default_str();
-    run_verb->add_option("--solver", run_arguments.choice.solvers, "only this solver (its label in the experiment); may be repeated")->allow_extra_args(false);
-    run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
-    run_verb->add_option("--results", run_arguments.results, "folder for the result file (default: results of the project)");
-    run_verb->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")->capture_default_str();
+    run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")
+        ->capture_default_str();
+    run_verb
+        ->add_option("--solver", run_arguments.choice.solvers,
+                     "only this solver (its label in the experiment); may be repeated")
+        ->allow_extra_args(false);
+    run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated")
+        ->allow_extra_args(false);
+    run_verb->add_option("--results", run_arguments.results,
+                         "folder for the result file (default: results of the project)");
+    run_verb
+        ->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")
+        ->capture_default_str();
     run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
     run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
     run_verb->add_flag("--leave-nothing-out", run_arguments.choice.leave_nothing_out,
-                       "run every tolerance and build every structure, into STEM.everything.h5: to check that leaving out changes no answer");
+                       "run every tolerance and build every structure, into STEM.everything.h5: to check that leaving "
+                       "out changes no answer");
     run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
     takes_plugins(run_verb);
     run_verb->callback([&] { code = run(run_arguments); });
 
     RunArguments explain_arguments;
-    auto* explain_verb = app.add_subcommand("explain", "what a run of an experiment would prepare, run and leave out, why, and about how long it takes");
+    auto* explain_verb = app.add_subcommand(
+        "explain", "what a run of an experiment would prepare, run and leave out, why, and about how long it takes");
     explain_verb->add_option("experiment", explain_arguments.file, "experiment file (.toml)")->required();
     explain_verb->add_option("--profile", explain_arguments.profile, "as for run")->capture_default_str();
     explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run")->allow_extra_args(false);
     explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run")->allow_extra_args(false);
-    explain_verb->add_option("--results", explain_arguments.results, "folder with earlier results, for the estimate (default: results of the project)");
+    explain_verb->add_option("--results", explain_arguments.results,
+                             "folder with earlier results, for the estimate (default: results of the project)");
     takes_plugins(explain_verb);
     explain_verb->callback([&] {
         const Plan plan = plan_of(explain_arguments);
@@ -152,34 +174,53 @@ int dispatch(int argc, char** argv) {
     });
 
     bool list_json = false;
-    auto* list_verb = app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
+    auto* list_verb =
+        app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
     list_verb->add_flag("--json", list_json, "as one JSON object");
     takes_plugins(list_verb);
-    list_verb->callback([&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
+    list_verb->callback(
+        [&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
 
     MeasureRequest request;
     std::vector<std::string> parameters;
     bool measure_json = false;
-    auto* measure_verb = app.add_subcommand("measure", "bound the distance from A to B (meshes or point sets in any common format, or algebraic surfaces as .surface.toml)");
-    measure_verb->add_option("A", request.source, "source file: h(A,B) = max over a in A of the distance from a to B")->required();
+    auto* measure_verb = app.add_subcommand("measure",
+                                            "bound the distance from A to B (meshes or point sets in any common "
+                                            "format, or algebraic surfaces as .surface.toml)");
+    measure_verb->add_option("A", request.source, "source file: h(A,B) = max over a in A of the distance from a to B")
+        ->required();
     measure_verb->add_option("B", request.target, "target file")->required();
-    measure_verb->add_option("--solver", request.solver, "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
-    measure_verb->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")->capture_default_str();
-    measure_verb->add_option("--of", request.of, "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a fraction of the lower bound")
-        ->capture_default_str()->check([](const std::string& of) {
+    measure_verb->add_option(
+        "--solver", request.solver,
+        "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
+    measure_verb
+        ->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")
+        ->capture_default_str();
+    measure_verb
+        ->add_option("--of", request.of,
+                     "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a "
+                     "fraction of the lower bound")
+        ->capture_default_str()
+        ->check([](const std::string& of) {
             const std::vector<std::string> known = {"diagonal", "absolute", "lower"};
-            return std::find(known.begin(), known.end(), of) != known.end() ? "" : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, known));
+            return std::find(known.begin(), known.end(), of) != known.end()
+                       ? ""
+                       : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, known));
         });
     measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
-    measure_verb->add_option("--time-limit", request.time_limit, "seconds for each direction; the bounds hold when it runs out");
+    measure_verb->add_option("--time-limit", request.time_limit,
+                             "seconds for each direction; the bounds hold when it runs out");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {
         request.options = parse_parameters(parameters);
         const Measured measured = measure(request);
         constexpr auto replace = nlohmann::json::error_handler_t::replace;  // a program's words may be no UTF-8
-        std::fputs((measure_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request)).c_str(), stdout);
+        std::fputs((measure_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n"
+                                 : describe(measured, request))
+                       .c_str(),
+                   stdout);
         if (answered(measured)) return;
         fmt::print(stderr, "hausbench: solver '{}' gave no answer\n", measured.solver);
         code = 1;
@@ -187,13 +228,17 @@ int dispatch(int argc, char** argv) {
 
     std::string exported;
     fs::path export_to;
-    auto* export_verb = app.add_subcommand("export", "write a model as OFF, OBJ or PLY, so that other programs can take the same bits");
+    auto* export_verb =
+        app.add_subcommand("export", "write a model as OFF, OBJ or PLY, so that other programs can take the same bits");
     export_verb->add_option("model", exported, "a model of datasets/manifest.toml, or any mesh file")->required();
     export_verb->add_option("file", export_to, "file to write: .off, .obj or .ply")->required();
     export_verb->callback([&] { fmt::print("{}\n", export_model(catalogue(), exported, export_to)); });
 
     fs::path verified;
-    auto* verify_verb = app.add_subcommand("verify", "re-check every row of a result by code that shares nothing with the solvers; exit code 1 if a row is unsound, or a model to check it on is not here");
+    auto* verify_verb =
+        app.add_subcommand("verify",
+                           "re-check every row of a result by code that shares nothing with the solvers; exit code 1 "
+                           "if a row is unsound, or a model to check it on is not here");
     verify_verb->add_option("result", verified, "result file (.h5)")->required();
     verify_verb->callback([&] {
         ResultFile result = read_result(verified);
@@ -211,11 +256,15 @@ int dispatch(int argc, char** argv) {
     merge_verb->add_option("results", parts, "result files (.h5)")->required();
     merge_verb->add_flag("--any-build", any_build, "merge although builds or machines differ");
     merge_verb->callback([&] {
-        if (parts.size() < 2) throw InputError("merge: one result is nothing to put together: name the file to write first, then two results or more");
+        if (parts.size() < 2)
+            throw InputError(
+                "merge: one result is nothing to put together: name the file to write first, then two results or more");
         std::error_code none;
         const auto is_merged = [&](const fs::path& part) { return fs::equivalent(part, merged, none); };
         if (fs::exists(merged, none) && std::none_of(parts.begin(), parts.end(), is_merged)) {
-            throw InputError(fmt::format("{}: exists, and is not among the results to merge: name a new file first, or remove it", merged.string()));
+            throw InputError(
+                fmt::format("{}: exists, and is not among the results to merge: name a new file first, or remove it",
+                            merged.string()));
         }
         ResultFile result = merge_results(parts, any_build);
         say(verify_result(result, catalogue()));  // a lower bound in one part may refute an upper bound in another
@@ -224,10 +273,13 @@ int dispatch(int argc, char** argv) {
     });
 
     fs::path base, candidate;
-    auto* compare_verb = app.add_subcommand("compare", "two results case by case: differing answers first, then ratios of times with intervals");
+    auto* compare_verb = app.add_subcommand(
+        "compare", "two results case by case: differing answers first, then ratios of times with intervals");
     compare_verb->add_option("first", base, "result file (.h5): the base")->required();
-    compare_verb->add_option("second", candidate, "result file (.h5): times are given relative to the first")->required();
-    compare_verb->callback([&] { std::fputs(compare_results(read_result(base), read_result(candidate)).c_str(), stdout); });
+    compare_verb->add_option("second", candidate, "result file (.h5): times are given relative to the first")
+        ->required();
+    compare_verb->callback(
+        [&] { std::fputs(compare_results(read_result(base), read_result(candidate)).c_str(), stdout); });
 
     // For this program's own use: a foreign file or a solver can take down no more than its own process.
     fs::path load_in, load_out;

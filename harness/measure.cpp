@@ -23,8 +23,9 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
                        request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
     query.time_limit = request.time_limit;
-    measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value
-                                                                                : std::numeric_limits<double>::quiet_NaN();
+    measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
+                                      ? query.tolerance.value
+                                      : std::numeric_limits<double>::quiet_NaN();
     const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options), std::move(scene),
                           {false, 1, query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0});
     Trace untraced;
@@ -57,7 +58,9 @@ std::string solvers_for(ShapeKind source, ShapeKind target) {
     for (const SolverEntry& entry : solvers()) {
         if (refusal(entry.info, source, target).empty()) names += (names.empty() ? "" : ", ") + entry.info.name;
     }
-    if (names.empty()) return fmt::format("no solver measures {} against {}: give two files of one kind", to_string(source), to_string(target));
+    if (names.empty())
+        return fmt::format("no solver measures {} against {}: give two files of one kind", to_string(source),
+                           to_string(target));
     return fmt::format("choose one that does with --solver: {}", names);
 }
 
@@ -79,29 +82,37 @@ Measured measure(const MeasureRequest& request) {
     measured.diagonal = diagonal(points_of(source.shape));
     const bool points = measured.source_kind == ShapeKind::points && measured.target_kind == ShapeKind::points;
     const bool surfaces = measured.source_kind == ShapeKind::surface && measured.target_kind == ShapeKind::surface;
-    measured.solver = !request.solver.empty() ? request.solver : points ? "earlybreak" : surfaces ? "surface_enclosure" : "guthe";
+    measured.solver = !request.solver.empty() ? request.solver
+                      : points                ? "earlybreak"
+                      : surfaces              ? "surface_enclosure"
+                                              : "guthe";
     const SolverEntry& entry = find_solver(measured.solver);
     if (const auto why = refusal(entry.info, measured.source_kind, measured.target_kind); !why.empty()) {
         throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), why,
                                      solvers_for(measured.source_kind, measured.target_kind)));
     }
     if (request.of == "diagonal" && measured.diagonal == 0) {
-        throw InputError(fmt::format("{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
-                                     request.source.string()));
+        throw InputError(fmt::format(
+            "{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
+            request.source.string()));
     }
     const std::int64_t before = resident_now();
     reset_resident_peak();
-    if (request.symmetric) one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
-    else one_direction(entry, request, {std::move(source.shape), std::move(target.shape)}, "", measured, true);
+    if (request.symmetric)
+        one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
+    else
+        one_direction(entry, request, {std::move(source.shape), std::move(target.shape)}, "", measured, true);
     if (request.symmetric) {
-        one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured, false);
+        one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured,
+                      false);
     }
     measured.peak_bytes = std::max<std::int64_t>(0, resident_peak() - before);
     return measured;
 }
 
 bool answered(const Measured& measured) {
-    return measured.result.status != Status::stalled || std::isfinite(measured.result.bounds.upper) || measured.result.bounds.lower > 0;
+    return measured.result.status != Status::stalled || std::isfinite(measured.result.bounds.upper) ||
+           measured.result.bounds.lower > 0;
 }
 
 nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
@@ -132,9 +143,11 @@ nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
 std::string describe(const Measured& m, const MeasureRequest& request) {
     const auto shape = [](const std::filesystem::path& file, ShapeKind kind, Index elements, const LoadReport& report) {
         std::string text = kind == ShapeKind::surface ? fmt::format("{}, an algebraic surface", file.string())
-                                                      : fmt::format("{}, {} {}", file.string(), elements, kind == ShapeKind::points ? "points" : "triangles");
+                                                      : fmt::format("{}, {} {}", file.string(), elements,
+                                                                    kind == ShapeKind::points ? "points" : "triangles");
         if (report.precision != "float64") text += fmt::format(", {} coordinates", report.precision);
-        if (report.unreferenced.value_or(0) > 0) text += fmt::format(", {} unreferenced vertices dropped", *report.unreferenced);
+        if (report.unreferenced.value_or(0) > 0)
+            text += fmt::format(", {} unreferenced vertices dropped", *report.unreferenced);
         return text;
     };
     const Bounds& b = m.result.bounds;
@@ -144,18 +157,21 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     std::string text;
     text += fmt::format("source A   {}\n", shape(request.source, m.source_kind, m.source_elements, m.source_report));
     text += fmt::format("target B   {}\n", shape(request.target, m.target_kind, m.target_elements, m.target_report));
-    const std::string of = request.of == "diagonal" ? fmt::format("of A's diagonal {:.9g} (= {:.9g})", m.diagonal, m.tolerance_absolute)
-                           : request.of == "lower"  ? "of the lower bound"
-                                                    : "(a length)";
+    const std::string of = request.of == "diagonal"
+                               ? fmt::format("of A's diagonal {:.9g} (= {:.9g})", m.diagonal, m.tolerance_absolute)
+                           : request.of == "lower" ? "of the lower bound"
+                                                   : "(a length)";
     text += fmt::format("solver     {}, tolerance {:g} {}\n", m.solver, request.tolerance, of);
-    text += fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);
-    text += fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(m.result.status), m.result.note.empty() ? "" : ": " + m.result.note);
+    text +=
+        fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);
+    text += fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(m.result.status),
+                        m.result.note.empty() ? "" : ": " + m.result.note);
     if (p.allFinite()) {
-        text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1], p[2], q[0],
-                            q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");
+        text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1],
+                            p[2], q[0], q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");
     }
-    text += fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {:.1f} MB\n", m.prepare_seconds, m.solve_seconds,
-                        double(m.peak_bytes) / 1e6);
+    text += fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {:.1f} MB\n", m.prepare_seconds,
+                        m.solve_seconds, double(m.peak_bytes) / 1e6);
     return text;
 }
 

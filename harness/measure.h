@@ -22,7 +22,8 @@ struct MeasureRequest {
 
 struct Measured {
     std::string solver;
-    Result result;  // of the symmetric distance: the bounds of H, the witness of the direction with the larger lower bound
+    Result
+        result;  // of the symmetric distance: the bounds of H, the witness of the direction with the larger lower bound
     double diagonal = 0, tolerance_absolute = 0;
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;

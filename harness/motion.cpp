@@ -42,7 +42,9 @@ std::vector<Pose> rotated(const Rotation& motion, const Shape& source) {
 
 std::vector<Pose> read_poses(const std::filesystem::path& file) {
     std::ifstream in(file);
-    if (!in) throw InputError(fmt::format("{}: cannot open the pose file: check its path (relative to the experiment)", file.string()));
+    if (!in)
+        throw InputError(
+            fmt::format("{}: cannot open the pose file: check its path (relative to the experiment)", file.string()));
     std::vector<Pose> poses;
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
@@ -54,15 +56,17 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
         bool good = words.eof() && values.size() == 12;
         for (double value : values) good = good && std::isfinite(value);
         if (!good) {
-            throw InputError(fmt::format("{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): mend the line",
-                                         file.string(), number));
+            throw InputError(fmt::format(
+                "{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): mend the line",
+                file.string(), number));
         }
         Pose pose;
         for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = values[std::size_t(i)];
         for (int i = 0; i < 3; ++i) pose.translation[i] = values[std::size_t(9 + i)];
         poses.push_back(pose);
     }
-    if (poses.empty()) throw InputError(fmt::format("{}: no poses in it: write at least one line of twelve numbers", file.string()));
+    if (poses.empty())
+        throw InputError(fmt::format("{}: no poses in it: write at least one line of twelve numbers", file.string()));
     return poses;
 }
 

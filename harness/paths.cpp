@@ -16,7 +16,8 @@ fs::path project_root() {
     if (const char* root = std::getenv("HAUSBENCH_ROOT")) {
         std::error_code ignored;
         if (fs::exists(fs::path(root) / "datasets" / "manifest.toml", ignored)) return root;
-        throw InputError(fmt::format("HAUSBENCH_ROOT={}: no datasets/manifest.toml in it: set it to the checkout", root));
+        throw InputError(
+            fmt::format("HAUSBENCH_ROOT={}: no datasets/manifest.toml in it: set it to the checkout", root));
     }
     for (const fs::path& start : {fs::current_path(), program_path().parent_path()}) {
         for (fs::path folder = start; folder.has_relative_path(); folder = folder.parent_path()) {

@@ -18,14 +18,16 @@ namespace {
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
     std::vector<Pose> poses{Pose{}};
-    std::string missing;      // why it cannot run, empty if it can
+    std::string missing;          // why it cannot run, empty if it can
     std::string row = "skipped";  // the status of its rows then
 };
 
-void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known, const std::string& what) {
+void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
+                  const std::string& what) {
     for (const std::string& name : chosen) {
         if (std::find(known.begin(), known.end(), name) == known.end()) {
-            throw InputError(fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, known)));
+            throw InputError(
+                fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, known)));
         }
     }
 }
@@ -41,7 +43,8 @@ bool promises(const SolverEntry& entry, const ParameterMap& given) {
 
 class Planner {
 public:
-    Planner(const Experiment& experiment, const Catalogue& catalogue, const std::function<void(const std::string&)>& say)
+    Planner(const Experiment& experiment, const Catalogue& catalogue,
+            const std::function<void(const std::string&)>& say)
         : catalogue_(catalogue), say_(say) {
         plan_.experiment = experiment;
     }
@@ -54,7 +57,8 @@ public:
         plan_.leave_nothing_out = choice.leave_nothing_out;
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
-        for (const ScenePlan& scene : experiment.scenes) {  // all names first: a wrong one should not cost the derivations
+        for (const ScenePlan& scene :
+             experiment.scenes) {  // all names first: a wrong one should not cost the derivations
             catalogue_.find(scene.source);
             catalogue_.find(scene.target);
         }
@@ -78,7 +82,8 @@ private:
         if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
         say_(fmt::format("model {}", name));
         auto result = catalogue_.resolve(name);
-        if (const auto* good = std::get_if<ResolvedModel>(&result)) plan_.models.push_back({&catalogue_.find(name), *good});
+        if (const auto* good = std::get_if<ResolvedModel>(&result))
+            plan_.models.push_back({&catalogue_.find(name), *good});
         return resolved_[name] = std::move(result);
     }
 
@@ -91,7 +96,8 @@ private:
                 if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
             }
             if (models.missing.empty() && moves(scene.motion)) {
-                models.poses = poses_of(scene.motion, read_shape(std::get<ResolvedModel>(models.source).shape_file).shape);
+                models.poses =
+                    poses_of(scene.motion, read_shape(std::get<ResolvedModel>(models.source).shape_file).shape);
             }
         } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
             models.missing = error.what();
@@ -128,7 +134,9 @@ private:
         job.label = fmt::format("{} on {}", solver.label, scene.name);
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        const bool reads_trace = entry && !plan_.leave_nothing_out && (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
+        const bool reads_trace =
+            entry && !plan_.leave_nothing_out &&
+            (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
         const int certified = entry ? promises(*entry, given) : -1;
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
@@ -175,15 +183,16 @@ private:
         job.target_file = target->shape_file;
         const Case& first = plan_.cases[job.cases.front()];
         const Tolerance tolerance = first.resolved_tolerance();
-        job.queries = {moves(scene.motion), job.cases.size(), tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
+        job.queries = {moves(scene.motion), job.cases.size(),
+                       tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
         plan_.jobs.push_back(std::move(job));
     }
 
     void note(const Job& job, const SolverEntry* entry, const Outcome& decided, std::size_t asked) {
         auto& ledger = plan_.ledger;
         if (!decided.status.empty()) {
-            ledger.push_back({decided.status == "not_built" ? "not_built" : "not_run", job.label, "all cases", decided.reason,
-                              std::int64_t(asked)});
+            ledger.push_back({decided.status == "not_built" ? "not_built" : "not_run", job.label, "all cases",
+                              decided.reason, std::int64_t(asked)});
         } else if (asked > job.cases.size()) {
             ledger.push_back({"not_run", job.label, coarser_tolerances,
                               entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"
@@ -195,8 +204,10 @@ private:
     [[noreturn]] void refuse_empty() const {
         const Experiment& e = plan_.experiment;
         const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
-        throw InputError(fmt::format("{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose others with "
-                                     "--profile, --solver and --scene", e.file.string(), what, e.profile));
+        throw InputError(fmt::format(
+            "{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose others with "
+            "--profile, --solver and --scene",
+            e.file.string(), what, e.profile));
     }
 
     void check_identities() const {
@@ -204,9 +215,10 @@ private:
         for (const Case& asked : plan_.cases) {
             const auto [at, fresh] = seen.emplace(asked.identity, &asked);
             if (!fresh && at->second->scene == asked.scene) {
-                throw InputError(fmt::format("{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
-                                             plan_.experiment.file.string(), at->second->label, asked.label, asked.scene,
-                                             asked.pose_index, asked.tolerance));
+                throw InputError(fmt::format(
+                    "{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
+                    plan_.experiment.file.string(), at->second->label, asked.label, asked.scene, asked.pose_index,
+                    asked.tolerance));
             }
         }
     }
@@ -231,8 +243,8 @@ std::vector<double> Plan::marks(std::size_t row) const {
 Shard parse_shard(const std::string& text) {
     Shard shard{0, 0};
     char slash = 0, rest = 0;
-    if (std::sscanf(text.c_str(), "%d%c%d%c", &shard.number, &slash, &shard.of, &rest) != 3 || slash != '/' || shard.number < 1 ||
-        shard.number > shard.of) {
+    if (std::sscanf(text.c_str(), "%d%c%d%c", &shard.number, &slash, &shard.of, &rest) != 3 || slash != '/' ||
+        shard.number < 1 || shard.number > shard.of) {
         throw InputError(fmt::format("--shard {}: write it as i/n, such as 2/3 for the second of three", text));
     }
     return shard;

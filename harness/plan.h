@@ -59,7 +59,8 @@ struct Plan {
 
 struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
-    bool leave_nothing_out = false;  // run every tolerance, build every structure: to test that leaving out changes nothing
+    bool leave_nothing_out =
+        false;  // run every tolerance, build every structure: to test that leaving out changes nothing
 };
 
 struct Shard {  // --shard 2/3: every third worker, from the second on

@@ -56,7 +56,8 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
     std::vector<char*> entries;
     for (std::string& entry : environment) entries.push_back(entry.data());
     entries.push_back(nullptr);
-    std::string path = program.string(), verb = "worker", option = "--events", descriptor = fmt::format("{}", events[1]);
+    std::string path = program.string(), verb = "worker", option = "--events",
+                descriptor = fmt::format("{}", events[1]);
     char* arguments[] = {path.data(), verb.data(), option.data(), descriptor.data(), nullptr};
     const pid_t parent = ::getpid();
     before_ = family_of(parent);
@@ -119,8 +120,10 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
         pollfd on[2] = {{events_, POLLIN, 0}, {output_open_ ? output_ : -1, POLLIN, 0}};
         const int ready = ::poll(on, 2, int(std::max<std::int64_t>(0, left.count())));
         if (ready <= 0) return Heard::nothing;  // an interrupt is the caller's to look at
-        if (on[1].revents & POLLIN) read_output();
-        else if (on[1].revents) output_open_ = false;
+        if (on[1].revents & POLLIN)
+            read_output();
+        else if (on[1].revents)
+            output_open_ = false;
         if (!on[0].revents) {
             if (left.count() <= 0) return Heard::nothing;
             continue;
@@ -147,7 +150,7 @@ std::int64_t WorkerProcess::resident_bytes() const {
 void WorkerProcess::kill() {
     if (status_) return;
     const std::vector<pid_t> family = family_of(pid_);
-    ::kill(-pid_, SIGKILL);  // its group, whoever is in it
+    ::kill(-pid_, SIGKILL);                                     // its group, whoever is in it
     for (const pid_t member : family) ::kill(member, SIGKILL);  // first itself, which may have made no group yet
 }
 
@@ -155,9 +158,12 @@ bool WorkerProcess::ended_within(std::chrono::milliseconds wait) {
     const auto deadline = std::chrono::steady_clock::now() + wait;
     while (!status_) {
         int status = 0;
-        if (::waitpid(pid_, &status, WNOHANG) == pid_) status_ = status;
-        else if (std::chrono::steady_clock::now() > deadline) return false;
-        else ::poll(nullptr, 0, 5);
+        if (::waitpid(pid_, &status, WNOHANG) == pid_)
+            status_ = status;
+        else if (std::chrono::steady_clock::now() > deadline)
+            return false;
+        else
+            ::poll(nullptr, 0, 5);
         read_output();
     }
     return true;
@@ -184,8 +190,10 @@ std::string WorkerProcess::last_words(std::size_t characters) {
     read_output();
     std::string text = said_.substr(said_.size() - std::min(said_.size(), characters));
     for (char& c : text) {
-        if (c == '\n') c = ' ';
-        else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';  // it may not be text
+        if (c == '\n')
+            c = ' ';
+        else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126)
+            c = '?';  // it may not be text
     }
     const auto begin = text.find_first_not_of(' ');
     const auto last = text.find_last_not_of(' ');

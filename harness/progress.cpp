@@ -30,7 +30,8 @@ void Progress::total(std::size_t cases) {
 std::string Progress::left() const {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (done_ == 0 || done_ >= total_) return clock_text(seconds);
-    return fmt::format("{}, about {} left", clock_text(seconds), clock_text(seconds * double(total_ - done_) / double(done_)));
+    return fmt::format("{}, about {} left", clock_text(seconds),
+                       clock_text(seconds * double(total_ - done_) / double(done_)));
 }
 
 void Progress::erase() {
@@ -56,8 +57,10 @@ void Progress::done(std::size_t cases) {
 void Progress::line(const std::string& text) {
     if (quiet_) return;
     erase();
-    if (person_ || total_ == 0) fmt::print(stderr, "{}\n", text);
-    else fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, left(), text);
+    if (person_ || total_ == 0)
+        fmt::print(stderr, "{}\n", text);
+    else
+        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, left(), text);
     if (person_ && total_ > 0) draw();
 }
 

@@ -53,7 +53,11 @@ ParameterValue parameter_of(const json& value) {
 
 std::string identify(const Case& asked) {
     Sha256 hash;
-    hash.add("case 1").add(asked.source_hash).add(asked.target_hash).add(asked.solver).add(options_json(asked.options).dump());
+    hash.add("case 1")
+        .add(asked.source_hash)
+        .add(asked.target_hash)
+        .add(asked.solver)
+        .add(options_json(asked.options).dump());
     // A model that is missing has no bytes: its name stands in, so that such cases still differ.
     if (asked.source_hash.empty()) hash.add(asked.source);
     if (asked.target_hash.empty()) hash.add(asked.target);
@@ -70,11 +74,16 @@ std::string identify(const Case& asked) {
 std::string row_status(Status status) {
     switch (status) {
         case Status::converged:
-        case Status::cutoff_passed: return "ok";
-        case Status::time_limit: return "timeout";
-        case Status::budget: return "budget";
-        case Status::precision_floor: return "floor";
-        case Status::stalled: return "failed";
+        case Status::cutoff_passed:
+            return "ok";
+        case Status::time_limit:
+            return "timeout";
+        case Status::budget:
+            return "budget";
+        case Status::precision_floor:
+            return "floor";
+        case Status::stalled:
+            return "failed";
     }
     throw std::logic_error("row_status: not a status");
 }
@@ -101,15 +110,17 @@ json to_json(const Outcome& o) {
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
     json preparation = json::array(), repeats = json::array(), trace = json::array();
     for (const auto& p : o.preparation) preparation.push_back({p.name, number(p.seconds), p.bytes});
-    for (const auto& r : o.repeats) repeats.push_back({r.round, number(r.wall_seconds), number(r.cpu_seconds), r.iterations});
+    for (const auto& r : o.repeats)
+        repeats.push_back({r.round, number(r.wall_seconds), number(r.cpu_seconds), r.iterations});
     for (const auto& s : o.trace) trace.push_back({number(s.seconds), number(s.lower), number(s.upper)});
     return {{"status", o.status},
             {"reason", o.reason},
             {"solver_status", o.solver_status},
             {"lower", number(o.bounds.lower)},
             {"upper", number(o.bounds.upper)},
-            {"witness", {vector_json(o.witness.source_point), vector_json(o.witness.target_point), o.witness.source_element,
-                         o.witness.target_element}},
+            {"witness",
+             {vector_json(o.witness.source_point), vector_json(o.witness.target_point), o.witness.source_element,
+              o.witness.target_element}},
             {"counters", counters},
             {"extras", extras_json(o.extras)},
             {"prepare_seconds", number(o.prepare_seconds)},
@@ -134,7 +145,8 @@ Outcome outcome_from_json(const json& j) {
     o.bounds = {number(j.at("lower")), number(j.at("upper"))};
     const json& w = j.at("witness");
     o.witness = {vector_of(w.at(0)), vector_of(w.at(1)), w.at(2), w.at(3)};
-    for (const CounterField& field : counter_fields) o.counters.*field.member = j.at("counters").at(std::string(field.name));
+    for (const CounterField& field : counter_fields)
+        o.counters.*field.member = j.at("counters").at(std::string(field.name));
     o.extras = extras_of(j.at("extras"));
     o.prepare_seconds = number(j.at("prepare_seconds"));
     o.prepare_bytes = j.at("prepare_bytes");

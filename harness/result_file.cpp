@@ -7,7 +7,8 @@
 
 namespace hausbench {
 
-void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started, const std::string& finished) {
+void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started,
+                  const std::string& finished) {
     const Build& build = this_build();
     const Machine& machine = this_machine();
     result.texts = {{"stem", experiment.stem},
@@ -45,8 +46,17 @@ std::string note_of(const ModelInfo& model) {
 
 ModelRecord record_of(const ModelRow& model) {
     const ResolvedModel& r = model.resolved;
-    return {model.info->name, r.content_hash, std::string(to_string(r.kind)), r.report.precision, model.info->source, model.info->licence,
-            note_of(*model.info), r.elements,     r.vertices,                     r.report.unreferenced.value_or(-1), r.diagonal};
+    return {model.info->name,
+            r.content_hash,
+            std::string(to_string(r.kind)),
+            r.report.precision,
+            model.info->source,
+            model.info->licence,
+            note_of(*model.info),
+            r.elements,
+            r.vertices,
+            r.report.unreferenced.value_or(-1),
+            r.diagonal};
 }
 
 }  // namespace hausbench

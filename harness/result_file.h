@@ -30,7 +30,8 @@ struct ResultFile {
 };
 
 // What is known before any case ran: the experiment, the build, the machine.
-void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started, const std::string& finished);
+void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started,
+                  const std::string& finished);
 
 ModelRecord record_of(const ModelRow& model);
 

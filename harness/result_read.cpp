@@ -27,18 +27,28 @@ namespace {
 // Reads columns of one group and checks that they are equally long.
 class Reading {
 public:
-    Reading(const h5::File& file, std::string group, std::size_t rows) : file_(file), group_(std::move(group)), rows_(rows) {}
+    Reading(const h5::File& file, std::string group, std::size_t rows)
+        : file_(file), group_(std::move(group)), rows_(rows) {}
 
-    std::vector<std::string> texts(const std::string& name) const { return checked(name, file_.read_texts(path(name)), 1); }
-    std::vector<double> reals(const std::string& name, std::size_t width = 1) const { return checked(name, file_.read_doubles(path(name)), width); }
-    std::vector<std::int64_t> integers(const std::string& name) const { return checked(name, file_.read_integers(path(name)), 1); }
-    std::vector<std::uint64_t> counts(const std::string& name) const { return checked(name, file_.read_unsigned(path(name)), 1); }
+    std::vector<std::string> texts(const std::string& name) const {
+        return checked(name, file_.read_texts(path(name)), 1);
+    }
+    std::vector<double> reals(const std::string& name, std::size_t width = 1) const {
+        return checked(name, file_.read_doubles(path(name)), width);
+    }
+    std::vector<std::int64_t> integers(const std::string& name) const {
+        return checked(name, file_.read_integers(path(name)), 1);
+    }
+    std::vector<std::uint64_t> counts(const std::string& name) const {
+        return checked(name, file_.read_unsigned(path(name)), 1);
+    }
 
 private:
     std::string path(const std::string& name) const { return group_ + "/" + name; }
     template <class T> std::vector<T> checked(const std::string& name, std::vector<T> column, std::size_t width) const {
         if (column.size() != rows_ * width) {
-            throw std::runtime_error(fmt::format("{} has {} values where {} are due", path(name), column.size(), rows_ * width));
+            throw std::runtime_error(
+                fmt::format("{} has {} values where {} are due", path(name), column.size(), rows_ * width));
         }
         return column;
     }
@@ -48,7 +58,9 @@ private:
     std::size_t rows_;
 };
 
-Vec3 vector_at(const std::vector<double>& column, std::size_t i) { return {column[3 * i], column[3 * i + 1], column[3 * i + 2]}; }
+Vec3 vector_at(const std::vector<double>& column, std::size_t i) {
+    return {column[3 * i], column[3 * i + 1], column[3 * i + 2]};
+}
 
 Verdict verdict_of(const std::string& text) {
     for (Verdict v : {Verdict::holds, Verdict::unsound, Verdict::no_witness, Verdict::not_checked}) {
@@ -58,7 +70,8 @@ Verdict verdict_of(const std::string& text) {
 }
 
 std::string status_of(const std::string& text) {
-    for (const char* known : {"ok", "timeout", "out_of_memory", "signal", "skipped", "failed", "unsound", "not_built", "floor", "budget"}) {
+    for (const char* known :
+         {"ok", "timeout", "out_of_memory", "signal", "skipped", "failed", "unsound", "not_built", "floor", "budget"}) {
         if (text == known) return text;
     }
     throw std::runtime_error(fmt::format("'{}' is no status of a case", text));
@@ -94,7 +107,8 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.integers("pose_index"), [](Row& r, auto v) { r.asked.pose_index = int(v); });
     const auto poses = c.reals("pose", 12);
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < 9; ++k) rows[i].asked.pose.rotation(Eigen::Index(k / 3), Eigen::Index(k % 3)) = poses[12 * i + k];
+        for (std::size_t k = 0; k < 9; ++k)
+            rows[i].asked.pose.rotation(Eigen::Index(k / 3), Eigen::Index(k % 3)) = poses[12 * i + k];
         for (std::size_t k = 0; k < 3; ++k) rows[i].asked.pose.translation[Eigen::Index(k)] = poses[12 * i + 9 + k];
     }
     each(c.reals("tolerance"), [](Row& r, double v) { r.asked.tolerance = v; });
@@ -108,9 +122,11 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.reals("lower"), [](Row& r, double v) { r.outcome.bounds.lower = v; });
     each(c.reals("upper"), [](Row& r, double v) { r.outcome.bounds.upper = v; });
     const auto on_source = c.reals("witness_source", 3), on_target = c.reals("witness_target", 3);
-    const auto source_element = c.integers("witness_source_element"), target_element = c.integers("witness_target_element");
+    const auto source_element = c.integers("witness_source_element"),
+               target_element = c.integers("witness_target_element");
     for (std::size_t i = 0; i < n; ++i) {
-        rows[i].outcome.witness = {vector_at(on_source, i), vector_at(on_target, i), Index(source_element[i]), Index(target_element[i])};
+        rows[i].outcome.witness = {vector_at(on_source, i), vector_at(on_target, i), Index(source_element[i]),
+                                   Index(target_element[i])};
     }
     each(c.reals("prepare_seconds"), [](Row& r, double v) { r.outcome.prepare_seconds = v; });
     each(c.integers("prepare_bytes"), [](Row& r, auto v) { r.outcome.prepare_bytes = v; });
@@ -124,7 +140,8 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.texts("build"), [](Row& r, Text v) { r.outcome.build = v; });
     each(c.texts("machine"), [](Row& r, Text v) { r.outcome.machine = v; });
     for (const CounterField& field : counter_fields) {
-        each(c.counts(fmt::format("counter_{}", field.name)), [&](Row& r, auto v) { r.outcome.counters.*field.member = v; });
+        each(c.counts(fmt::format("counter_{}", field.name)),
+             [&](Row& r, auto v) { r.outcome.counters.*field.member = v; });
     }
     return rows;
 }
@@ -138,14 +155,16 @@ void read_details(const h5::File& file, std::vector<Row>& rows) {
     const Reading r(file, "repeats", of.size());
     const auto rounds = r.integers("round"), iterations = r.integers("iterations");
     const auto wall = r.reals("wall_seconds"), cpu = r.reals("cpu_seconds");
-    for (std::size_t i = 0; i < of.size(); ++i) row(of[i]).repeats.push_back({int(rounds[i]), wall[i], cpu[i], iterations[i]});
+    for (std::size_t i = 0; i < of.size(); ++i)
+        row(of[i]).repeats.push_back({int(rounds[i]), wall[i], cpu[i], iterations[i]});
 
     const auto part_of = file.read_integers("preparation/case");
     const Reading p(file, "preparation", part_of.size());
     const auto names = p.texts("name");
     const auto seconds = p.reals("seconds");
     const auto bytes = p.integers("bytes");
-    for (std::size_t i = 0; i < part_of.size(); ++i) row(part_of[i]).preparation.push_back({names[i], seconds[i], std::size_t(bytes[i])});
+    for (std::size_t i = 0; i < part_of.size(); ++i)
+        row(part_of[i]).preparation.push_back({names[i], seconds[i], std::size_t(bytes[i])});
 
     const auto at = file.read_doubles("trace/seconds");
     const Reading t(file, "trace", at.size()), c(file, "cases", rows.size());
@@ -188,18 +207,21 @@ std::vector<LedgerEntry> read_ledger(const h5::File& file) {
     return ledger;
 }
 
-constexpr const char* meta_texts[] = {"stem",     "title",     "paper",    "profile",    "experiment_toml", "started",           "finished",
-                                      "commit",   "dirty",     "build",    "compiler",   "flags",           "build_type",        "libraries",
-                                      "machine",  "cpu",       "caches",   "kernel",     "system",          "hausbench_version"};
+constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "profile",   "experiment_toml",
+                                      "started",  "finished", "commit",     "dirty",     "build",
+                                      "compiler", "flags",    "build_type", "libraries", "machine",
+                                      "cpu",      "caches",   "kernel",     "system",    "hausbench_version"};
 constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
 
 ResultFile read_trusting(const fs::path& file) {
     const h5::File in(file, h5::Open::read);
     if (!in.has("meta") || !in.has_attribute("meta", "schema_version")) {
-        throw InputError(fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
+        throw InputError(
+            fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
     }
     if (const auto schema = in.integer_attribute("meta", "schema_version"); schema > result_schema) {
-        throw InputError(fmt::format("{}: has schema version {}, this program knows {}: use a newer hausbench", file.string(), schema, result_schema));
+        throw InputError(fmt::format("{}: has schema version {}, this program knows {}: use a newer hausbench",
+                                     file.string(), schema, result_schema));
     }
     ResultFile result;
     for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);
@@ -230,8 +252,10 @@ void read_in_a_copy(const fs::path& file) {
     const pid_t child = ::fork();
     if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
     if (child == 0) {
-        const auto most = rlim_t(address_space()) + (rlim_t(4) << 30) + 16 * rlim_t(fs::file_size(file));  // a damaged count asks for more
-        const auto enough = rlim_t(5 + fs::file_size(file) / 1'000'000);  // s; it reads 100 MB/s, and loops for ever on some files
+        const auto most = rlim_t(address_space()) + (rlim_t(4) << 30) +
+                          16 * rlim_t(fs::file_size(file));  // a damaged count asks for more
+        const auto enough =
+            rlim_t(5 + fs::file_size(file) / 1'000'000);  // s; it reads 100 MB/s, and loops for ever on some files
         const rlimit nothing{0, 0}, seconds{enough, enough + 1}, memory{most, most};
         const int silent = ::open("/dev/null", O_WRONLY);
         ::dup2(silent, STDERR_FILENO);  // the last words of an abort
@@ -253,20 +277,24 @@ void read_in_a_copy(const fs::path& file) {
     while (::waitpid(child, &status, 0) < 0) {
         if (errno != EINTR) throw std::runtime_error(std::string("waitpid: ") + std::strerror(errno));
     }
-    if (WIFSIGNALED(status)) throw std::runtime_error(fmt::format("reading it ends with signal {}, {}", WTERMSIG(status), ::strsignal(WTERMSIG(status))));
+    if (WIFSIGNALED(status))
+        throw std::runtime_error(
+            fmt::format("reading it ends with signal {}, {}", WTERMSIG(status), ::strsignal(WTERMSIG(status))));
     if (WEXITSTATUS(status) != 0) throw std::runtime_error("it asks for more memory than its size accounts for");
 }
 
 // What quotes a damaged file may hold what a terminal obeys, or be no text at all.
 std::string printable(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return text;
 }
 
 }  // namespace
 
 ResultFile read_result(const fs::path& file) {
-    if (fs::is_directory(file)) throw InputError(fmt::format("{}: is a folder: name a result file (.h5)", file.string()));
+    if (fs::is_directory(file))
+        throw InputError(fmt::format("{}: is a folder: name a result file (.h5)", file.string()));
     if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: run its experiment first", file.string()));
     try {
         h5::check_seal(file);
@@ -277,7 +305,9 @@ ResultFile read_result(const fs::path& file) {
     } catch (const std::exception& error) {
         std::string why = error.what();
         if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
-        throw InputError(fmt::format("{}: damaged, or not a result of hausbench ({}): write it again by running its experiment", file.string(), printable(why)));
+        throw InputError(
+            fmt::format("{}: damaged, or not a result of hausbench ({}): write it again by running its experiment",
+                        file.string(), printable(why)));
     }
 }
 

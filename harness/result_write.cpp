@@ -15,7 +15,8 @@ namespace {
 // One column a call: what `value` says of each row.
 class Columns {
 public:
-    Columns(h5::File& file, std::string group, const std::vector<Row>& rows) : file_(file), group_(std::move(group)), rows_(rows) {}
+    Columns(h5::File& file, std::string group, const std::vector<Row>& rows)
+        : file_(file), group_(std::move(group)), rows_(rows) {}
 
     template <class F> void text(const std::string& name, F value) const {
         std::vector<std::string> column;
@@ -25,8 +26,10 @@ public:
     template <class F> void real(const std::string& name, F value, std::size_t width = 1) const {
         std::vector<double> column;
         for (const Row& row : rows_) {
-            if constexpr (std::is_arithmetic_v<decltype(value(row))>) column.push_back(value(row));
-            else for (double v : value(row)) column.push_back(v);
+            if constexpr (std::is_arithmetic_v<decltype(value(row))>)
+                column.push_back(value(row));
+            else
+                for (double v : value(row)) column.push_back(v);
         }
         file_.write(group_ + "/" + name, column, width);
     }
@@ -66,7 +69,8 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.integer("target_elements", [](const Row& r) { return r.asked.target_elements; });
     c.real("source_diagonal", [](const Row& r) { return r.asked.source_diagonal; });
     c.integer("pose_index", [](const Row& r) { return r.asked.pose_index; });
-    c.real("pose", [](const Row& r) { return flat(r.asked.pose); }, 12);
+    c.real(
+        "pose", [](const Row& r) { return flat(r.asked.pose); }, 12);
     c.real("tolerance", [](const Row& r) { return r.asked.tolerance; });
     c.text("tolerance_of", [](const Row& r) { return r.asked.tolerance_of; });
     c.real("tolerance_absolute", [](const Row& r) {
@@ -81,8 +85,10 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.text("solver_status", [](const Row& r) { return r.outcome.solver_status; });
     c.real("lower", [](const Row& r) { return r.outcome.bounds.lower; });
     c.real("upper", [](const Row& r) { return r.outcome.bounds.upper; });
-    c.real("witness_source", [](const Row& r) { return flat(r.outcome.witness.source_point); }, 3);
-    c.real("witness_target", [](const Row& r) { return flat(r.outcome.witness.target_point); }, 3);
+    c.real(
+        "witness_source", [](const Row& r) { return flat(r.outcome.witness.source_point); }, 3);
+    c.real(
+        "witness_target", [](const Row& r) { return flat(r.outcome.witness.target_point); }, 3);
     c.integer("witness_source_element", [](const Row& r) { return r.outcome.witness.source_element; });
     c.integer("witness_target_element", [](const Row& r) { return r.outcome.witness.target_element; });
     c.real("prepare_seconds", [](const Row& r) { return r.outcome.prepare_seconds; });
@@ -205,8 +211,10 @@ void write_result(const fs::path& file, const ResultFile& result) {
     } catch (const std::exception& error) {
         std::error_code ignored;
         fs::remove(unfinished, ignored);
-        throw InputError(fmt::format("{}: cannot write the result: {}; nothing is lost: make room, or choose another folder "
-                                     "(for `run` with --results), and start again", file.string(), error.what()));
+        throw InputError(
+            fmt::format("{}: cannot write the result: {}; nothing is lost: make room, or choose another folder "
+                        "(for `run` with --results), and start again",
+                        file.string(), error.what()));
     }
 }
 

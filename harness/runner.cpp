@@ -48,8 +48,11 @@ private:
 const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (!error && !std::filesystem::is_directory(folder, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
-    if (error) throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results", folder.string(), error.message()));
+    if (!error && !std::filesystem::is_directory(folder, error) && !error)
+        error = std::make_error_code(std::errc::not_a_directory);
+    if (error)
+        throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results",
+                                     folder.string(), error.message()));
     return folder;
 }
 
@@ -88,7 +91,9 @@ private:
         const auto at = journal_.outcomes().find({plan_.cases[row].identity, round});
         if (at == journal_.outcomes().end()) return nullptr;
         const Outcome& outcome = at->second;
-        if (!options_.any_build && (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id)) return nullptr;
+        if (!options_.any_build &&
+            (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id))
+            return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         const bool timed = outcome.status == "ok" || outcome.status == "floor";
         if (timed && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
@@ -101,7 +106,8 @@ private:
         for (std::size_t row : job.cases) {
             if (kept(row, round)) continue;
             const Outcome* first = round == 0 ? nullptr : kept(row, 0);
-            if (round > 0 && !(first && (first->status == "ok" || first->status == "floor"))) continue;  // nothing to time
+            if (round > 0 && !(first && (first->status == "ok" || first->status == "floor")))
+                continue;  // nothing to time
             rows.push_back(row);
         }
         progress_.done(job.cases.size() - rows.size());
@@ -109,22 +115,23 @@ private:
         progress_.doing(job.label);
         std::map<std::string, int> statuses;
         while (!rows.empty() && !interrupted) {
-            const std::size_t finished = supervise(order(job, round, rows), {
-                .prepared = [&](const json& left_out) { note_left_out(job, left_out); },
-                .finished =
-                    [&](std::size_t row, Outcome outcome) {
-                        outcome.build = build_of(plan_.cases[row].solver);
-                        outcome.machine = this_machine().id;
-                        outcome.repeats_asked = plan_.experiment.repeats;
-                        ++statuses[outcome.status];
-                        journal_.append({plan_.cases[row].identity, round}, outcome);
-                        progress_.done(1);
-                    },
-                .interrupted = [] { return interrupted != 0; }});
+            const std::size_t finished = supervise(
+                order(job, round, rows), {.prepared = [&](const json& left_out) { note_left_out(job, left_out); },
+                                          .finished =
+                                              [&](std::size_t row, Outcome outcome) {
+                                                  outcome.build = build_of(plan_.cases[row].solver);
+                                                  outcome.machine = this_machine().id;
+                                                  outcome.repeats_asked = plan_.experiment.repeats;
+                                                  ++statuses[outcome.status];
+                                                  journal_.append({plan_.cases[row].identity, round}, outcome);
+                                                  progress_.done(1);
+                                              },
+                                          .interrupted = [] { return interrupted != 0; }});
             rows.erase(rows.begin(), rows.begin() + std::ptrdiff_t(finished));
         }
         std::string text;
-        for (const auto& [status, count] : statuses) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, status);
+        for (const auto& [status, count] : statuses)
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, status);
         if (!text.empty()) progress_.line(fmt::format("{}: {}", job.label, text));
     }
 
@@ -160,7 +167,8 @@ private:
     void note_left_out(const Job& job, const json& left_out) {
         for (const json& what : left_out) {
             if (!noted_.insert(job.label + what.get<std::string>()).second) continue;
-            ledger_.push_back({"not_prepared", job.label, what, "the solver's needs() does not call for it on this scene", 1});
+            ledger_.push_back(
+                {"not_prepared", job.label, what, "the solver's needs() does not call for it on this scene", 1});
         }
     }
 
@@ -185,10 +193,11 @@ private:
             if (!next) continue;
             if (std::isfinite(next->prepare_seconds)) rounds.push_back(next);
             outcome.repeats.insert(outcome.repeats.end(), next->repeats.begin(), next->repeats.end());
-            if (next->status != outcome.status || next->bounds.lower != outcome.bounds.lower || next->bounds.upper != outcome.bounds.upper) {
+            if (next->status != outcome.status || next->bounds.lower != outcome.bounds.lower ||
+                next->bounds.upper != outcome.bounds.upper) {
                 outcome.status = "failed";
-                outcome.reason = fmt::format("round {} gave {} [{}, {}]: the solver is not deterministic", round, next->status,
-                                             next->bounds.lower, next->bounds.upper);
+                outcome.reason = fmt::format("round {} gave {} [{}, {}]: the solver is not deterministic", round,
+                                             next->status, next->bounds.lower, next->bounds.upper);
             }
         }
         // Each round prepared once: the round in the middle stands for them all.
@@ -205,7 +214,8 @@ private:
         outcome.from_trace = true;
         if (from.exact) {
             const double gap = plan_.cases[row].resolved_tolerance().gap(outcome.bounds.lower);
-            if (outcome.status == "floor" && outcome.bounds.gap() <= gap) outcome.status = "ok", outcome.reason.clear(), outcome.solver_status = "converged";
+            if (outcome.status == "floor" && outcome.bounds.gap() <= gap)
+                outcome.status = "ok", outcome.reason.clear(), outcome.solver_status = "converged";
             return outcome;
         }
         const double gap = plan_.cases[row].resolved_tolerance().value;
@@ -229,7 +239,8 @@ private:
         std::map<std::string, double> saved;
         for (const Row& row : result.rows) {
             if (!row.outcome.from_trace || !std::isfinite(row.outcome.solve_seconds)) continue;
-            saved[fmt::format("{} on {}", row.asked.label, row.asked.scene)] += row.outcome.solve_seconds * e.rounds * (1 + e.repeats);
+            saved[fmt::format("{} on {}", row.asked.label, row.asked.scene)] +=
+                row.outcome.solve_seconds * e.rounds * (1 + e.repeats);
         }
         for (LedgerEntry& entry : result.ledger) {
             const auto at = saved.find(entry.subject);
@@ -253,10 +264,11 @@ private:
             if (poses.size() <= builds.size()) continue;
             const auto left_out = poses.size() - builds.size();
             const double mean = std::accumulate(builds.begin(), builds.end(), 0.0) / double(builds.size());
-            result.ledger.push_back({"not_prepared", job.label, structures_for_each_pose,
-                                     fmt::format("built {} and used for all {} poses", builds.size() == 1 ? "once" : fmt::format("{} times", builds.size()),
-                                                 poses.size()),
-                                     std::int64_t(left_out), mean * double(left_out)});
+            result.ledger.push_back(
+                {"not_prepared", job.label, structures_for_each_pose,
+                 fmt::format("built {} and used for all {} poses",
+                             builds.size() == 1 ? "once" : fmt::format("{} times", builds.size()), poses.size()),
+                 std::int64_t(left_out), mean * double(left_out)});
         }
     }
 
@@ -265,20 +277,25 @@ private:
         RunSummary summary;
         for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
             const auto from = plan_.traced.find(i);
-            result.rows.push_back({plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
+            result.rows.push_back(
+                {plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
         }
         progress_.doing("verifying");
         const bool swept = !interrupted;
         interrupted = 0;  // the next Ctrl-C ends the checking, which can take long, too
         std::map<std::string, Shape> shapes;
-        verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
-            for (const ModelRow& model : plan_.models) {
-                if (model.info->name != name) continue;
-                const auto at = shapes.find(name);
-                return &(at != shapes.end() ? at->second : shapes[name] = read_shape(model.resolved.shape_file).shape);
-            }
-            return nullptr;
-        }, [] { return interrupted != 0; });
+        verify_rows(
+            result.rows,
+            [&](const std::string& name) -> const Shape* {
+                for (const ModelRow& model : plan_.models) {
+                    if (model.info->name != name) continue;
+                    const auto at = shapes.find(name);
+                    return &(at != shapes.end() ? at->second
+                                                : shapes[name] = read_shape(model.resolved.shape_file).shape);
+                }
+                return nullptr;
+            },
+            [] { return interrupted != 0; });
         for (const Row& row : result.rows) ++summary.statuses[row.outcome.status];
         for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
         result.ledger = plan_.ledger;

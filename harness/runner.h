@@ -13,7 +13,7 @@ struct RunOptions {
     bool fresh = false;             // forget what an earlier run finished
     bool any_build = false;         // keep rows of other builds of this program
     bool quiet = false;
-    std::string suffix;             // after the stem in the names of journal and result (shards)
+    std::string suffix;  // after the stem in the names of journal and result (shards)
 };
 
 struct RunSummary {

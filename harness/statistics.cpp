@@ -12,7 +12,8 @@ Estimate median(std::vector<double> values) {
     if (values.empty()) throw std::invalid_argument("median: no values");
     std::sort(values.begin(), values.end());
     const std::size_t n = values.size();
-    Estimate estimate{n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), values.front(), values.back(), 0, n};
+    Estimate estimate{n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), values.front(), values.back(),
+                      0, n};
     if (n == 1) return estimate;
     const boost::math::binomial heads(double(n), 0.5);
     // [x(k), x(n+1-k)] misses the median when fewer than k values lie on one side of it.
@@ -26,7 +27,8 @@ Estimate median(std::vector<double> values) {
 
 Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate) {
     std::vector<double> logs;
-    for (std::size_t i = 0; i < std::min(base.size(), candidate.size()); ++i) logs.push_back(std::log(candidate[i] / base[i]));
+    for (std::size_t i = 0; i < std::min(base.size(), candidate.size()); ++i)
+        logs.push_back(std::log(candidate[i] / base[i]));
     Estimate ratio = median(logs);
     ratio.value = std::exp(ratio.value);
     ratio.low = std::exp(ratio.low);

@@ -41,7 +41,8 @@ public:
                         return finished_;
                     }
                     const std::string how = worker_.end();
-                    fail(worker_.signal() ? "signal" : "failed", how.empty() ? "the worker ended early" : "ended by " + how);
+                    fail(worker_.signal() ? "signal" : "failed",
+                         how.empty() ? "the worker ended early" : "ended by " + how);
                     return finished_;
                 }
                 case WorkerProcess::Heard::line:
@@ -65,8 +66,9 @@ private:
             return false;
         }
         if (Clock::now() > deadline_) {
-            fail("timeout", prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                                      : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
+            fail("timeout", prepared_
+                                ? fmt::format("killed: no answer within {} s", limits.case_seconds)
+                                : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
             return false;
         }
         return true;
@@ -110,10 +112,12 @@ private:
             allow(with_grace(3 * seconds));
         } else if (kind == "trace") {
             expect(outcome_.trace.empty());
-            for (const json& s : event.at("samples")) outcome_.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
+            for (const json& s : event.at("samples"))
+                outcome_.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
             if (event.at("differs").get<bool>()) {
                 outcome_.status = "failed";
-                outcome_.reason = "the traced run ended with other bounds than the first: the solver is not deterministic";
+                outcome_.reason =
+                    "the traced run ended with other bounds than the first: the solver is not deterministic";
             }
         } else {
             expect(kind == "end");

@@ -23,13 +23,16 @@ private:
 
 Timing time_once(const Session& session, const Query& query, std::int64_t iterations) {
     benchmark::ClearRegisteredBenchmarks();
-    benchmark::RegisterBenchmark("solve", [&](benchmark::State& state) {
-        for (auto _ : state) {
-            Trace untraced;
-            Result result = session.solve(query, untraced);
-            benchmark::DoNotOptimize(result);
-        }
-    })->Iterations(iterations)->UseRealTime();
+    benchmark::RegisterBenchmark("solve",
+                                 [&](benchmark::State& state) {
+                                     for (auto _ : state) {
+                                         Trace untraced;
+                                         Result result = session.solve(query, untraced);
+                                         benchmark::DoNotOptimize(result);
+                                     }
+                                 })
+        ->Iterations(iterations)
+        ->UseRealTime();
     Collector collector;
     benchmark::RunSpecifiedBenchmarks(&collector, "solve");
     if (collector.runs().size() != 1) throw std::logic_error("time_once: Google Benchmark did not report one run");

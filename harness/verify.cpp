@@ -15,8 +15,14 @@ namespace {
 // One scene in one pose: its rows are held against each other.
 class SceneCheck {
 public:
-    SceneCheck(std::vector<Row>& rows, std::vector<std::size_t> members, const Shape& source, const Shape& target, const Stop& stop)
-        : rows_(rows), members_(std::move(members)), source_(source), target_(target), checker_(source, target, stop), stop_(stop),
+    SceneCheck(std::vector<Row>& rows, std::vector<std::size_t> members, const Shape& source, const Shape& target,
+               const Stop& stop)
+        : rows_(rows),
+          members_(std::move(members)),
+          source_(source),
+          target_(target),
+          checker_(source, target, stop),
+          stop_(stop),
           surfaces_(kind_of(source) == ShapeKind::surface && kind_of(target) == ShapeKind::surface) {}
 
     // False where it was stopped.
@@ -57,7 +63,8 @@ private:
         auto at = known_.find(same);
         if (at == known_.end()) {
             Found found{};
-            found.verdict = surfaces_ ? check_surface_lower(std::get<AlgebraicSurface>(source_), std::get<AlgebraicSurface>(target_), lower, p, found.shown)
+            found.verdict = surfaces_ ? check_surface_lower(std::get<AlgebraicSurface>(source_),
+                                                            std::get<AlgebraicSurface>(target_), lower, p, found.shown)
                                       : checker_.lower(lower, witness, row.asked.pose, found.shown);
             at = known_.emplace(same, found).first;
         }
@@ -65,22 +72,25 @@ private:
         row.check.lower = verdict;
         if (verdict == Verdict::holds) best_ = std::max(best_, lower);
         if (verdict != Verdict::unsound) return;
-        row.check.reason = surfaces_ ? fmt::format("lower {:.17g}: the target has a point {:.17g} from the witness", lower, shown)
-                                     : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason =
+            surfaces_ ? fmt::format("lower {:.17g}: the target has a point {:.17g} from the witness", lower, shown)
+                      : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
     }
 
     // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified.
     void refute_without_witness() {
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t i : members_) {
-            if (rows_[i].asked.certified == 1 && rows_[i].check.lower == Verdict::holds) least = std::min(least, rows_[i].outcome.bounds.upper);
+            if (rows_[i].asked.certified == 1 && rows_[i].check.lower == Verdict::holds)
+                least = std::min(least, rows_[i].outcome.bounds.upper);
         }
         for (std::size_t i : members_) {
             Row& row = rows_[i];
             const double lower = row.outcome.bounds.lower;
             if (row.check.lower != Verdict::no_witness || !(lower > least) || least < best_) continue;
             row.check.lower = Verdict::unsound;
-            row.check.reason = fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row", lower, least);
+            row.check.reason =
+                fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row", lower, least);
         }
     }
 
@@ -89,8 +99,9 @@ private:
         row.check.upper = b.upper >= best_ && b.upper >= b.lower ? Verdict::holds : Verdict::unsound;
         if (row.check.upper == Verdict::holds) return;
         if (!row.check.reason.empty()) row.check.reason += "; ";
-        row.check.reason += b.upper < b.lower ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
-                                              : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best_);
+        row.check.reason +=
+            b.upper < b.lower ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
+                              : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best_);
     }
 
     std::vector<Row>& rows_;
@@ -99,13 +110,14 @@ private:
     Checker checker_;
     const Stop& stop_;
     bool surfaces_;
-    double best_ = 0;                               // the largest verified lower bound; 0 always holds
+    double best_ = 0;                             // the largest verified lower bound; 0 always holds
     std::map<std::vector<double>, Found> known_;  // many rows share a witness and a bound
 };
 
 }  // namespace
 
-void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
+                 const Stop& stop) {
     using SceneKey = std::tuple<std::string, std::string, std::vector<double>>;
     std::map<SceneKey, std::vector<std::size_t>> scenes;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -118,7 +130,8 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
             }
             continue;
         }
-        if (!c.pose.rotation.allFinite() || !c.pose.translation.allFinite()) continue;  // only a damaged file holds such a pose
+        if (!c.pose.rotation.allFinite() || !c.pose.translation.allFinite())
+            continue;  // only a damaged file holds such a pose
         std::vector<double> pose(c.pose.rotation.data(), c.pose.rotation.data() + 9);
         pose.insert(pose.end(), c.pose.translation.data(), c.pose.translation.data() + 3);
         scenes[{c.source, c.target, pose}].push_back(i);

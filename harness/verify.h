@@ -39,6 +39,7 @@ private:
 // Fills in every row's check, whatever it said before; rows found unsound get that status, with the reason. `load` returns
 // the shape of a model by name, or null: its rows stay `not checked`. Rows read off a trace have the witness of the finer
 // run: their lower bound is checked by it, too.
-void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop = {});
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
+                 const Stop& stop = {});
 
 }  // namespace hausbench

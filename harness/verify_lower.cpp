@@ -31,7 +31,8 @@ Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;
     for (int i = 0; i < 3; ++i) {
-        out[i] = ((pose.rotation(i, 0) * v[0] + pose.rotation(i, 1) * v[1]) + pose.rotation(i, 2) * v[2]) + pose.translation[i];
+        out[i] = ((pose.rotation(i, 0) * v[0] + pose.rotation(i, 1) * v[1]) + pose.rotation(i, 2) * v[2]) +
+                 pose.translation[i];
     }
     return out;
 }
@@ -94,7 +95,8 @@ bool separated(const Vec3& p, const Element& e, double r) {
 
 }  // namespace
 
-Checker::Checker(const Shape& source, const Shape& target, Stop stop) : source_(source), target_(target), stop_(std::move(stop)) {}
+Checker::Checker(const Shape& source, const Shape& target, Stop stop)
+    : source_(source), target_(target), stop_(std::move(stop)) {}
 
 Verdict Checker::lower(double lower, const Witness& witness, const Pose& pose, double& shown) const {
     shown = 0;

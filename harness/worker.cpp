@@ -49,10 +49,11 @@ public:
         Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
         memory_before_ = resident_now();
         reset_resident_peak();
-        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene), order_.queries,
-                         order_.leave);
+        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene),
+                         order_.queries, order_.leave);
         json structures = json::array(), left_out = json::array();
-        for (const PreparationTime& p : session_->preparation()) structures.push_back({p.name, number(p.seconds), p.bytes});
+        for (const PreparationTime& p : session_->preparation())
+            structures.push_back({p.name, number(p.seconds), p.bytes});
         for (const Need& need : entry.info.may_need) {
             const auto& built = session_->needs();
             if (std::find(built.begin(), built.end(), need) == built.end()) left_out.push_back(to_string(need));
@@ -64,7 +65,8 @@ public:
 
 private:
     void send(const json& event) {
-        const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
+        const std::string line =
+            event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
         for (std::size_t done = 0; done < line.size();) {
             const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
             if (n <= 0) std::exit(3);  // the runner is gone
@@ -99,7 +101,8 @@ private:
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
         outcome.status = row_status(result.status);
         outcome.solver_status = to_string(result.status);
-        if (outcome.status != "ok") outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
+        if (outcome.status != "ok")
+            outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
         outcome.bounds = result.bounds;
         outcome.witness = result.witness;
         outcome.counters = result.counters;
@@ -111,8 +114,10 @@ private:
         outcome.preparation = session_->preparation();
         outcome.solve_seconds = seconds.count();
         outcome.reported_seconds = result.reported_seconds;
-        if (result.outside_bytes >= 0) outcome.peak_bytes = result.outside_bytes;
-        else if (peak_known) outcome.peak_bytes = std::max<std::int64_t>(0, resident_peak() - memory_before_);
+        if (result.outside_bytes >= 0)
+            outcome.peak_bytes = result.outside_bytes;
+        else if (peak_known)
+            outcome.peak_bytes = std::max<std::int64_t>(0, resident_peak() - memory_before_);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
 
         if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, seconds.count());
@@ -134,11 +139,16 @@ private:
 
     std::string reason(Status status) const {
         switch (status) {
-            case Status::time_limit: return fmt::format("not within {} s: the bounds hold", order_.limits.case_seconds);
-            case Status::budget: return "the budget of subdivisions was spent: the bounds hold";
-            case Status::precision_floor: return "the tolerance is below what double precision can certify: the bounds hold";
-            case Status::stalled: return "the solver could not go on: the bounds hold";
-            default: return "";
+            case Status::time_limit:
+                return fmt::format("not within {} s: the bounds hold", order_.limits.case_seconds);
+            case Status::budget:
+                return "the budget of subdivisions was spent: the bounds hold";
+            case Status::precision_floor:
+                return "the tolerance is below what double precision can certify: the bounds hold";
+            case Status::stalled:
+                return "the solver could not go on: the bounds hold";
+            default:
+                return "";
         }
     }
 
@@ -149,8 +159,9 @@ private:
         for (int i = 0; i < order_.repeats && (i == 0 || spent < 2 * order_.limits.case_seconds); ++i) {
             const Timing timing = time_once(*session_, query, iterations);
             spent += timing.wall_seconds * double(iterations);
-            send({{"event", "repeat"}, {"row", item.row}, {"repeat", {order_.round, number(timing.wall_seconds),
-                  number(timing.cpu_seconds), iterations}}});
+            send({{"event", "repeat"},
+                  {"row", item.row},
+                  {"repeat", {order_.round, number(timing.wall_seconds), number(timing.cpu_seconds), iterations}}});
         }
     }
 
@@ -158,10 +169,13 @@ private:
         Trace traced(Trace::Mode::on, item.marks);
         const Result again = session_->solve(query, traced);
         json samples = json::array();
-        for (const TraceSample& s : traced.samples()) samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
+        for (const TraceSample& s : traced.samples())
+            samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
         // Only a run that both times came to its own end must come to the same one.
         const bool equal = again.bounds.lower == first.bounds.lower && again.bounds.upper == first.bounds.upper;
-        send({{"event", "trace"}, {"row", item.row}, {"samples", samples},
+        send({{"event", "trace"},
+              {"row", item.row},
+              {"samples", samples},
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
@@ -183,8 +197,12 @@ json to_json(const WorkOrder& o) {
     json items = json::array(), plugins = json::object();
     for (const auto& [file, hash] : o.plugins) plugins[file.string()] = hash;
     for (const auto& i : o.items) {
-        items.push_back({{"row", i.row}, {"pose", pose_json(i.pose)}, {"of_lower", i.tolerance.of == Tolerance::Of::lower},
-                         {"tolerance", i.tolerance.value}, {"trace", i.trace}, {"marks", i.marks}});
+        items.push_back({{"row", i.row},
+                         {"pose", pose_json(i.pose)},
+                         {"of_lower", i.tolerance.of == Tolerance::Of::lower},
+                         {"tolerance", i.tolerance.value},
+                         {"trace", i.trace},
+                         {"marks", i.marks}});
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
@@ -211,9 +229,12 @@ WorkOrder work_order_from_json(const json& j) {
     o.repeats = j.at("repeats");
     o.leave = j.at("leave_nothing_out").get<bool>() ? Leave::nothing_out : Leave::out_what_is_not_needed;
     for (const json& i : j.at("items")) {
-        o.items.push_back({i.at("row"), pose_of(i.at("pose")),
-                           {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
-                           i.at("trace"), i.at("marks").get<std::vector<double>>()});
+        o.items.push_back(
+            {i.at("row"),
+             pose_of(i.at("pose")),
+             {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
+             i.at("trace"),
+             i.at("marks").get<std::vector<double>>()});
     }
     for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
     return o;
@@ -224,7 +245,8 @@ int worker_main(int events) {
     const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
     WorkOrder order = work_order_from_json(json::parse(text));
     for (const auto& [file, hash] : order.plugins) {
-        if (sha256_of_file(file) != hash) throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
+        if (sha256_of_file(file) != hash)
+            throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
         load_plugin(file);
     }
     return Worker(std::move(order), events).run();

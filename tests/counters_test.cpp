@@ -42,8 +42,7 @@ Counts solver_counts(const std::string& name) {
     return counts;
 }
 
-template <class Tree>
-Counts tree_counts() {
+template <class Tree> Counts tree_counts() {
     Counts counts;
     for (const auto& [name, mesh] : tree_meshes()) {
         if (name.starts_with("random")) continue;

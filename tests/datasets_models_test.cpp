@@ -72,7 +72,15 @@ TEST(Generate, BitsArePinned) {
         {"torus",
          {{"rings", 37}, {"sides", 11}, {"major", 1}, {"minor", 0.4}},
          "ff64326f10031412468b2ac859726a0ad66909e0310c6753a02777f45e11a377"},
-        {"gear", {{"teeth", 7}, {"steps", 5}, {"rings", 3}, {"layers", 2}, {"outer", 1.5}, {"root", 1}, {"bore", 0.4}, {"height", 0.3}},
+        {"gear",
+         {{"teeth", 7},
+          {"steps", 5},
+          {"rings", 3},
+          {"layers", 2},
+          {"outer", 1.5},
+          {"root", 1},
+          {"bore", 0.4},
+          {"height", 0.3}},
          "ace81462312066e0ab24a6e8956747ede67f20439dca6280487c19a010174d65"},
         {"plane", {{"n", 5}, {"z", 0.25}}, "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
         {"gaussian_points",
@@ -114,7 +122,14 @@ TEST(Generate, MeshesAreWhatTheySay) {
     EXPECT_EQ(element_count(plane), 32);
     EXPECT_NEAR(area(mesh_of(plane)), 1, 1e-14);
     EXPECT_TRUE((mesh_of(plane).vertices.col(2).array() == 0.25).all());
-    const Shape gear = generate("gear", {{"teeth", 10}, {"steps", 8}, {"rings", 3}, {"layers", 2}, {"outer", 2}, {"root", 1.5}, {"bore", 0.5}, {"height", 0.25}});
+    const Shape gear = generate("gear", {{"teeth", 10},
+                                         {"steps", 8},
+                                         {"rings", 3},
+                                         {"layers", 2},
+                                         {"outer", 2},
+                                         {"root", 1.5},
+                                         {"bore", 0.5},
+                                         {"height", 0.25}});
     EXPECT_EQ(element_count(gear), 4 * 10 * 8 * (3 + 2));
     EXPECT_TRUE(closed(mesh_of(gear)));
     EXPECT_GT(volume(mesh_of(gear)), 0.25 * 3.1 * (1.5 * 1.5 - 0.5 * 0.5));
@@ -289,8 +304,9 @@ protected:
     std::string reader() const {
         write_shape(folder_.path() / "read.h5", {sphere(0), {}});
         const std::filesystem::path script = folder_.path() / "reader";
-        std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {0}/calls\nfor out; do :; done\ncp {0}/read.h5 \"$out\"\n",
-                                             folder_.path().string());
+        std::ofstream(script) << fmt::format(
+            "#!/bin/sh\necho \"$*\" >> {0}/calls\nfor out; do :; done\ncp {0}/read.h5 \"$out\"\n",
+            folder_.path().string());
         std::filesystem::permissions(script, std::filesystem::perms::owner_all);
         return script.string();
     }

@@ -25,7 +25,8 @@ void expect_tight(const Rational& square) {
 }
 
 TEST(ExactRoots, OfSquaresAreExact) {
-    for (double x : {0.0, smallest, 3 * smallest, 1e-320, 1e-310, std::numeric_limits<double>::min(), 1e-160, 1e-152, 1.0, 1e156, 1e308, largest}) {
+    for (double x : {0.0, smallest, 3 * smallest, 1e-320, 1e-310, std::numeric_limits<double>::min(), 1e-160, 1e-152,
+                     1.0, 1e156, 1e308, largest}) {
         EXPECT_EQ(root_at_most(squared(x)), x);
         EXPECT_EQ(root_at_least(squared(x)), x);
         if (x == 0) continue;

@@ -55,13 +55,14 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
         for (int i = 0; i < 10; ++i) {
             const Scene scene{moved(soup(cloud(random, 12))), moved(soup(cloud(random, 3 * (2 + 10 * i))))};
             const auto& source = std::get<TriangleMesh>(scene.source);
-            const double unit = unit_roundoff * std::max(magnitude(source.vertices), magnitude(points_of(scene.target)));
+            const double unit =
+                unit_roundoff * std::max(magnitude(source.vertices), magnitude(points_of(scene.target)));
             const Result result = solve(scene, 1e-3 * unit, {});
             EXPECT_EQ(to_string(result.status), "precision_floor") << i;
             EXPECT_GT(result.bounds.gap(), 1e-3 * unit);
             EXPECT_LT(result.bounds.gap(), 400 * unit) << "the floor is higher than rounding";
-            const auto [low, high] = MeshReference(std::get<TriangleMesh>(scene.target))
-                                         .hausdorff(source.vertices, source.triangles, 1e-7L);
+            const auto [low, high] =
+                MeshReference(std::get<TriangleMesh>(scene.target)).hausdorff(source.vertices, source.triangles, 1e-7L);
             EXPECT_LE(result.bounds.lower, high);
             EXPECT_GE(result.bounds.upper, low);
         }
@@ -85,7 +86,8 @@ TEST(Guthe, TheTextbookKernelGoesWrong) {
     for (int i = 0; i < 500; ++i) {
         const Scene scene = rounded_collinear(random);
         const auto& source = std::get<TriangleMesh>(scene.source);
-        const auto [low, high] = MeshReference(std::get<TriangleMesh>(scene.target)).hausdorff(source.vertices, source.triangles, 1e-6L);
+        const auto [low, high] =
+            MeshReference(std::get<TriangleMesh>(scene.target)).hausdorff(source.vertices, source.triangles, 1e-6L);
         const Result robust = solve(scene, 1e-6, {});
         EXPECT_LE(robust.bounds.lower, high);
         EXPECT_GE(robust.bounds.upper, low);
@@ -100,7 +102,8 @@ TEST(Guthe, TheTextbookKernelAgreesOnTameMeshes) {
     Random random(3);
     for (const Index triangles : {10, 200}) {
         const Scene scene{soup(cloud(random, 30)), soup(cloud(random, 3 * triangles))};
-        const Result robust = solve(scene, 1e-6, {}), textbook = solve(scene, 1e-6, {{"kernel", std::string("textbook")}});
+        const Result robust = solve(scene, 1e-6, {}),
+                     textbook = solve(scene, 1e-6, {{"kernel", std::string("textbook")}});
         EXPECT_NEAR(robust.bounds.lower, textbook.bounds.lower, 1e-6);
         EXPECT_NEAR(robust.bounds.upper, textbook.bounds.upper, 1e-6);
     }

@@ -15,7 +15,8 @@ namespace {
 
 std::vector<Points> point_sets() {
     Random random(31);
-    std::vector<Points> sets = {rows({{1, 2, 3}}), Points::Constant(40, 3, 0.25), cloud(random, 1), cloud(random, 500), lattice(9, 0)};
+    std::vector<Points> sets = {rows({{1, 2, 3}}), Points::Constant(40, 3, 0.25), cloud(random, 1), cloud(random, 500),
+                                lattice(9, 0)};
     Points pairs(200, 3);  // each twice, an ulp apart
     for (Index i = 0; i < 100; ++i) {
         pairs.row(2 * i) = random.vector();
@@ -23,12 +24,15 @@ std::vector<Points> point_sets() {
     }
     Points line = Points::Zero(300, 3), clusters(400, 3);
     for (Index i = 0; i < 300; ++i) line(i, 1) = i * 0.1;
-    for (Index i = 0; i < 400; ++i) clusters.row(i) = random.vector(std::pow(10.0, -random.below(300))) + random.below(3) * Vec3::Ones();
+    for (Index i = 0; i < 400; ++i)
+        clusters.row(i) = random.vector(std::pow(10.0, -random.below(300))) + random.below(3) * Vec3::Ones();
     for (const Points& more : {pairs, line, clusters}) sets.push_back(more);
     return sets;
 }
 
-bool inside(const Vec3& p, const Box& box) { return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all(); }
+bool inside(const Vec3& p, const Box& box) {
+    return (p.array() >= box.low.array()).all() && (p.array() <= box.high.array()).all();
+}
 
 template <class Tree> void expect_all_points(const Tree& tree, const Points& points) {
     ASSERT_EQ(tree.order().size(), static_cast<std::size_t>(points.rows()));
@@ -45,7 +49,8 @@ TEST(PointOctree, HoldsEachPointInEachOfItsCells) {
         EXPECT_LT(tree.nodes().size(), 2 * static_cast<std::size_t>(points.rows()) + 1);
         std::int32_t leaves = 0;
         for (const PointOctree::Node& node : tree.nodes()) {
-            for (std::int32_t k = node.first; k < node.first + node.count; ++k) EXPECT_TRUE(inside(tree.points().row(k), node.cell));
+            for (std::int32_t k = node.first; k < node.first + node.count; ++k)
+                EXPECT_TRUE(inside(tree.points().row(k), node.cell));
             std::int32_t sum = 0, next = node.first;
             for (std::int32_t k = node.first_child; k < node.first_child + node.child_count; ++k) {
                 const PointOctree::Node& child = tree.nodes()[static_cast<std::size_t>(k)];
@@ -54,8 +59,10 @@ TEST(PointOctree, HoldsEachPointInEachOfItsCells) {
                 next += child.count;
                 sum += child.count;
             }
-            if (node.child_count == 0) leaves += node.count;
-            else EXPECT_EQ(sum, node.count);
+            if (node.child_count == 0)
+                leaves += node.count;
+            else
+                EXPECT_EQ(sum, node.count);
         }
         EXPECT_EQ(leaves, points.rows());
     }
@@ -69,7 +76,8 @@ TEST(PointOctree, CursorsCoverTheFullOctree) {
             std::vector<Cursor> level{root_of(tree)};
             for (int d = 0; d < depth; ++d) {
                 std::vector<Cursor> next;
-                for (const Cursor& at : level) for_each_part(tree, at, [&](const Cursor& part) { next.push_back(part); });
+                for (const Cursor& at : level)
+                    for_each_part(tree, at, [&](const Cursor& part) { next.push_back(part); });
                 level = next;
             }
             std::int32_t held = 0;
@@ -78,7 +86,8 @@ TEST(PointOctree, CursorsCoverTheFullOctree) {
                 EXPECT_EQ(at.depth, depth);
                 EXPECT_NEAR((at.cell.high - at.cell.low).maxCoeff(), side, 1e-9 * side);
                 const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
-                for (std::int32_t k = node.first; k < node.first + node.count; ++k) EXPECT_TRUE(inside(tree.points().row(k), at.cell));
+                for (std::int32_t k = node.first; k < node.first + node.count; ++k)
+                    EXPECT_TRUE(inside(tree.points().row(k), at.cell));
                 held += node.count;
             }
             EXPECT_EQ(held, points.rows());
@@ -96,8 +105,10 @@ TEST(RTree, BoxesAreTightAndFull) {
             ASSERT_GT(node.count, 0);
             ASSERT_LE(node.count, RTree::capacity);
             for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
-                if (node.leaf) box.add(Vec3(tree.points().row(k)));
-                else box.add(tree.nodes()[static_cast<std::size_t>(k)].box);
+                if (node.leaf)
+                    box.add(Vec3(tree.points().row(k)));
+                else
+                    box.add(tree.nodes()[static_cast<std::size_t>(k)].box);
             }
             (node.leaf ? held : children) += node.count;
             EXPECT_EQ(box.low, node.box.low);

@@ -27,8 +27,8 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
             const Sample sample = kind.make(random);
             const auto& [t, p] = sample;
             const TrianglePoint found = closest_point(p, t);
-            const exact::Rational squared = exact::squared_distance_to_triangle(
-                exact::vector(p), exact::vector(t.a), exact::vector(t.b), exact::vector(t.c));
+            const exact::Rational squared = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
+                                                                                exact::vector(t.b), exact::vector(t.c));
             const double m = magnitude_of(sample);
 
             const exact::Rational high = surface_distance_at_most(found.squared_distance, m, 0);
@@ -38,14 +38,16 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
             ASSERT_TRUE(low * low <= squared) << kind.name << " sample " << i;
 
             const Box box = box_of(t);
-            ASSERT_TRUE((found.point.array() >= box.low.array()).all() && (found.point.array() <= box.high.array()).all());
+            ASSERT_TRUE((found.point.array() >= box.low.array()).all() &&
+                        (found.point.array() <= box.high.array()).all());
             const Vec3 r = p - found.point;
             ASSERT_EQ(found.squared_distance, squared_length(r));
             ASSERT_LE(squared_distance_to_box(p, box), found.squared_distance) << "the octree relies on this";
 
             const long double distance = exact::root(squared), unit = static_cast<long double>(unit_roundoff) * m;
             worst = std::max(worst, (std::sqrt(static_cast<long double>(found.squared_distance)) - distance) / unit);
-            worst_under = std::max(worst_under, (distance - std::sqrt(static_cast<long double>(found.squared_distance))) / unit);
+            worst_under =
+                std::max(worst_under, (distance - std::sqrt(static_cast<long double>(found.squared_distance))) / unit);
             worst_loss = std::max(worst_loss, (distance - certain) / unit);
         }
         fmt::print("{:40} above by {:8.3g}, below by {:8.3g}, certificate short by {:8.3g} (in u M)\n", kind.name,

@@ -65,14 +65,16 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
     Random random(2);
     for (int i = 0; i < 400; ++i) {
         const Vec3 size(1, std::pow(10, random.real(-18, 0)), std::pow(10, random.real(-18, 0)));
-        const Eigen::Quaterniond turn = Eigen::Quaterniond(random.real(-1, 1), random.real(-1, 1), random.real(-1, 1), random.unit()).normalized();
+        const Eigen::Quaterniond turn =
+            Eigen::Quaterniond(random.real(-1, 1), random.real(-1, 1), random.real(-1, 1), random.unit()).normalized();
         const Vec3 offset = i % 2 == 0 ? random.vector() : 1e8 * random.vector();
         std::vector<Vec3> points;
         const int count = 1 + random.below(40);
         for (int k = 0; k < count; ++k) points.push_back(turn * random.vector().cwiseProduct(size) + offset);
         const SweptSphere volume = swept_sphere_around(points);
         for (int k = 0; k < 20; ++k) {
-            const Vec3 q = k % 2 == 0 ? points[static_cast<std::size_t>(random.below(count))] : Vec3(random.vector(3) + offset);
+            const Vec3 q =
+                k % 2 == 0 ? points[static_cast<std::size_t>(random.below(count))] : Vec3(random.vector(3) + offset);
             expect_bounds(volume, q, points, "set " + std::to_string(i));
         }
         // Not just a ball: a thin set has a thin volume.
@@ -123,8 +125,10 @@ TEST(SweptSphere, EveryChildIsAround) {
 TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     Random random(4);
     const Scene scene{triangle_soup(random, 50, 0.1), triangle_soup(random, 90, 0.1)};
-    const Prepared prepared(scene, {{Structure::bvh, Side::target}, {Structure::swept_bvh, Side::source},
-                                    {Structure::point_bvh, Side::target}, {Structure::adjacency, Side::source}});
+    const Prepared prepared(scene, {{Structure::bvh, Side::target},
+                                    {Structure::swept_bvh, Side::source},
+                                    {Structure::point_bvh, Side::target},
+                                    {Structure::adjacency, Side::source}});
     EXPECT_EQ(prepared.bvh(Side::target).tree().order.size(), 90u);
     EXPECT_EQ(prepared.swept_bvh(Side::source).tree().order.size(), 50u);
     EXPECT_EQ(prepared.point_bvh(Side::target).tree().order.size(), 270u);

@@ -59,7 +59,8 @@ TEST(Targets, BlocksHaveTheBitsOfTheScalarKernel) {
                 for (int lane = 0; lane < block_width; ++lane) {
                     const TrianglePoint expected = closest_point(p, triangle_of(mesh, i + lane));
                     ASSERT_TRUE(same_bits(feet.squared_distance[lane], expected.squared_distance)) << target;
-                    for (int c = 0; c < 3; ++c) ASSERT_TRUE(same_bits(feet.point[c][lane], expected.point[c])) << target;
+                    for (int c = 0; c < 3; ++c)
+                        ASSERT_TRUE(same_bits(feet.point[c][lane], expected.point[c])) << target;
                 }
             }
             PointBlock many;
@@ -121,7 +122,8 @@ TEST(Targets, TreesAnswerAndCountAlike) {
         for (std::size_t i = 0; i < answers.size(); ++i) {
             ASSERT_TRUE(same_bits(answers[i].closest.squared_distance, first[i].closest.squared_distance)) << where;
             ASSERT_EQ(answers[i].closest.triangle, first[i].closest.triangle) << where;
-            for (int k = 0; k < 3; ++k) ASSERT_TRUE(same_bits(answers[i].closest.point[k], first[i].closest.point[k])) << where;
+            for (int k = 0; k < 3; ++k)
+                ASSERT_TRUE(same_bits(answers[i].closest.point[k], first[i].closest.point[k])) << where;
             ASSERT_TRUE(same_bits(answers[i].certified, first[i].certified)) << where;
             ASSERT_TRUE(same_bits(answers[i].nearest.squared_distance, first[i].nearest.squared_distance)) << where;
             ASSERT_EQ(answers[i].nearest.point, first[i].nearest.point) << where;

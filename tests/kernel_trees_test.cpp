@@ -8,8 +8,7 @@
 namespace hausbench {
 namespace {
 
-template <class Tree>
-class Trees : public testing::Test {};
+template <class Tree> class Trees : public testing::Test {};
 using Kinds = testing::Types<TriangleOctree, TriangleBvh>;
 TYPED_TEST_SUITE(Trees, Kinds);
 
@@ -19,7 +18,8 @@ void expect_same(const ClosestPoint& a, const ClosestPoint& b, const std::string
     EXPECT_EQ(a.point, b.point) << where;
 }
 
-void expect_same_as_scan(const TriangleTree& tree, const TriangleMesh& mesh, Random& random, int queries, const std::string& name) {
+void expect_same_as_scan(const TriangleTree& tree, const TriangleMesh& mesh, Random& random, int queries,
+                         const std::string& name) {
     Counters counters;
     for (int i = 0; i < queries; ++i) {
         const Vec3 point = query_near(mesh, random);
@@ -28,7 +28,8 @@ void expect_same_as_scan(const TriangleTree& tree, const TriangleMesh& mesh, Ran
         expect_same(tree.closest(point, {}, counters), expected, name);
 
         ClosestHints warm;
-        warm.warm_triangle = random.below(2) != 0 ? expected.triangle : random.below(static_cast<Index>(mesh.triangles.rows()));
+        warm.warm_triangle =
+            random.below(2) != 0 ? expected.triangle : random.below(static_cast<Index>(mesh.triangles.rows()));
         expect_same(tree.closest(point, warm, counters), expected, name + ", warm");
 
         ClosestHints radius;
@@ -106,7 +107,8 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
 void expect_nearest_as_by_scan(const PointBvh& tree, const Points& points, Random& random) {
     Counters counters;
     for (int i = 0; i < 300; ++i) {
-        const Vec3 p = i % 3 == 0 ? Vec3(points.row(random.below(static_cast<Index>(points.rows())))) : random.vector(2);
+        const Vec3 p =
+            i % 3 == 0 ? Vec3(points.row(random.below(static_cast<Index>(points.rows())))) : random.vector(2);
         NearestPoint expected;
         for (Index k = 0; k < points.rows(); ++k) {
             const double squared = squared_length(p - Vec3(points.row(k)));

@@ -1,5 +1,5 @@
-#include "error.h"
 #include "options.h"
+#include "error.h"
 #include "registry.h"
 
 #include <algorithm>
@@ -11,12 +11,28 @@ namespace {
 
 std::vector<ParameterSpec> specs() {
     return {
-        {.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "6", .description = "d", .choices = {},
-         .least = 1, .most = 20},
-        {.name = "ratio", .default_value = 0.5, .unit = "", .paper_value = "", .description = "r", .choices = {}, .least = 0,
+        {.name = "depth",
+         .default_value = std::int64_t{6},
+         .unit = "",
+         .paper_value = "6",
+         .description = "d",
+         .choices = {},
+         .least = 1,
+         .most = 20},
+        {.name = "ratio",
+         .default_value = 0.5,
+         .unit = "",
+         .paper_value = "",
+         .description = "r",
+         .choices = {},
+         .least = 0,
          .most = 1},
         {.name = "shuffle", .default_value = true, .unit = "", .paper_value = "", .description = "s", .choices = {}},
-        {.name = "rule", .default_value = std::string("exact"), .unit = "", .paper_value = "", .description = "u",
+        {.name = "rule",
+         .default_value = std::string("exact"),
+         .unit = "",
+         .paper_value = "",
+         .description = "u",
          .choices = {"exact", "as_printed"}},
     };
 }

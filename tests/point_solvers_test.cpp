@@ -16,14 +16,24 @@ namespace {
 Points small_set(Random& random, Index most) {
     Points points = cloud(random, 1 + random.below(most), std::pow(2.0, -random.below(8)));
     switch (random.below(7)) {
-        case 0: points = points.unaryExpr([](double x) { return std::round(4 * x) / 4; }).eval(); break;
-        case 1: points = (points.col(0) * Vec3(1, 0.1, -0.3).transpose()).eval(); break;
-        case 2: points.col(random.below(3)).setConstant(0.125); break;
-        case 3: points.rowwise() = Vec3(random.vector()).transpose().eval(); break;
-        case 4:
-            for (Index i = 0; i < points.rows(); ++i) points.row(i) = points.row(random.below(static_cast<Index>(points.rows()))).eval();
+        case 0:
+            points = points.unaryExpr([](double x) { return std::round(4 * x) / 4; }).eval();
             break;
-        default: break;
+        case 1:
+            points = (points.col(0) * Vec3(1, 0.1, -0.3).transpose()).eval();
+            break;
+        case 2:
+            points.col(random.below(3)).setConstant(0.125);
+            break;
+        case 3:
+            points.rowwise() = Vec3(random.vector()).transpose().eval();
+            break;
+        case 4:
+            for (Index i = 0; i < points.rows(); ++i)
+                points.row(i) = points.row(random.below(static_cast<Index>(points.rows()))).eval();
+            break;
+        default:
+            break;
     }
     if (random.below(3) == 0) points.rowwise() += random.vector(4).transpose();
     return points;
@@ -59,7 +69,8 @@ Result answer(const SolverEntry& entry, const SmallScene& small, const Parameter
 TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
     std::vector<const SolverEntry*> exact_solvers;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.exact && entry.info.certified && entry.info.source.points && entry.info.target.points) exact_solvers.push_back(&entry);
+        if (entry.info.exact && entry.info.certified && entry.info.source.points && entry.info.target.points)
+            exact_solvers.push_back(&entry);
     }
     ASSERT_GE(exact_solvers.size(), 6u);
     Random random(41);
@@ -82,7 +93,8 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
             if (entry->info.name == "adaptive") ++chosen[result.extras.at("chosen").front()];
         }
     }
-    for (const double choice : {0, 1, 2}) EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
+    for (const double choice : {0, 1, 2})
+        EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
 // Larger sets, where cells are culled and queues grow: compared with NAIVEHDD, which the test above has judged.
@@ -118,7 +130,8 @@ TEST(PointSolvers, PublishedErrorsAreErrors) {
         for (int i = 0; i < 400; ++i) {
             const SmallScene small{{PointSet{cloud(random, 400)}, PointSet{cloud(random, 400)}}, {}};
             const Result naive = answer(find_solver("naive"), small);
-            const Result result = answer(entry, small, entry.info.name == "ohd_as_printed" ? ParameterMap{{"lambda", 0.05}} : ParameterMap{});
+            const Result result = answer(
+                entry, small, entry.info.name == "ohd_as_printed" ? ParameterMap{{"lambda", 0.05}} : ParameterMap{});
             wrong += result.bounds.lower > naive.bounds.upper || result.bounds.upper < naive.bounds.lower;
         }
         EXPECT_GT(wrong, 0) << entry.info.name;
@@ -129,7 +142,9 @@ TEST(PointSolvers, PublishedErrorsAreErrors) {
 
 TEST(PointSolvers, OhdWithTheCullingAsPrintedIsNotCertified) {
     const SolverEntry& ohd = find_solver("ohd");
-    const auto certified = [&](const ParameterMap& given) { return ohd.make(Options("ohd", ohd.info.parameters, given))->certified(); };
+    const auto certified = [&](const ParameterMap& given) {
+        return ohd.make(Options("ohd", ohd.info.parameters, given))->certified();
+    };
     EXPECT_TRUE(certified({}));
     EXPECT_TRUE(certified({{"culling", "none"}}));
     EXPECT_FALSE(certified({{"culling", "as_printed"}}));

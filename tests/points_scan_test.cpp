@@ -58,7 +58,8 @@ struct Pair {
 Pair random_pair(Random& random, int kind, Index na, Index nb) {
     const double small = std::pow(10.0, -random.below(9));
     switch (kind) {
-        case 0: return {"clouds", cloud(random, na), cloud(random, nb)};
+        case 0:
+            return {"clouds", cloud(random, na), cloud(random, nb)};
         case 1: {
             const Points b = sphere(random, nb);
             return {"the same, shuffled", shuffled(random, b), b};
@@ -84,16 +85,21 @@ Pair random_pair(Random& random, int kind, Index na, Index nb) {
             for (Index j = 0; j < nb; ++j) b.row(j) = random.unit() * along;
             return {"collinear", a, b};
         }
-        case 6: return {"one point in A", cloud(random, 1), cloud(random, nb)};
-        case 7: return {"one point in B", cloud(random, na), cloud(random, 1)};
+        case 6:
+            return {"one point in A", cloud(random, 1), cloud(random, nb)};
+        case 7:
+            return {"one point in B", cloud(random, na), cloud(random, 1)};
         case 8: {
             Points a = cloud(random, na);
             a.col(random.below(3)).array() += std::pow(10.0, random.below(16));
             return {"far away", a, cloud(random, nb)};
         }
-        case 9: return {"huge", cloud(random, na, 1e300), cloud(random, nb, std::pow(10.0, 280 + random.below(28)))};
-        case 10: return {"tiny", cloud(random, na, 1e-300), cloud(random, nb, std::pow(10.0, -300 - random.below(20)))};
-        case 11: return {"all scales", at_all_scales(random, na, 60), at_all_scales(random, nb, 1000)};
+        case 9:
+            return {"huge", cloud(random, na, 1e300), cloud(random, nb, std::pow(10.0, 280 + random.below(28)))};
+        case 10:
+            return {"tiny", cloud(random, na, 1e-300), cloud(random, nb, std::pow(10.0, -300 - random.below(20)))};
+        case 11:
+            return {"all scales", at_all_scales(random, na, 60), at_all_scales(random, nb, 1000)};
         case 12: {
             const Points b = sphere(random, nb);
             return {"an outlier", stacked(noisy(random, b, small), cloud(random, 1, 5)), b};
@@ -115,7 +121,8 @@ constexpr int kinds = 15;
 Result answer(const std::string& solver, const Pair& pair, const Pose& pose, const QuerySet& queries = {},
               const ParameterMap& given = {}) {
     const SolverEntry& entry = find_solver(solver);
-    const Session session(entry, Options(solver, entry.info.parameters, given), Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
+    const Session session(entry, Options(solver, entry.info.parameters, given),
+                          Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
     Query query;
     query.pose = pose;
     query.tolerance.value = 1e-9;
@@ -130,8 +137,11 @@ void expect_same(const Pair& pair, const Pose& pose, const Result& scan, const s
     EXPECT_EQ(scan.status, naive.status) << where;
     const Vec3 apart = scan.witness.source_point - scan.witness.target_point;
     const Vec3 expected = naive.witness.source_point - naive.witness.target_point;
-    if (naive.witness.source_element >= 0 && expected.cwiseAbs().maxCoeff() < 1e150 && expected.cwiseAbs().maxCoeff() > 1e-150) {
-        EXPECT_EQ(squared_distance(apart.data(), Vec3(0, 0, 0).data()), squared_distance(expected.data(), Vec3(0, 0, 0).data())) << where;
+    if (naive.witness.source_element >= 0 && expected.cwiseAbs().maxCoeff() < 1e150 &&
+        expected.cwiseAbs().maxCoeff() > 1e-150) {
+        EXPECT_EQ(squared_distance(apart.data(), Vec3(0, 0, 0).data()),
+                  squared_distance(expected.data(), Vec3(0, 0, 0).data()))
+            << where;
     }
 }
 
@@ -182,7 +192,8 @@ TEST(Scan, SameBitsAsNaiveAtEveryPose) {
 TEST(Scan, SameWorkOnEveryVectorTarget) {
     Random random(33);
     std::vector<Pair> pairs;
-    for (int i = 0; i < 3 * kinds; ++i) pairs.push_back(random_pair(random, i % kinds, 1 + random.below(900), 1 + random.below(900)));
+    for (int i = 0; i < 3 * kinds; ++i)
+        pairs.push_back(random_pair(random, i % kinds, 1 + random.below(900), 1 + random.below(900)));
     std::vector<std::int64_t> targets;
     for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
     std::vector<Result> first;
@@ -213,7 +224,8 @@ TEST(Scan, StopsWithBoundsThatHold) {
     const Result whole = answer("naive", pair, Pose{});
     const SolverEntry& entry = find_solver("scan");
     for (const ParameterMap& given : variants()) {
-        const Session session(entry, Options("scan", entry.info.parameters, given), Scene{PointSet{pair.a}, PointSet{pair.b}}, {});
+        const Session session(entry, Options("scan", entry.info.parameters, given),
+                              Scene{PointSet{pair.a}, PointSet{pair.b}}, {});
         for (const std::uint64_t budget : {0, 1, 5, 20}) {
             Query query;
             query.tolerance.value = 1e-9;

@@ -17,7 +17,8 @@ inline exact::Rational exact_squared_hausdorff(const Points& a, const Points& b)
     for (Index i = 0; i < a.rows(); ++i) {
         const exact::RVec3 p = exact::vector(a.row(i));
         exact::Rational least = exact::squared_distance(p, exact::vector(b.row(0)));
-        for (Index j = 1; j < b.rows(); ++j) least = std::min(least, exact::squared_distance(p, exact::vector(b.row(j))));
+        for (Index j = 1; j < b.rows(); ++j)
+            least = std::min(least, exact::squared_distance(p, exact::vector(b.row(j))));
         most = std::max(most, least);
     }
     return most;
@@ -31,7 +32,8 @@ public:
     using V = std::array<Real, 3>;
 
     explicit MeshReference(const TriangleMesh& target) {
-        for (Index i = 0; i < target.triangles.rows(); ++i) targets_.push_back(corners(target.vertices, target.triangles, i));
+        for (Index i = 0; i < target.triangles.rows(); ++i)
+            targets_.push_back(corners(target.vertices, target.triangles, i));
     }
 
     // An interval of h(a, target) whose width is at most `gap`.
@@ -74,7 +76,8 @@ private:
     };
 
     static Corners corners(const Points& vertices, const Triangles& triangles, Index i) {
-        return {vector(vertices.row(triangles(i, 0))), vector(vertices.row(triangles(i, 1))), vector(vertices.row(triangles(i, 2)))};
+        return {vector(vertices.row(triangles(i, 0))), vector(vertices.row(triangles(i, 1))),
+                vector(vertices.row(triangles(i, 2)))};
     }
     static V minus(const V& a, const V& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
     static V middle(const V& a, const V& b) { return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2}; }
@@ -122,7 +125,8 @@ private:
             const Real d = std::sqrt(nearest[k]);
             low = std::max(low, d);
             Real edge = 0;
-            for (const V& other : corners) edge = std::max(edge, dot(minus(other, corners[k]), minus(other, corners[k])));
+            for (const V& other : corners)
+                edge = std::max(edge, dot(minus(other, corners[k]), minus(other, corners[k])));
             upper = std::min(upper, d + std::sqrt(edge));
         }
         return {corners, upper};

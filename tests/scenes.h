@@ -64,7 +64,8 @@ inline TriangleMesh cube(double half) {
     mesh.vertices.resize(8, 3);
     for (Index i = 0; i < 8; ++i) mesh.vertices.row(i) = half * Vec3((i & 1) * 2 - 1, (i & 2) - 1, (i & 4) / 2 - 1);
     mesh.triangles.resize(12, 3);
-    mesh.triangles << 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5;
+    mesh.triangles << 0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7,
+        1, 7, 5;
     return mesh;
 }
 
@@ -81,7 +82,9 @@ inline Pose turned(double c, double s, const Vec3& translation) {  // about z, t
     return pose;
 }
 
-inline TestScene test_scene(std::string name, Shape a, Shape b) { return {std::move(name), {std::move(a), std::move(b)}, {Pose{}}}; }
+inline TestScene test_scene(std::string name, Shape a, Shape b) {
+    return {std::move(name), {std::move(a), std::move(b)}, {Pose{}}};
+}
 
 // Adds scaled, shifted and posed variants of the scene at `from`.
 inline void add_variants(std::vector<TestScene>& all, std::size_t from) {
@@ -127,7 +130,8 @@ inline std::vector<TestScene> point_scenes() {
     add("permuted", some, some.colwise().reverse());
     add("one ulp apart", some, some.unaryExpr([](double x) { return std::nextafter(x, 9.0); }));
     Points line = Points::Zero(20, 3), other = line;
-    for (Index i = 0; i < 20; ++i) line.row(i) = 0.1 * i * Vec3(1, 2, -1), other.row(i) = (0.1 * i + 0.03) * Vec3(1, 2, -1);
+    for (Index i = 0; i < 20; ++i)
+        line.row(i) = 0.1 * i * Vec3(1, 2, -1), other.row(i) = (0.1 * i + 0.03) * Vec3(1, 2, -1);
     add("collinear", line, other);
     Points twice(50, 3);
     twice << some, some;
@@ -148,7 +152,8 @@ inline std::vector<TestScene> mesh_scenes() {
     all.push_back(test_scene("random soups", soup(cloud(random, 12)), soup(cloud(random, 15))));
     add_variants(all, 0);
     const std::size_t bumpy = all.size();
-    all.push_back(test_scene("bumpy sheets", sheet(4, 0.1, 0.2), sheet(6, 0, 0.3)));  // a target large enough for a tree
+    all.push_back(
+        test_scene("bumpy sheets", sheet(4, 0.1, 0.2), sheet(6, 0, 0.3)));  // a target large enough for a tree
     add_variants(all, bumpy);
     const auto add = [&](const char* name, TriangleMesh a, TriangleMesh b) {
         all.push_back(test_scene(name, std::move(a), std::move(b)));
@@ -164,18 +169,29 @@ inline std::vector<TestScene> mesh_scenes() {
     add("identical sheets", sheet(6, 0, 0.3), sheet(6, 0, 0.3));
     add("nested cubes", cube(1), cube(2));
     add("parallel planes", sheet(3, 0), sheet(6, 0.125));
-    add("sheet and its refinement", sheet(3, 0), [] { TriangleMesh m = sheet(5, 0); m.vertices *= 0.5; return m; }());
-    add("zero area: segments", soup(rows({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}})), soup(rows({{0, 1, 0}, {0.1, 1.1, 0}, {0.2, 1.2, 0}})));
+    add("sheet and its refinement", sheet(3, 0), [] {
+        TriangleMesh m = sheet(5, 0);
+        m.vertices *= 0.5;
+        return m;
+    }());
+    add("zero area: segments", soup(rows({{0, 0, 0}, {1, 0, 0}, {3, 0, 0}})),
+        soup(rows({{0, 1, 0}, {0.1, 1.1, 0}, {0.2, 1.2, 0}})));
     add("zero area: points", soup(rows({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}})), triangle);
     add("a point as target", triangle, soup(rows({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}})));
-    add("all at the origin", soup(rows({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}})), soup(rows({{0, 0, 0}, {0, 0, 0}, {0, 0, -0.0}})));
+    add("all at the origin", soup(rows({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}})),
+        soup(rows({{0, 0, 0}, {0, 0, 0}, {0, 0, -0.0}})));
     TriangleMesh doubled = cube(1);
     doubled.triangles.conservativeResize(24, 3);
     doubled.triangles.bottomRows(12) = doubled.triangles.topRows(12).eval();
     add("duplicate faces", doubled, cube(0.75));
-    add("needles", soup(rows({{0, 0, 0}, {1, 1, 1}, {1, 1, 1 + 1e-12}, {0, 1, 0}, {1, 0, 0.5}, {0.5, 0.5, 0.25 + 1e-14}})),
+    add("needles",
+        soup(rows({{0, 0, 0}, {1, 1, 1}, {1, 1, 1 + 1e-12}, {0, 1, 0}, {1, 0, 0.5}, {0.5, 0.5, 0.25 + 1e-14}})),
         soup(rows({{0, 0, 0.5}, {1, 1, 0.5}, {0.5, 0.5 + 1e-13, 0.5}, {0, 0, 0}, {1, 0, 0}, {1, 1e-9, 0}})));
-    add("one ulp apart", cube(1), [] { TriangleMesh m = cube(1); m.vertices.row(7)[0] = std::nextafter(1.0, 2.0); return m; }());
+    add("one ulp apart", cube(1), [] {
+        TriangleMesh m = cube(1);
+        m.vertices.row(7)[0] = std::nextafter(1.0, 2.0);
+        return m;
+    }());
     add("sizes 1 : 1e9", soup(cloud(random, 9, 1e-9)), soup(cloud(random, 9)));
     add("tree of duplicates", triangle, [&] {
         TriangleMesh m = soup(rows({{0, 0, 1}, {1, 3, 1}, {-1, 1, 2}}));

@@ -31,7 +31,8 @@ const std::vector<Exception>& exceptions() {
         std::vector<Exception> all;
         for (const char* base : {"random soups", "bumpy sheets"}) {
             for (const char* scale : {", scale -160", ", scale -80", ", scale 78", ", scale 150"}) {
-                all.push_back({"cgal", std::string(base) + scale, "products of four lengths under- or overflow in double"});
+                all.push_back(
+                    {"cgal", std::string(base) + scale, "products of four lengths under- or overflow in double"});
             }
         }
         return all;
@@ -49,10 +50,10 @@ bool excepted(const SolverInfo& solver, const std::string& scene) {
 // What is known of one scene at one pose.
 struct Truth {
     Points posed_source;
-    Real low, high;         // of h
+    Real low, high;           // of h
     exact::Rational squared;  // of h, for point sets; for meshes the largest of a vertex of A: at most h
-    double magnitude;       // largest |coordinate|
-    double tolerance;       // a millionth of the extent
+    double magnitude;         // largest |coordinate|
+    double tolerance;         // a millionth of the extent
 };
 
 exact::Rational exact_squared_distance(const Vec3& point, const TriangleMesh& mesh) {
@@ -84,7 +85,8 @@ Truth truth_of(const Scene& scene, const Pose& pose) {
     const auto& mesh = std::get<TriangleMesh>(scene.source);
     std::tie(truth.low, truth.high) = reference.hausdorff(truth.posed_source, mesh.triangles, 1e-7L * extent);
     for (Index v = 0; v < truth.posed_source.rows(); ++v) {
-        truth.squared = std::max(truth.squared, exact_squared_distance(truth.posed_source.row(v), std::get<TriangleMesh>(scene.target)));
+        truth.squared = std::max(
+            truth.squared, exact_squared_distance(truth.posed_source.row(v), std::get<TriangleMesh>(scene.target)));
     }
     const Real error = 0x1p-58L * truth.magnitude;  // of the reference's own arithmetic
     truth.low -= error;
@@ -153,7 +155,8 @@ void expect_same_answer(const Result& a, const Result& b, const std::string& whe
 
 // `external` is nothing without a program: tests/program/test_external.py gives it some.
 bool needs_to_be_told(const SolverEntry& entry) {
-    return std::any_of(entry.info.parameters.begin(), entry.info.parameters.end(), [](const auto& p) { return p.required(); });
+    return std::any_of(entry.info.parameters.begin(), entry.info.parameters.end(),
+                       [](const auto& p) { return p.required(); });
 }
 
 // Calls f(entry, case, "solver on scene") for all that fit.
@@ -173,7 +176,8 @@ template <class F> void for_each_fitting(F&& f) {
 
 bool points_case(const Case& c) { return kind_of(c.test.scene.source) == ShapeKind::points; }
 
-void check_bounds(const SolverEntry& entry, const Case& c, const Truth& truth, const Result& result, const std::string& where) {
+void check_bounds(const SolverEntry& entry, const Case& c, const Truth& truth, const Result& result,
+                  const std::string& where) {
     EXPECT_GE(result.bounds.lower, 0) << where;
     EXPECT_LE(result.bounds.lower, result.bounds.upper) << where;
     const double slack = entry.info.certified ? 0 : 1e-10 * truth.magnitude;
@@ -182,7 +186,8 @@ void check_bounds(const SolverEntry& entry, const Case& c, const Truth& truth, c
         EXPECT_TRUE(high * high >= truth.squared) << where << ": upper " << result.bounds.upper;
     }
     EXPECT_TRUE(encloses(result.bounds, truth, points_case(c), slack))
-        << where << ": [" << result.bounds.lower << ", " << result.bounds.upper << "] against [" << truth.low << ", " << truth.high << "]";
+        << where << ": [" << result.bounds.lower << ", " << result.bounds.upper << "] against [" << truth.low << ", "
+        << truth.high << "]";
 }
 
 void check_witness(const Case& c, const Truth& truth, const Result& result, const std::string& where) {
@@ -200,7 +205,8 @@ void check_witness(const Case& c, const Truth& truth, const Result& result, cons
         const exact::Rational low = result.bounds.lower;
         const exact::Rational nearest = exact_squared_hausdorff(alone, points_of(scene.target));
         EXPECT_TRUE(nearest >= low * low) << where;
-        EXPECT_TRUE(exact::squared_distance(exact::vector(w.source_point), exact::vector(w.target_point)) == nearest) << where;
+        EXPECT_TRUE(exact::squared_distance(exact::vector(w.source_point), exact::vector(w.target_point)) == nearest)
+            << where;
         return;
     }
     const Real slack = 1e-13L * truth.magnitude;
@@ -208,7 +214,8 @@ void check_witness(const Case& c, const Truth& truth, const Result& result, cons
     const auto one = [](const Points& vertices, const Triangles& triangles, Index i) {
         return MeshReference(TriangleMesh{vertices, triangles.row(i)});
     };
-    const auto source_point = MeshReference::vector(w.source_point), target_point = MeshReference::vector(w.target_point);
+    const auto source_point = MeshReference::vector(w.source_point),
+               target_point = MeshReference::vector(w.target_point);
     const auto& source_triangles = std::get<TriangleMesh>(scene.source).triangles;
     EXPECT_LE(one(truth.posed_source, source_triangles, w.source_element).distance(source_point), slack) << where;
     EXPECT_LE(one(target.vertices, target.triangles, w.target_element).distance(target_point), slack) << where;
@@ -221,7 +228,8 @@ void check_witness(const Case& c, const Truth& truth, const Result& result, cons
     const Real nearest = MeshReference(target).distance(source_point);
     EXPECT_GE(nearest, result.bounds.lower - slack) << where;
     Real squared = 0;
-    for (std::size_t k = 0; k < 3; ++k) squared += (source_point[k] - target_point[k]) * (source_point[k] - target_point[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+        squared += (source_point[k] - target_point[k]) * (source_point[k] - target_point[k]);
     EXPECT_LE(std::abs(std::sqrt(squared) - nearest), slack) << where;
 }
 
@@ -264,15 +272,18 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
             const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
             EXPECT_EQ(result.status == Status::converged, close) << at;
             // Double precision holds a thousandth of the tolerance easily, but not near the ends of its range.
-            const bool easy = truth.tolerance > 1e3 * unit_roundoff * truth.magnitude && truth.magnitude > 1e-300 && truth.magnitude < 1e300;
+            const bool easy = truth.tolerance > 1e3 * unit_roundoff * truth.magnitude && truth.magnitude > 1e-300 &&
+                              truth.magnitude < 1e300;
             if (entry.info.certified && easy) {
                 EXPECT_EQ(to_string(result.status), to_string(Status::converged)) << at;
             }
 
             Bounds last;
             for (const TraceSample& sample : trace.samples()) {
-                check_bounds(entry, c, truth, {.status = {}, .bounds = {sample.lower, sample.upper}, .witness = {}, .counters = {}, .extras = {}},
-                             at + ", trace");
+                check_bounds(
+                    entry, c, truth,
+                    {.status = {}, .bounds = {sample.lower, sample.upper}, .witness = {}, .counters = {}, .extras = {}},
+                    at + ", trace");
                 last = {sample.lower, sample.upper};
             }
             EXPECT_EQ(trace.samples().empty(), !entry.info.traces) << at;
@@ -285,7 +296,8 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
         }
     });
     for (const Exception& e : exceptions()) {
-        const bool built = std::any_of(solvers().begin(), solvers().end(), [&](const auto& s) { return s.info.name == e.solver; });
+        const bool built =
+            std::any_of(solvers().begin(), solvers().end(), [&](const auto& s) { return s.info.name == e.solver; });
         if (built) {
             EXPECT_TRUE(broken.contains({e.solver, e.scene})) << "stale exception: " << e.solver << " on " << e.scene;
         }
@@ -305,7 +317,8 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             check_bounds(entry, c, truth, result, where + ", " + what);
             check_witness(c, truth, result, where + ", " + what);
             if (result.status == Status::cutoff_passed) {
-                EXPECT_TRUE(result.bounds.lower > query.cutoff || result.bounds.upper <= query.cutoff) << where << ", " << what;
+                EXPECT_TRUE(result.bounds.lower > query.cutoff || result.bounds.upper <= query.cutoff)
+                    << where << ", " << what;
             }
             return result;
         };
@@ -320,7 +333,8 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             const Result result = solve([&](Query& q) { q.cutoff = cutoff; }, "cutoff " + std::to_string(factor));
             const bool floor = truth.magnitude * unit_roundoff * 1e3 > h;
             if (entry.info.certified && !floor) {
-                EXPECT_TRUE(factor < 1 ? result.bounds.lower > cutoff : result.bounds.upper <= cutoff) << where << ", cutoff " << factor;
+                EXPECT_TRUE(factor < 1 ? result.bounds.lower > cutoff : result.bounds.upper <= cutoff)
+                    << where << ", cutoff " << factor;
             }
         }
         if (!entry.info.certified || h < 1e9 * unit_roundoff * truth.magnitude) return;
@@ -341,7 +355,8 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
         Points a = cloud(random, mesh ? 3 * na : na, size);
         // Often close to B: some vertices are B's, moved a little.
         for (Index v = 0; v < a.rows(); ++v) {
-            if (random.below(2) != 0) a.row(v) = Vec3(b.row(random.below(static_cast<Index>(b.rows())))) + random.vector(apart);
+            if (random.below(2) != 0)
+                a.row(v) = Vec3(b.row(random.below(static_cast<Index>(b.rows())))) + random.vector(apart);
         }
         Scene scene{PointSet{a}, PointSet{b}};
         if (mesh) scene = {soup(a), soup(b)};
@@ -351,7 +366,8 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
         truth.tolerance = 1e-5 * size;
         const Case c{{"random pair " + std::to_string(i), scene, {Pose{}, pose}}, {truth, truth}};
         for (const SolverEntry& entry : solvers()) {
-            if (!entry.info.certified || !refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) continue;
+            if (!entry.info.certified || !refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty())
+                continue;
             const std::string where = entry.info.name + " on " + c.test.name;
             const Session session = session_of(entry, c.test);
             Trace trace;
@@ -388,7 +404,8 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
             expect_same_answer(lean.solve(query, trace), full.solve(query, trace), where);
         }
         for (const Need& need : lean.needs()) {
-            EXPECT_TRUE(lean.prepared().uses().contains(need)) << where << " declares a " << to_string(need) << " and never uses it";
+            EXPECT_TRUE(lean.prepared().uses().contains(need))
+                << where << " declares a " << to_string(need) << " and never uses it";
             asked[entry.info.name].insert(need);
         }
         EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
@@ -396,7 +413,8 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     });
     for (const SolverEntry& entry : solvers()) {
         for (const Need& need : entry.info.may_need) {
-            EXPECT_TRUE(asked[entry.info.name].contains(need)) << entry.info.name << " never asks for its " << to_string(need);
+            EXPECT_TRUE(asked[entry.info.name].contains(need))
+                << entry.info.name << " never asks for its " << to_string(need);
         }
     }
 }
@@ -410,11 +428,14 @@ TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
             bool exact = true;
             for (Shape* shape : {&scaled.scene.source, &scaled.scene.target}) {
                 Points& points = points_of(*shape);
-                points = points.unaryExpr([&](double x) {
-                    const double y = std::ldexp(x, k);
-                    exact = exact && (x == 0 || (std::abs(x) > 1e-200 && std::abs(x) < 1e150 && std::abs(y) > 1e-200 && std::abs(y) < 1e150));
-                    return y;
-                }).eval();
+                points = points
+                             .unaryExpr([&](double x) {
+                                 const double y = std::ldexp(x, k);
+                                 exact = exact && (x == 0 || (std::abs(x) > 1e-200 && std::abs(x) < 1e150 &&
+                                                              std::abs(y) > 1e-200 && std::abs(y) < 1e150));
+                                 return y;
+                             })
+                             .eval();
             }
             if (!exact) continue;
             ++tried;
@@ -438,15 +459,21 @@ TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
 }
 
 TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
-    const std::vector<std::pair<std::string, ParameterMap>> variants = {
-        {"earlybreak", {{"shuffle", false}}},      {"earlybreak", {{"seed", std::int64_t{7}}}},
-        {"earlybreak", {{"exclude_common", true}}}, {"kdtree", {{"samples", std::int64_t{0}}}},
-        {"nohd", {{"early_break", false}}},         {"nohd", {{"depth", std::int64_t{0}}}},
-        {"nohd", {{"depth", std::int64_t{60}}}},    {"ohd", {{"culling", std::string("none")}}},
-        {"ohd", {{"lambda", 0.5}}},                 {"ohd", {{"lambda", 0.0}}},
-        {"adaptive", {{"theta", 1.0}}},             {"adaptive", {{"theta", 0.0}}},
-        {"scan", {{"tree_from", std::int64_t{0}}}},
-        {"kdtree", {{"leaf_size", std::int64_t{1}}}}, {"cgal", {{"match_faces", false}}}};
+    const std::vector<std::pair<std::string, ParameterMap>> variants = {{"earlybreak", {{"shuffle", false}}},
+                                                                        {"earlybreak", {{"seed", std::int64_t{7}}}},
+                                                                        {"earlybreak", {{"exclude_common", true}}},
+                                                                        {"kdtree", {{"samples", std::int64_t{0}}}},
+                                                                        {"nohd", {{"early_break", false}}},
+                                                                        {"nohd", {{"depth", std::int64_t{0}}}},
+                                                                        {"nohd", {{"depth", std::int64_t{60}}}},
+                                                                        {"ohd", {{"culling", std::string("none")}}},
+                                                                        {"ohd", {{"lambda", 0.5}}},
+                                                                        {"ohd", {{"lambda", 0.0}}},
+                                                                        {"adaptive", {{"theta", 1.0}}},
+                                                                        {"adaptive", {{"theta", 0.0}}},
+                                                                        {"scan", {{"tree_from", std::int64_t{0}}}},
+                                                                        {"kdtree", {{"leaf_size", std::int64_t{1}}}},
+                                                                        {"cgal", {{"match_faces", false}}}};
     for (const auto& variant : variants) {
         const std::string& name = variant.first;
         const ParameterMap& given = variant.second;
@@ -485,7 +512,12 @@ TEST(Session, RefusesWhatCannotBeAnswered) {
 
 TEST(Session, FindsParametersThatNobodyReads) {
     SolverEntry careless = find_solver("naive");
-    careless.info.parameters = {{.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "", .description = "", .choices = {}}};
+    careless.info.parameters = {{.name = "depth",
+                                 .default_value = std::int64_t{6},
+                                 .unit = "",
+                                 .paper_value = "",
+                                 .description = "",
+                                 .choices = {}}};
     EXPECT_THROW(Session(careless, defaults(careless), cases().front().test.scene, {}), std::logic_error);
 }
 

@@ -29,7 +29,8 @@ inline TriangleMesh triangle_grid(Random& random, Index n, double bump) {
     TriangleMesh mesh;
     mesh.vertices.resize(n * n, 3);
     mesh.triangles.resize(2 * (n - 1) * (n - 1), 3);
-    for (Index i = 0; i < n * n; ++i) mesh.vertices.row(i) = Vec3(0.125 * (i % n), 0.125 * (i / n), bump * random.unit());
+    for (Index i = 0; i < n * n; ++i)
+        mesh.vertices.row(i) = Vec3(0.125 * (i % n), 0.125 * (i / n), bump * random.unit());
     Index t = 0;
     for (Index y = 0; y + 1 < n; ++y) {
         for (Index x = 0; x + 1 < n; ++x) {
@@ -66,7 +67,8 @@ inline std::vector<NamedMesh> tree_meshes() {
     add("huge", triangle_soup(random, 300, 0.1)).vertices *= 0x1p399;
     // Ever closer to a corner: deep trees.
     TriangleMesh& nested = add("nested", triangle_soup(random, 300, 0.5));
-    for (Index i = 0; i < nested.vertices.rows(); ++i) nested.vertices.row(i) *= std::ldexp(1.0, -static_cast<int>(i / 9));
+    for (Index i = 0; i < nested.vertices.rows(); ++i)
+        nested.vertices.row(i) *= std::ldexp(1.0, -static_cast<int>(i / 9));
     for (int i = 0; all.size() < 200; ++i) {
         const Index count = 1 + random.below(60);
         const std::string name = "random " + std::to_string(i);
@@ -87,12 +89,18 @@ inline Vec3 query_near(const TriangleMesh& mesh, Random& random) {
     const Vec3 vertex = mesh.vertices.row(v);
     const double size = mesh.vertices.cwiseAbs().maxCoeff();
     switch (random.below(6)) {
-        case 0: return random.vector(2 * size);
-        case 1: return vertex;
-        case 2: return vertex + random.vector(1e-7 * size);
-        case 3: return vertex + random.vector(std::ldexp(1.0, random.below(200)));
-        case 4: return 0.5 * (vertex + Vec3(mesh.vertices.row(random.below(static_cast<Index>(mesh.vertices.rows())))));
-        default: return Vec3(0.0625 * random.below(32), 0.0625 * random.below(32), 0.25 * random.below(3));
+        case 0:
+            return random.vector(2 * size);
+        case 1:
+            return vertex;
+        case 2:
+            return vertex + random.vector(1e-7 * size);
+        case 3:
+            return vertex + random.vector(std::ldexp(1.0, random.below(200)));
+        case 4:
+            return 0.5 * (vertex + Vec3(mesh.vertices.row(random.below(static_cast<Index>(mesh.vertices.rows())))));
+        default:
+            return Vec3(0.0625 * random.below(32), 0.0625 * random.below(32), 0.25 * random.below(3));
     }
 }
 

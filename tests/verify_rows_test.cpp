@@ -39,7 +39,8 @@ class VerifyRows : public testing::Test {
 protected:
     const Shape* load(const std::string& name) const { return name == "a" ? &source : &target; }
     void verify(const Stop& stop = {}) {
-        verify_rows(rows, [this](const std::string& name) { return load(name); }, stop);
+        verify_rows(
+            rows, [this](const std::string& name) { return load(name); }, stop);
     }
 
     Shape source = point(0.25, 0.25, 2), target = copies_of_a_triangle(100);
@@ -81,7 +82,8 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
 }
 
 TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
-    rows = {answer(1.5, 2, {0.25, 0.25, 2.25}), answer(2.0, 2, {0.25, 0.25, 2.25}), answer(2.25, 3, {0.25, 0.25, 2.25})};
+    rows = {answer(1.5, 2, {0.25, 0.25, 2.25}), answer(2.0, 2, {0.25, 0.25, 2.25}),
+            answer(2.25, 3, {0.25, 0.25, 2.25})};
     for (Row& row : rows) row.outcome.witness.source_element = -1;
     verify();
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);

@@ -26,9 +26,12 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
     std::vector<std::int32_t> next(first.begin(), first.end() - 1);
     for (std::size_t place = 0; place < halves_count; ++place) {
         const auto [low, high] = ends(place);
-        halves[static_cast<std::size_t>(next[static_cast<std::size_t>(low)]++)] = {high, static_cast<std::int32_t>(place)};
+        halves[static_cast<std::size_t>(next[static_cast<std::size_t>(low)]++)] = {high,
+                                                                                   static_cast<std::int32_t>(place)};
     }
-    const auto before = [](const Half& a, const Half& b) { return a.high != b.high ? a.high < b.high : a.place < b.place; };
+    const auto before = [](const Half& a, const Half& b) {
+        return a.high != b.high ? a.high < b.high : a.place < b.place;
+    };
 
     edge_of_.resize(halves_count);
     triangles_.resize(halves_count);
@@ -47,7 +50,8 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
 }
 
 std::size_t Adjacency::bytes() const {
-    return edge_of_.capacity() * sizeof(Index) + begin_.capacity() * sizeof(std::int32_t) + triangles_.capacity() * sizeof(Index);
+    return edge_of_.capacity() * sizeof(Index) + begin_.capacity() * sizeof(std::int32_t) +
+           triangles_.capacity() * sizeof(Index);
 }
 
 }  // namespace hausbench

@@ -20,7 +20,9 @@ public:
     Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
 
     // The edge from corner k to corner k + 1 (mod 3) of a triangle.
-    Index edge(Index triangle, int k) const { return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)]; }
+    Index edge(Index triangle, int k) const {
+        return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)];
+    }
 
     // Its triangles, in ascending order.
     std::span<const Index> triangles(Index edge) const {
@@ -38,8 +40,8 @@ public:
     std::size_t bytes() const;
 
 private:
-    std::vector<Index> edge_of_;         // three a triangle
-    std::vector<std::int32_t> begin_;    // of each edge in triangles_, and the end
+    std::vector<Index> edge_of_;       // three a triangle
+    std::vector<std::int32_t> begin_;  // of each edge in triangles_, and the end
     std::vector<Index> triangles_;
 };
 

@@ -8,7 +8,7 @@ namespace {
 using namespace builder;
 
 constexpr int most_bins = 16;
-constexpr int most_levels_by_area = 40;  // beyond these, halves
+constexpr int most_levels_by_area = 40;            // beyond these, halves
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
 
 struct Bin {
@@ -95,8 +95,7 @@ private:
     }
 
     // Fills the bins of the axes from `first` to `last`.
-    template <int first, int last>
-    void fill_bins(const Range& range, const Binning& binning) {
+    template <int first, int last> void fill_bins(const Range& range, const Binning& binning) {
         for (int k = first; k <= last; ++k) {
             for (int b = 0; b < binning.bins; ++b) bins_[static_cast<std::size_t>(k)][static_cast<std::size_t>(b)] = {};
         }

@@ -6,7 +6,8 @@
 
 namespace hausbench {
 
-ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters) {
+ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints,
+                             Counters& counters) {
     ++counters.closest_point_queries;
     ClosestPoint best;
     best.squared_distance = hints.squared_radius;

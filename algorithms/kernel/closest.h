@@ -36,7 +36,8 @@ inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index tria
 
 // The answer of closest_point(point, triangle) (point_triangle.h) that is smallest over all triangles of `mesh`, by
 // testing each. O(n).
-ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints, Counters& counters);
+ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints,
+                             Counters& counters);
 
 // A lower bound of the distance from `point` to the exact mesh, that holds under rounding: the least of the
 // distance_certainly_at_least (point_triangle.h) of the triangles whose box is no farther than the closest one's computed

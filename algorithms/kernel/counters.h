@@ -12,11 +12,11 @@ struct Counters {
     std::uint64_t point_triangle_distances = 0;  // point to triangle
     std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was looked into
     std::uint64_t closest_point_queries = 0;
-    std::uint64_t bound_tests = 0;               // upper bounds of an element of A evaluated
-    std::uint64_t subdivisions = 0;              // elements of A split
+    std::uint64_t bound_tests = 0;   // upper bounds of an element of A evaluated
+    std::uint64_t subdivisions = 0;  // elements of A split
     std::uint64_t queue_pushes = 0;
-    std::uint64_t box_distances = 0;             // box to box, or to the piece of a surface in a box
-    std::uint64_t polynomial_evaluations = 0;    // a polynomial bounded over a box
+    std::uint64_t box_distances = 0;           // box to box, or to the piece of a surface in a box
+    std::uint64_t polynomial_evaluations = 0;  // a polynomial bounded over a box
 
     bool operator==(const Counters&) const = default;
 };

@@ -89,7 +89,8 @@ std::uint32_t MortonFrame::key(const double* point) const {
     return key;
 }
 
-MortonOrder morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine) {
+MortonOrder morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
+                         bool refine) {
     const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
     MortonOrder result;
     std::vector<Item> items(count), room;

@@ -38,8 +38,9 @@ NearGrid::NearGrid(const Points& points, const Box& box) {
         }
     }
     for (int k = 0; k < 3; ++k) last_[k] = size_[k] - 1;
-    guesses_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]),
-                    {{0, 0, 0}, -1});
+    guesses_.assign(
+        static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]),
+        {{0, 0, 0}, -1});
     for (Index i = 0; i < points.rows(); ++i) {
         const double* p = points.row(i).data();
         guesses_[cell_of(p)] = {{p[0], p[1], p[2]}, i};
@@ -57,12 +58,14 @@ NearGrid::NearGrid(const Points& points, const Box& box) {
                     const int x = forward ? i : size_[0] - 1 - i;
                     Place& here = places[at(x, y, z)];
                     if (guesses_[at(x, y, z)].row >= 0) {
-                        here = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)};
+                        here = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
+                                static_cast<std::int16_t>(z)};
                         continue;
                     }
                     const auto take = [&](int u, int v, int w) {
                         const Place& other = places[at(u, v, w)];
-                        if (!other.empty() && (here.empty() || squared(other, x, y, z) < squared(here, x, y, z))) here = other;
+                        if (!other.empty() && (here.empty() || squared(other, x, y, z) < squared(here, x, y, z)))
+                            here = other;
                     };
                     if (i > 0) take(x - step, y, z);
                     if (j > 0) take(x, y - step, z);
@@ -80,7 +83,8 @@ NearGrid::NearGrid(const Points& points, const Box& box) {
         if (guess.row >= 0) any = guess;
     }
     for (std::size_t c = 0; c < guesses_.size(); ++c) {
-        if (guesses_[c].row < 0) guesses_[c] = places[c].empty() ? any : guesses_[at(places[c].x, places[c].y, places[c].z)];
+        if (guesses_[c].row < 0)
+            guesses_[c] = places[c].empty() ? any : guesses_[at(places[c].x, places[c].y, places[c].z)];
     }
 }
 

@@ -25,7 +25,8 @@ public:
 
     // Points outside the box belong to the cell nearest to them along each axis.
     std::size_t cell_of(const double* point) const {
-        return static_cast<std::size_t>(cell(point[0], 0) + size_[0] * (cell(point[1], 1) + size_[1] * cell(point[2], 2)));
+        return static_cast<std::size_t>(cell(point[0], 0) +
+                                        size_[0] * (cell(point[1], 1) + size_[1] * cell(point[2], 2)));
     }
     const Guess& guess(std::size_t cell) const { return guesses_[cell]; }
     const Guess& guess(const double* point) const { return guesses_[cell_of(point)]; }

@@ -47,7 +47,8 @@ Box box_of(const BlockNode& node) {
 
 }  // namespace
 
-PointLeaves::PointLeaves(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine) {
+PointLeaves::PointLeaves(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
+                         bool refine) {
     const MortonOrder sorted = morton_order(points, chosen, frame, refine);
     const std::size_t count = sorted.order.size();
     leaves.reserve((count + block_points - 1) / block_points);
@@ -71,7 +72,8 @@ PointBlocks::PointBlocks(const Points& points) : PointBlocks(points, nullptr, bo
 PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box)
     : frame(box), content(points, chosen, frame, true) {
     std::size_t total = 0;
-    for (std::size_t n = content.leaves.size(); total == 0 || n > 1;) total += n = (n + block_children - 1) / block_children;
+    for (std::size_t n = content.leaves.size(); total == 0 || n > 1;)
+        total += n = (n + block_children - 1) / block_children;
     nodes.reserve(total);
     std::size_t below = content.leaves.size();  // how many on the level below
     do {
@@ -84,7 +86,9 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
                 if (child >= below) {
                     set_child(node, c, {Vec3::Constant(infinity), Vec3::Constant(-infinity)});
                 } else {
-                    set_child(node, c, level_begin.empty() ? box_of(content.leaves[child]) : box_of(nodes[level_begin.back() + child]));
+                    set_child(node, c,
+                              level_begin.empty() ? box_of(content.leaves[child])
+                                                  : box_of(nodes[level_begin.back() + child]));
                 }
             }
         }

@@ -21,9 +21,10 @@ class PointOctree {
 public:
     struct Node {
         Box cell;
-        std::int32_t depth;                     // halvings of the root's cube
-        std::int32_t first_child, child_count;  // 0 children: a leaf, of one point or of points that cannot be told apart
-        std::int32_t first, count;              // of the points, in the order of order()
+        std::int32_t depth;  // halvings of the root's cube
+        std::int32_t first_child,
+            child_count;            // 0 children: a leaf, of one point or of points that cannot be told apart
+        std::int32_t first, count;  // of the points, in the order of order()
     };
 
     // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
@@ -31,8 +32,8 @@ public:
 
     const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
     const std::vector<Index>& order() const { return order_; }
-    const Points& points() const { return points_; }           // sorted by order()
-    const Box& root_cell() const { return root_cell_; }        // before any level is passed over
+    const Points& points() const { return points_; }     // sorted by order()
+    const Box& root_cell() const { return root_cell_; }  // before any level is passed over
 
     std::size_t bytes() const;
 
@@ -57,8 +58,7 @@ struct Cursor {
 inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
 
 // Calls f(Cursor) for the occupied parts of a cell, by ascending octant. A leaf has no end: halving its cell is up to the caller.
-template <class F>
-void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
+template <class F> void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
     const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
     const auto below = [&](std::int32_t child, const PointOctree::Node& of) {
         const int octant = octant_of(at.cell, tree.points().row(of.first));

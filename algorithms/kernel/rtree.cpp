@@ -54,7 +54,8 @@ RTree::RTree(const Points& points) : order_(static_cast<std::size_t>(points.rows
         }
     };
     std::vector<Node> level;
-    pack(level, 0, static_cast<std::int32_t>(points.rows()), true, [&](Box& box, Index i) { box.add(Vec3(points_.row(i))); });
+    pack(level, 0, static_cast<std::int32_t>(points.rows()), true,
+         [&](Box& box, Index i) { box.add(Vec3(points_.row(i))); });
     while (level.size() > 1) {
         Points centres(static_cast<Eigen::Index>(level.size()), 3);
         for (std::size_t i = 0; i < level.size(); ++i) {

@@ -24,7 +24,7 @@ public:
 
     const std::vector<Node>& nodes() const { return nodes_; }  // the root is the last
     const std::vector<Index>& order() const { return order_; }
-    const Points& points() const { return points_; }           // sorted by order()
+    const Points& points() const { return points_; }  // sorted by order()
 
     std::size_t bytes() const;
 

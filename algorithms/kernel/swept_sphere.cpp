@@ -62,7 +62,8 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
         moments += r * r.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
-    const std::array<Vec3, 3> axes{solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
+    const std::array<Vec3, 3> axes{solver.eigenvectors().col(2), solver.eigenvectors().col(1),
+                                   solver.eigenvectors().col(0)};
 
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Vec3& point : points) {
@@ -73,7 +74,8 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
     }
     const Vec3 half = 0.5 * (high - low);
     SweptSphere swept;
-    swept.centre = middle + (0.5 * (low + high))[0] * axes[0] + (0.5 * (low + high))[1] * axes[1] + (0.5 * (low + high))[2] * axes[2];
+    swept.centre = middle + (0.5 * (low + high))[0] * axes[0] + (0.5 * (low + high))[1] * axes[1] +
+                   (0.5 * (low + high))[2] * axes[2];
     const auto volume = [](const SweptSphere& s) {
         const double a = 2 * std::sqrt(squared_length(s.u)), b = 2 * std::sqrt(squared_length(s.v)), r = s.radius;
         return (4.0 / 3) * 3.14159265 * r * r * r + 3.14159265 * r * r * (a + b) + 2 * a * b * r;
@@ -113,7 +115,8 @@ double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     return next_up(next_up(distance_at_most(most, true) + 16 * unit_roundoff * size) + volume.radius);
 }
 
-SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh) : TriangleBvh(mesh), volumes_(tree().nodes.size() * tree_width) {
+SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
+    : TriangleBvh(mesh), volumes_(tree().nodes.size() * tree_width) {
     std::vector<Vec3> below;
     fill(0, below);
 }

@@ -63,16 +63,14 @@ struct Builder {
     }
 
     // Builds the tree; split(range, depth, children) fills in at most eight parts and returns how many.
-    template <class Split>
-    WideTree build(Split&& split) {
+    template <class Split> WideTree build(Split&& split) {
         add_node(range(0, static_cast<std::int32_t>(elements.size())), 0, split);
         tree.nodes.shrink_to_fit();
         tree.leaf_begin.shrink_to_fit();
         return std::move(tree);
     }
 
-    template <class Split>
-    std::int32_t add_node(const Range& whole, int depth, Split&& split) {
+    template <class Split> std::int32_t add_node(const Range& whole, int depth, Split&& split) {
         std::array<Range, tree_width> parts;
         int count = 1;
         parts[0] = whole;

@@ -13,7 +13,7 @@ inline constexpr int block_width = 8;  // the logical width on every machine, wh
 struct alignas(64) TriangleBlock {
     double corner[3][3][block_width];  // [corner][coordinate][lane], the longest edge first
     Index triangle[block_width];
-    std::int32_t count;                // lanes in use; the others repeat the first
+    std::int32_t count;  // lanes in use; the others repeat the first
 
     void set(const TriangleMesh& mesh, std::span<const Index> triangles) {  // 1 to 8
         count = static_cast<std::int32_t>(triangles.size());

@@ -23,7 +23,8 @@ HWY_INLINE void offer_block(const Vec3& point, const TriangleBlock& block, Close
     for (std::size_t lane = 0; lane < block_width; lane += hn::Lanes(d)) {
         const V3 a = load(block.corner[0], lane), b = load(block.corner[1], lane), c = load(block.corner[2], lane);
         const VBox box = box_of(a, b, c);
-        const auto in_use = hn::FirstN(d, lane < static_cast<std::size_t>(block.count) ? static_cast<std::size_t>(block.count) - lane : 0);
+        const auto in_use = hn::FirstN(
+            d, lane < static_cast<std::size_t>(block.count) ? static_cast<std::size_t>(block.count) - lane : 0);
         const auto near = hn::And(in_use, hn::Le(squared_distance_to_box(p, box), bound));
         if (hn::AllFalse(d, near)) continue;
         counters.point_triangle_distances += hn::CountTrue(d, near);
@@ -114,7 +115,8 @@ void TriangleTree::fill_blocks() {
     leaf_of_.resize(tree_.order.size());
     for (std::size_t i = 0; i < tree_.leaves(); ++i) {
         blocks_[i].set(*mesh_, tree_.leaf(i));
-        for (const Index triangle : tree_.leaf(i)) leaf_of_[static_cast<std::size_t>(triangle)] = static_cast<std::int32_t>(i);
+        for (const Index triangle : tree_.leaf(i))
+            leaf_of_[static_cast<std::size_t>(triangle)] = static_cast<std::int32_t>(i);
     }
 }
 
@@ -148,7 +150,9 @@ double TriangleTree::certified_distance(const Vec3& point, Counters& counters) c
     return least;
 }
 
-std::size_t TriangleTree::bytes() const { return tree_.bytes() + tree_.leaves() * sizeof(TriangleBlock) + leaf_of_.capacity() * sizeof(std::int32_t); }
+std::size_t TriangleTree::bytes() const {
+    return tree_.bytes() + tree_.leaves() * sizeof(TriangleBlock) + leaf_of_.capacity() * sizeof(std::int32_t);
+}
 
 }  // namespace hausbench
 #endif

@@ -16,8 +16,8 @@
 
 namespace hausbench {
 
-inline constexpr int tree_width = 8;       // children of a node
-inline constexpr int leaf_capacity = 8;    // elements of a leaf: one block (triangle_block.h)
+inline constexpr int tree_width = 8;     // children of a node
+inline constexpr int leaf_capacity = 8;  // elements of a leaf: one block (triangle_block.h)
 inline constexpr int most_tree_levels = 100;
 
 // Single precision coordinates (x - centre) 2^exponent, chosen so that the content of a tree lies in [-1, 1].
@@ -32,8 +32,7 @@ struct LocalFrame {
 
     // Lowest and highest single precision value that p[k] may have here. Points far outside are taken to be at 2^60, which
     // is no farther from any box of the tree.
-    template <class Float>
-    void interval(const Vec3& p, int k, Float&& low, Float&& high) const {
+    template <class Float> void interval(const Vec3& p, int k, Float&& low, Float&& high) const {
         const double local = std::min(std::max((p[k] - centre[k]) * scale, -0x1p60), 0x1p60);
         const float nearest = static_cast<float>(local);
         const float slack = std::abs(nearest) * 0x1p-22F + 0x1p-100F;
@@ -58,9 +57,9 @@ struct alignas(64) WideNode {
 
 struct WideTree {
     LocalFrame frame;
-    std::vector<WideNode> nodes;            // parents before children; the root is node 0
-    std::vector<std::int32_t> leaf_begin;   // leaf i holds order[leaf_begin[i]] to order[leaf_begin[i + 1] - 1]
-    std::vector<Index> order;               // each element once
+    std::vector<WideNode> nodes;           // parents before children; the root is node 0
+    std::vector<std::int32_t> leaf_begin;  // leaf i holds order[leaf_begin[i]] to order[leaf_begin[i + 1] - 1]
+    std::vector<Index> order;              // each element once
 
     std::size_t leaves() const { return leaf_begin.size() - 1; }
     std::span<const Index> leaf(std::size_t i) const {
@@ -77,7 +76,8 @@ using Float4 [[gnu::vector_size(16)]] = float;
 
 // A box in single precision; the fourth numbers are for the builder.
 struct FloatBox {
-    Float4 low = Float4{} + std::numeric_limits<float>::infinity(), high = Float4{} - std::numeric_limits<float>::infinity();
+    Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
+           high = Float4{} - std::numeric_limits<float>::infinity();
 
     void add(Float4 point) { low = point < low ? point : low, high = point > high ? point : high; }
     void add(const FloatBox& box) { low = box.low < low ? box.low : low, high = box.high > high ? box.high : high; }

@@ -95,7 +95,8 @@ HWY_INLINE void walk(const WideTree& tree, const LocalPoint& p, double squared, 
             for (; mask != 0; mask &= mask - 1) {
                 const int c = std::countr_zero(mask);
                 std::size_t place = size++;
-                for (; place > base && stack[place - 1].distance < distances[c]; --place) stack[place] = stack[place - 1];
+                for (; place > base && stack[place - 1].distance < distances[c]; --place)
+                    stack[place] = stack[place - 1];
                 stack[place] = {distances[c], node.child[c]};
             }
         } else {

@@ -28,20 +28,20 @@
 namespace hausbench {
 namespace {
 
-constexpr int most_levels = 50;  // by then a piece is smaller than rounding
+constexpr int most_levels = 50;     // by then a piece is smaller than rounding
 constexpr Index scan_at_most = 32;  // triangles of B that are as soon scanned as searched
 
 struct Vertex {
     Vec3 point;
-    double squared = -1;    // distance to B, squared; negative: not known yet
-    Index triangle = -1;    // of B, nearest
+    double squared = -1;  // distance to B, squared; negative: not known yet
+    Index triangle = -1;  // of B, nearest
 };
 
 struct Piece {
     std::array<Vertex, 3> corners;
     double upper;
-    Index source;    // triangle of A
-    Index best;      // triangle of B whose bound was least
+    Index source;  // triangle of A
+    Index best;    // triangle of B whose bound was least
     int level;
 };
 
@@ -62,8 +62,14 @@ class Search {
 public:
     Search(const TriangleMesh& a, const TriangleMesh& b, const TriangleOctree* octree, Points posed_vertices,
            const Query& query, Trace& trace, const Choices& choices)
-        : a_(a), b_(b), octree_(octree), points_(std::move(posed_vertices)), query_(query), trace_(trace),
-          textbook_(choices.textbook), deadline_(query.time_limit),
+        : a_(a),
+          b_(b),
+          octree_(octree),
+          points_(std::move(posed_vertices)),
+          query_(query),
+          trace_(trace),
+          textbook_(choices.textbook),
+          deadline_(query.time_limit),
           rounding_{std::max(magnitude(points_), magnitude(b.vertices)), choices.certify} {}
 
     Result run();
@@ -96,17 +102,18 @@ private:
     std::vector<Waiting> heap_;
     std::vector<Piece> pieces_;
     std::vector<std::uint32_t> free_;  // places in pieces_
-    double settled_ = 0;            // the largest upper bound of what was purged
+    double settled_ = 0;               // the largest upper bound of what was purged
     Vertex farthest_;
     Index farthest_source_ = -1;
     int farthest_level_ = 0;
-    double certified_ = -1;         // of farthest_, negative: to be computed
+    double certified_ = -1;  // of farthest_, negative: to be computed
 };
 
 ClosestPoint Search::closest(const Vec3& point, Index warm) {
     ClosestHints hints;
     hints.warm_triangle = warm;
-    if (!textbook_) return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
+    if (!textbook_)
+        return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
 
     ClosestPoint best;
     if (octree_) {
@@ -159,7 +166,8 @@ bool Search::measure_vertices() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (i % 128 == 0 && deadline_.passed()) return false;
         for (const Index v : a_.triangles.row(i)) {
-            if (vertices_[static_cast<std::size_t>(v)].triangle >= 0) warm = vertices_[static_cast<std::size_t>(v)].triangle;
+            if (vertices_[static_cast<std::size_t>(v)].triangle >= 0)
+                warm = vertices_[static_cast<std::size_t>(v)].triangle;
         }
         for (const Index v : a_.triangles.row(i)) {
             Vertex& vertex = vertices_[static_cast<std::size_t>(v)];
@@ -252,8 +260,8 @@ void Search::split(const Piece& piece) {
         v[k + 3] = vertex_at(0.5 * (one.point + two.point), one.triangle, piece.source, level);
     }
 
-    std::array<Index, 7> near{piece.best, v[0].triangle, v[1].triangle, v[2].triangle, v[3].triangle, v[4].triangle,
-                              v[5].triangle};
+    std::array<Index, 7> near{piece.best,    v[0].triangle, v[1].triangle, v[2].triangle,
+                              v[3].triangle, v[4].triangle, v[5].triangle};
     std::array<double, 4> least;
     std::array<Index, 4> best{};
     least.fill(std::numeric_limits<double>::infinity());
@@ -275,8 +283,8 @@ void Search::split(const Piece& piece) {
     }
     for (std::size_t c = 0; c < 4; ++c) {
         Piece child{{v[children[c][0]], v[children[c][1]], v[children[c][2]]}, 0, piece.source, best[c], level};
-        child.upper = std::min({piece.upper, rounding_.at_most(least[c], level),
-                                lipschitz_bound(child.corners, rounding_, level)});
+        child.upper = std::min(
+            {piece.upper, rounding_.at_most(least[c], level), lipschitz_bound(child.corners, rounding_, level)});
         push(child);
     }
 }
@@ -311,8 +319,11 @@ Result Search::run() {
         double most = 0;
         for (Index v = 0; v < points_.rows(); ++v) most = std::max(most, squared_length(Vec3(points_.row(v)) - point));
         settled_ = rounding_.at_most(most, 0);
-        return farthest_.triangle < 0 ? Result{.status = Status::time_limit, .bounds = {0, settled_}, .witness = {},
-                                               .counters = counters_, .extras = {}}
+        return farthest_.triangle < 0 ? Result{.status = Status::time_limit,
+                                               .bounds = {0, settled_},
+                                               .witness = {},
+                                               .counters = counters_,
+                                               .extras = {}}
                                       : result(Status::time_limit);
     }
     push_triangles();
@@ -390,11 +401,18 @@ SolverEntry guthe_solver() {
     info.traces = true;
     info.may_need = {{Structure::octree, Side::target}};
     info.parameters = {
-        {.name = "kernel", .default_value = std::string("robust"), .unit = "", .paper_value = "",
+        {.name = "kernel",
+         .default_value = std::string("robust"),
+         .unit = "",
+         .paper_value = "",
          .description = "the distance of a point to a triangle; textbook: not certified, to show how it fails",
          .choices = {"robust", "textbook"}},
-        {.name = "certify", .default_value = true, .unit = "", .paper_value = "",
-         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost", .choices = {}},
+        {.name = "certify",
+         .default_value = true,
+         .unit = "",
+         .paper_value = "",
+         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
+         .choices = {}},
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
 }

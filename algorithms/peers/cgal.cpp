@@ -81,10 +81,12 @@ public:
         result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
         result.witness.target_point = result.witness.source_point;
         try {
-            const SurfaceMesh source = surface_mesh(posed(source_->vertices, query.pose), source_faces_, source_shared_);
+            const SurfaceMesh source =
+                surface_mesh(posed(source_->vertices, query.pose), source_faces_, source_shared_);
             if (query.tolerance.of == Tolerance::Of::absolute) {
                 result.bounds = bounds(source, query.tolerance.value);
-                if (result.bounds.gap() > query.tolerance.value) result.bounds = bounds(source, query.tolerance.value / 2);
+                if (result.bounds.gap() > query.tolerance.value)
+                    result.bounds = bounds(source, query.tolerance.value / 2);
             } else {
                 // The diagonal of the source is where a search for the scale of h may start.
                 double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
@@ -132,8 +134,12 @@ SolverEntry cgal_solver() {
     info.source.mesh = info.target.mesh = true;
     info.original_coordinates = true;
     info.parameters = {
-        {.name = "match_faces", .default_value = true, .unit = "", .paper_value = "",
-         .description = "first drop the faces of A that are faces of B; CGAL's default", .choices = {}},
+        {.name = "match_faces",
+         .default_value = true,
+         .unit = "",
+         .paper_value = "",
+         .description = "first drop the faces of A that are faces of B; CGAL's default",
+         .choices = {}},
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Cgal>(options); }};
 }

@@ -57,7 +57,8 @@ int start_watch() {
         ::dup2(talk[0], STDIN_FILENO);
         ::dup2(null, STDOUT_FILENO);
         ::dup2(null, STDERR_FILENO);
-        ::execl("/bin/sh", "sh", "-c", "while read line; do group=$line; done; [ -z $group ] || kill -9 -$group", static_cast<char*>(nullptr));
+        ::execl("/bin/sh", "sh", "-c", "while read line; do group=$line; done; [ -z $group ] || kill -9 -$group",
+                static_cast<char*>(nullptr));
         ::_exit(127);
     }
     ::close(talk[0]);
@@ -123,8 +124,10 @@ CommandRun run_command(const std::string& line, double seconds) {
     read_some(output[0], run.output);
     ::close(output[0]);
     if (run.output.size() > output_kept) run.output.erase(0, run.output.size() - output_kept);
-    if (WIFSIGNALED(status)) run.failure = fmt::format("signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
-    else if (WEXITSTATUS(status) != 0) run.failure = fmt::format("exit code {}", WEXITSTATUS(status));
+    if (WIFSIGNALED(status))
+        run.failure = fmt::format("signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
+    else if (WEXITSTATUS(status) != 0)
+        run.failure = fmt::format("exit code {}", WEXITSTATUS(status));
     const std::int64_t peak = std::int64_t(used.ru_maxrss) * 1024;
     if (peak > own_bytes + (1 << 20)) run.peak_bytes = peak;
     return run;

@@ -57,7 +57,8 @@ private:
 
 std::string command_problem(const std::string& value) {
     for (const char* needed : {"{A}", "{B}"}) {
-        if (value.find(needed) == std::string::npos) return fmt::format("does not say where {} stands: write it where the program takes that file", needed);
+        if (value.find(needed) == std::string::npos)
+            return fmt::format("does not say where {} stands: write it where the program takes that file", needed);
     }
     return "";
 }
@@ -73,7 +74,8 @@ std::string expression_problem(const std::string& value) {
 }
 
 void replace(std::string& text, const std::string& what, const std::string& by) {
-    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) text.replace(at, what.size(), by);
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+        text.replace(at, what.size(), by);
 }
 
 std::string quoted(const fs::path& path) {
@@ -99,7 +101,9 @@ public:
           seconds_(options.text("seconds")),
           seconds_unit_(options.real("seconds_unit")) {
         if (!lower_.told() && !upper_.told()) {
-            throw InputError("solver 'external': neither 'lower' nor 'upper' says where the program prints its answer: give one, or both");
+            throw InputError(
+                "solver 'external': neither 'lower' nor 'upper' says where the program prints its answer: give one, or "
+                "both");
         }
     }
     void prepare(const Scene& scene, const Prepared&) override {
@@ -116,7 +120,8 @@ public:
         points_of(a) = posed(points_of(*source_), query.pose);
         const bool needs_length = command_.find("tolerance}") != std::string::npos;
         if (needs_length && query.tolerance.of == Tolerance::Of::lower) {
-            result.note = "the command line takes a tolerance as a length, the query asks for a fraction of the lower bound";
+            result.note =
+                "the command line takes a tolerance as a length, the query asks for a fraction of the lower bound";
             return result;
         }
         write_mesh_file(file("A"), a, mesh_format_of(file("A")));
@@ -145,18 +150,20 @@ private:
             result.note = "the program ended with " + run.failure + last_words(run.output);
             return;
         }
-        const auto lower = lower_.find(run.output), upper = upper_.find(run.output), seconds = seconds_.find(run.output);
+        const auto lower = lower_.find(run.output), upper = upper_.find(run.output),
+                   seconds = seconds_.find(run.output);
         if (seconds) result.reported_seconds = *seconds * seconds_unit_;
         if ((lower_.told() && !lower) || (upper_.told() && !upper)) {
-            result.note = fmt::format("the program's output has no number where '{}' says{}", lower_.told() && !lower ? "lower" : "upper",
-                                      last_words(run.output));
+            result.note = fmt::format("the program's output has no number where '{}' says{}",
+                                      lower_.told() && !lower ? "lower" : "upper", last_words(run.output));
             return;
         }
         Bounds bounds;
         if (lower) bounds.lower = *lower;
         if (upper) bounds.upper = *upper;
         if (std::isinf(bounds.lower) || bounds.upper < 0) {
-            result.note = fmt::format("the program's bounds [{}, {}] are those of no distance", bounds.lower, bounds.upper);
+            result.note =
+                fmt::format("the program's bounds [{}, {}] are those of no distance", bounds.lower, bounds.upper);
             return;
         }
         result.bounds = bounds;
@@ -164,8 +171,9 @@ private:
             result.status = Status::converged;
         } else {
             result.status = Status::precision_floor;  // it did all it can
-            result.note = !upper ? "the program tells no upper bound"
-                          : !lower ? "the program tells no lower bound" : "the program's own interval is wider than the tolerance";
+            result.note = !upper   ? "the program tells no upper bound"
+                          : !lower ? "the program tells no lower bound"
+                                   : "the program's own interval is wider than the tolerance";
         }
     }
 
@@ -186,23 +194,46 @@ SolverEntry external_solver() {
     info.source = info.target = {.points = true, .mesh = true};
     info.original_coordinates = true;
     const auto place = [](const char* name, const char* what) -> ParameterSpec {
-        return {.name = name, .default_value = std::string(), .unit = "", .paper_value = "", .description = what, .choices = {},
+        return {.name = name,
+                .default_value = std::string(),
+                .unit = "",
+                .paper_value = "",
+                .description = what,
+                .choices = {},
                 .problem = expression_problem};
     };
     info.parameters = {
-        {.name = "command", .default_value = std::string(), .unit = "", .paper_value = "",
-         .description = "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
-                        "{relative_tolerance} as a fraction of the diagonal of A as handed over",
-         .choices = {}, .problem = command_problem},
-        {.name = "format", .default_value = std::string("off"), .unit = "", .paper_value = "", .description = "of the files",
+        {.name = "command",
+         .default_value = std::string(),
+         .unit = "",
+         .paper_value = "",
+         .description =
+             "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
+             "{relative_tolerance} as a fraction of the diagonal of A as handed over",
+         .choices = {},
+         .problem = command_problem},
+        {.name = "format",
+         .default_value = std::string("off"),
+         .unit = "",
+         .paper_value = "",
+         .description = "of the files",
          .choices = {"off", "obj"}},
-        place("lower", "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the output; empty: not told"),
+        place("lower",
+              "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the "
+              "output; empty: not told"),
         place("upper", "likewise, of the upper bound"),
         place("seconds", "likewise, of the time that the program reports of itself"),
-        {.name = "seconds_unit", .default_value = 1.0, .unit = "s", .paper_value = "",
-         .description = "what one unit of that time is: 1e-3 for milliseconds", .choices = {}, .least = 1e-12, .most = 1e6},
+        {.name = "seconds_unit",
+         .default_value = 1.0,
+         .unit = "s",
+         .paper_value = "",
+         .description = "what one unit of that time is: 1e-3 for milliseconds",
+         .choices = {},
+         .least = 1e-12,
+         .most = 1e6},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<External>(options); }};
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<External>(options); }};
 }
 
 }  // namespace hausbench

@@ -17,8 +17,8 @@ std::vector<pid_t> family_of(pid_t process) {
         const pid_t parent = all[i];
         // A child hangs on the thread that started it.
         std::error_code gone;
-        for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end; !gone && thread != end;
-             thread.increment(gone)) {
+        for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
+             !gone && thread != end; thread.increment(gone)) {
             std::ifstream children(thread->path() / "children");
             for (pid_t child = 0; children >> child;) all.push_back(child);
         }

@@ -146,11 +146,22 @@ SolverEntry kdtree_solver() {
     info.certified = true;
     info.exact = true;
     info.parameters = {
-        {.name = "leaf_size", .default_value = std::int64_t{10}, .unit = "points", .paper_value = "",
-         .description = "most points in a leaf of the tree; nanoflann's default", .choices = {}, .least = 1, .most = 1e6},
-        {.name = "samples", .default_value = std::int64_t{16}, .unit = "points", .paper_value = "",
-         .description = "points of B that choose which points of A come first; 0: the order given", .choices = {},
-         .least = 0, .most = 1e6},
+        {.name = "leaf_size",
+         .default_value = std::int64_t{10},
+         .unit = "points",
+         .paper_value = "",
+         .description = "most points in a leaf of the tree; nanoflann's default",
+         .choices = {},
+         .least = 1,
+         .most = 1e6},
+        {.name = "samples",
+         .default_value = std::int64_t{16},
+         .unit = "points",
+         .paper_value = "",
+         .description = "points of B that choose which points of A come first; 0: the order given",
+         .choices = {},
+         .least = 0,
+         .most = 1e6},
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<KdTree>(options); }};
 }

@@ -120,14 +120,21 @@ SolverEntry adaptive_solver() {
     info.certified = true;
     info.exact = true;
     info.may_need = {{Structure::point_octree, Side::source}, {Structure::point_octree, Side::target}};
-    info.parameters = {{.name = "theta", .default_value = 0.33, .unit = "of the smaller box", .paper_value = "0.33",
-                        .description = "overlap of the boxes up to which EARLYBREAK is chosen", .choices = {}, .least = 0, .most = 1}};
+    info.parameters = {{.name = "theta",
+                        .default_value = 0.33,
+                        .unit = "of the smaller box",
+                        .paper_value = "0.33",
+                        .description = "overlap of the boxes up to which EARLYBREAK is chosen",
+                        .choices = {},
+                        .least = 0,
+                        .most = 1}};
     for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
         for (const ParameterSpec& spec : entry.info.parameters) {
             if (spec.name != "early_break" && spec.name != "culling") info.parameters.push_back(spec);
         }
     }
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Adaptive>(options); }};
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Adaptive>(options); }};
 }
 
 }  // namespace hausbench

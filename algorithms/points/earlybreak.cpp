@@ -34,7 +34,8 @@ public:
         source_order_ = order_of(element_count(scene.source), shuffle_, random);
         target_order_ = order_of(element_count(scene.target), shuffle_, random);
         shuffled_target_.resize(b.rows(), 3);
-        for (Index j = 0; j < b.rows(); ++j) shuffled_target_.row(j) = b.row(target_order_[static_cast<std::size_t>(j)]);
+        for (Index j = 0; j < b.rows(); ++j)
+            shuffled_target_.row(j) = b.row(target_order_[static_cast<std::size_t>(j)]);
         if (!exclude_common_) return;
         for (Index j = 0; j < b.rows(); ++j) sorted_target_.push_back({key_of(b, j), j});
         std::sort(sorted_target_.begin(), sorted_target_.end());
@@ -123,12 +124,26 @@ SolverEntry earlybreak_solver() {
     info.certified = true;
     info.exact = true;
     info.parameters = {
-        {.name = "seed", .default_value = std::int64_t{1}, .unit = "", .paper_value = "",
-         .description = "of the generator that shuffles both sets", .choices = {}, .least = 0, .most = 9e15},
-        {.name = "shuffle", .default_value = true, .unit = "", .paper_value = "randomize(A), randomize(B)",
-         .description = "scan both sets in random order", .choices = {}},
-        {.name = "exclude_common", .default_value = false, .unit = "", .paper_value = "on, for voxel data",
-         .description = "leave out points of A that are points of B as well", .choices = {}},
+        {.name = "seed",
+         .default_value = std::int64_t{1},
+         .unit = "",
+         .paper_value = "",
+         .description = "of the generator that shuffles both sets",
+         .choices = {},
+         .least = 0,
+         .most = 9e15},
+        {.name = "shuffle",
+         .default_value = true,
+         .unit = "",
+         .paper_value = "randomize(A), randomize(B)",
+         .description = "scan both sets in random order",
+         .choices = {}},
+        {.name = "exclude_common",
+         .default_value = false,
+         .unit = "",
+         .paper_value = "on, for voxel data",
+         .description = "leave out points of A that are points of B as well",
+         .choices = {}},
     };
     return {info,
             [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<EarlyBreak>(options); }};

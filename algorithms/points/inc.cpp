@@ -45,8 +45,13 @@ struct Entry {
 class Search {
 public:
     Search(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query)
-        : source_(source), target_(target), a_(a), b_(b), query_(query),
-          a_box_(query.pose.is_identity() ? Box{} : box_of(a)), deadline_(query.time_limit) {}
+        : source_(source),
+          target_(target),
+          a_(a),
+          b_(b),
+          query_(query),
+          a_box_(query.pose.is_identity() ? Box{} : box_of(a)),
+          deadline_(query.time_limit) {}
 
     Result run() {
         const auto root = [](const RTree& tree) { return static_cast<Id>(tree.nodes().size() - 1); };
@@ -60,7 +65,8 @@ public:
             heap_.pop_back();
             const Near near = head.near.front();
             if (is_point(head.id) && is_point(near.id)) {
-                return finish({near.squared_lower, source_.order()[row(head.id)], target_.order()[row(near.id)]}, -1, Status::converged);
+                return finish({near.squared_lower, source_.order()[row(head.id)], target_.order()[row(near.id)]}, -1,
+                              Status::converged);
             }
             Status stopped = Status::converged;
             if (taken >= query_.budget) stopped = Status::budget;
@@ -70,7 +76,8 @@ public:
             if (stopped != Status::converged) return finish({}, head.squared_upper, stopped);
 
             const Box box = source_box(head.id), near_box = target_box(near.id);
-            const double size = (box.high - box.low).squaredNorm(), near_size = (near_box.high - near_box.low).squaredNorm();
+            const double size = (box.high - box.low).squaredNorm(),
+                         near_size = (near_box.high - near_box.low).squaredNorm();
             if (!is_point(head.id) && (is_point(near.id) || size >= near_size)) {
                 split_source(head);
             } else {

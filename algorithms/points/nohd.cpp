@@ -36,8 +36,15 @@ class Search {
 public:
     Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth, bool early_break,
            Algorithm5 algorithm5)
-        : tree_(tree), a_(a), b_(b), query_(query), depth_(depth), early_break_(early_break), algorithm5_(algorithm5),
-          a_box_(query.pose.is_identity() ? Box{} : box_of(a)), deadline_(query.time_limit) {}
+        : tree_(tree),
+          a_(a),
+          b_(b),
+          query_(query),
+          depth_(depth),
+          early_break_(early_break),
+          algorithm5_(algorithm5),
+          a_box_(query.pose.is_identity() ? Box{} : box_of(a)),
+          deadline_(query.time_limit) {}
 
     Result run() {
         std::vector<Entry> queue{{std::numeric_limits<double>::infinity(), 0, root_of(tree_)}};
@@ -155,7 +162,8 @@ private:
 class Nohd final : public Solver {
 public:
     Nohd(const Options& options, Algorithm5 algorithm5)
-        : depth_(static_cast<int>(options.integer("depth"))), early_break_(options.flag("early_break")),
+        : depth_(static_cast<int>(options.integer("depth"))),
+          early_break_(options.flag("early_break")),
           algorithm5_(algorithm5) {}
 
     Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::source}}; }
@@ -189,11 +197,20 @@ SolverInfo info_of(const char* name, const char* title) {
     info.exact = true;
     info.may_need = {{Structure::point_octree, Side::source}};
     info.parameters = {
-        {.name = "depth", .default_value = std::int64_t{6}, .unit = "", .paper_value = "6",
-         .description = "of the octree: cells of the largest extent of A over 2^depth", .choices = {}, .least = 0,
+        {.name = "depth",
+         .default_value = std::int64_t{6},
+         .unit = "",
+         .paper_value = "6",
+         .description = "of the octree: cells of the largest extent of A over 2^depth",
+         .choices = {},
+         .least = 0,
          .most = PointOctree::max_depth},
-        {.name = "early_break", .default_value = true, .unit = "", .paper_value = "on",
-         .description = "stop looking through B once a cell or point can no longer be the farthest", .choices = {}},
+        {.name = "early_break",
+         .default_value = true,
+         .unit = "",
+         .paper_value = "on",
+         .description = "stop looking through B once a cell or point can no longer be the farthest",
+         .choices = {}},
     };
     return info;
 }

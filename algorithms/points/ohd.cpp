@@ -62,7 +62,8 @@ public:
             if (row % 64 == 0 && deadline_.passed()) stopped = Status::time_limit;
             if (distance_at_least(farthest_.squared, true) > query_.cutoff) stopped = Status::cutoff_passed;
             if (stopped != Status::converged) {
-                return finish(culled, squared_distances_at_most(a_, b_, order.data(), static_cast<Index>(row)), stopped);
+                return finish(culled, squared_distances_at_most(a_, b_, order.data(), static_cast<Index>(row)),
+                              stopped);
             }
             const Index i = order[row];
             const Vec3 point = a_.row(i);
@@ -70,7 +71,8 @@ public:
                 squared_resolution_ = farthest_.squared;
                 if (culling == Culling::as_printed) make_grid(grid);
             }
-            const bool near = row >= samples && (culling == Culling::exact ? lies_near(point) : grid && grid->holds(point));
+            const bool near =
+                row >= samples && (culling == Culling::exact ? lies_near(point) : grid && grid->holds(point));
             if (near) {
                 ++culled;
             } else {
@@ -170,7 +172,9 @@ private:
 class Ohd final : public Solver {
 public:
     Ohd(const Options& options, Culling culling)
-        : culling_(culling), lambda_(options.real("lambda")), seed_(static_cast<std::uint64_t>(options.integer("seed"))) {}
+        : culling_(culling),
+          lambda_(options.real("lambda")),
+          seed_(static_cast<std::uint64_t>(options.integer("seed"))) {}
 
     Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::target}}; }
 
@@ -211,10 +215,22 @@ SolverInfo info_of(const char* name, const char* title) {
     info.exact = true;
     info.may_need = {{Structure::point_octree, Side::target}};
     info.parameters = {
-        {.name = "lambda", .default_value = 0.01, .unit = "of |A|", .paper_value = "1/100",
-         .description = "points of A in the sample that gives the first lower bound", .choices = {}, .least = 0, .most = 1},
-        {.name = "seed", .default_value = std::int64_t{1}, .unit = "", .paper_value = "",
-         .description = "of the generator that shuffles A", .choices = {}, .least = 0, .most = 9e15},
+        {.name = "lambda",
+         .default_value = 0.01,
+         .unit = "of |A|",
+         .paper_value = "1/100",
+         .description = "points of A in the sample that gives the first lower bound",
+         .choices = {},
+         .least = 0,
+         .most = 1},
+        {.name = "seed",
+         .default_value = std::int64_t{1},
+         .unit = "",
+         .paper_value = "",
+         .description = "of the generator that shuffles A",
+         .choices = {},
+         .least = 0,
+         .most = 9e15},
     };
     return info;
 }
@@ -224,14 +240,19 @@ SolverInfo info_of(const char* name, const char* title) {
 SolverEntry ohd_solver() {
     SolverInfo info = info_of("ohd", "OHD");
     info.certified = true;
-    info.parameters.push_back({.name = "culling", .default_value = std::string("exact"), .unit = "",
+    info.parameters.push_back({.name = "culling",
+                               .default_value = std::string("exact"),
+                               .unit = "",
                                .paper_value = "as_printed",
-                               .description = "leave out points of A in a cell of B whose diagonal is at most the lower bound; "
-                                              "as_printed: whose side is, which is wrong, and not certified",
+                               .description =
+                                   "leave out points of A in a cell of B whose diagonal is at most the lower bound; "
+                                   "as_printed: whose side is, which is wrong, and not certified",
                                .choices = {"exact", "as_printed", "none"}});
     return {info, [](const Options& options) -> std::unique_ptr<Solver> {
                 const std::string culling = options.text("culling");
-                return std::make_unique<Ohd>(options, culling == "none" ? Culling::none : culling == "exact" ? Culling::exact : Culling::as_printed);
+                return std::make_unique<Ohd>(options, culling == "none"    ? Culling::none
+                                                      : culling == "exact" ? Culling::exact
+                                                                           : Culling::as_printed);
             }};
 }
 

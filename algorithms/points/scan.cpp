@@ -96,9 +96,12 @@ private:
     double guess(const double* point) const { return squared_distance(point, grid_.guess(point).point); }
 
     // Puts the farthest guesses first, compares them with all of B.
-    static void raise_by_farthest(const Points& a, const Points& b, std::vector<Rest>& rest, std::size_t count, ScanState& state) {
+    static void raise_by_farthest(const Points& a, const Points& b, std::vector<Rest>& rest, std::size_t count,
+                                  ScanState& state) {
         count = std::min(count, rest.size());
-        const auto farther = [](const Rest& x, const Rest& y) { return x.squared != y.squared ? x.squared > y.squared : x.row < y.row; };
+        const auto farther = [](const Rest& x, const Rest& y) {
+            return x.squared != y.squared ? x.squared > y.squared : x.row < y.row;
+        };
         std::partial_sort(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(count), rest.end(), farther);
         std::vector<Index> rows;
         for (std::size_t i = 0; i < count; ++i) rows.push_back(rest[i].row);
@@ -139,8 +142,8 @@ private:
         std::erase_if(rest, [&](const Rest& one) { return one.squared <= state.farthest.squared; });
     }
 
-    Status finish(const Query& query, const Deadline& deadline, const Points& a, const Points& b, std::vector<Rest>& rest,
-                  ScanState& state) const {
+    Status finish(const Query& query, const Deadline& deadline, const Points& a, const Points& b,
+                  std::vector<Rest>& rest, ScanState& state) const {
         if (rest.empty()) return Status::converged;
         if (const Status stopped = stop(query, deadline, state); stopped != Status::converged) return stopped;
         std::vector<Index> rows;
@@ -157,7 +160,8 @@ private:
     }
 
     // The points of B in cells that the closest points of the rest may lie in; none if that would hardly leave any out.
-    std::optional<std::vector<Index>> within_reach(const Points& a, const Points& b, const std::vector<Rest>& rest, ScanState& state) const {
+    std::optional<std::vector<Index>> within_reach(const Points& a, const Points& b, const std::vector<Rest>& rest,
+                                                   ScanState& state) const {
         std::vector<std::uint8_t> flags(grid_.cells());
         std::size_t work = 0;
         for (const Rest& one : rest) {
@@ -194,7 +198,8 @@ private:
     static Status search(const Query& query, const Deadline& deadline, const Points& a, const std::vector<Index>& rows,
                          const PointBlocks& blocks, ScanState& state) {
         constexpr std::size_t chunk = 64;  // leaves between two looks at the clock
-        const PointLeaves leaves(a, rows.size() == static_cast<std::size_t>(a.rows()) ? nullptr : &rows, blocks.frame, false);
+        const PointLeaves leaves(a, rows.size() == static_cast<std::size_t>(a.rows()) ? nullptr : &rows, blocks.frame,
+                                 false);
         const std::size_t count = leaves.leaves.size();
         if (count > chunk) raise_by_samples(blocks, leaves, state);
         for (std::size_t begin = 0; begin < count; begin += chunk) {
@@ -222,9 +227,14 @@ SolverEntry scan_solver() {
     info.exact = true;
     info.may_need = {{Structure::point_blocks, Side::target}};
     info.parameters = {
-        {.name = "tree_from", .default_value = std::int64_t{1} << 17, .unit = "pairs", .paper_value = "",
-         .description = "undecided points of A times points of B in their reach from which on a tree is built", .choices = {},
-         .least = 0, .most = 1e18},
+        {.name = "tree_from",
+         .default_value = std::int64_t{1} << 17,
+         .unit = "pairs",
+         .paper_value = "",
+         .description = "undecided points of A times points of B in their reach from which on a tree is built",
+         .choices = {},
+         .least = 0,
+         .most = 1e18},
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scan>(options); }};
 }

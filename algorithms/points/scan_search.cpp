@@ -65,7 +65,8 @@ HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
 }
 
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest, Counters& counters) {
+void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                   Counters& counters) {
     const Doubles d;
     constexpr std::size_t tile = 256;
     HWY_ALIGN double x[tile], y[tile], z[tile];
@@ -86,7 +87,8 @@ void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b
             const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]);
             auto least = hn::Set(d, infinity);
             for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
-                least = hn::Min(least, squares(hn::Sub(px, hn::Load(d, x + i)), hn::Sub(py, hn::Load(d, y + i)), hn::Sub(pz, hn::Load(d, z + i))));
+                least = hn::Min(least, squares(hn::Sub(px, hn::Load(d, x + i)), hn::Sub(py, hn::Load(d, y + i)),
+                                               hn::Sub(pz, hn::Load(d, z + i))));
             }
             const double squared = hn::GetLane(hn::MinOfLanes(d, least));
             if (squared < best[q].squared) best[q] = {squared, static_cast<Index>(begin)};
@@ -116,7 +118,8 @@ HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (
     HWY_ALIGN double distances[block_points];
     auto least = hn::Set(d, infinity);
     for (std::size_t i = 0; i < block_points; i += hn::Lanes(d)) {
-        const auto s = squares(hn::Sub(hn::Set(d, p[0]), hn::Load(d, points.x + i)), hn::Sub(hn::Set(d, p[1]), hn::Load(d, points.y + i)),
+        const auto s = squares(hn::Sub(hn::Set(d, p[0]), hn::Load(d, points.x + i)),
+                               hn::Sub(hn::Set(d, p[1]), hn::Load(d, points.y + i)),
                                hn::Sub(hn::Set(d, p[2]), hn::Load(d, points.z + i)));
         hn::Store(s, d, distances + i);
         least = hn::Min(least, s);
@@ -156,7 +159,9 @@ HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough
             unsigned mask = 0;
             for (std::size_t i = 0; i < block_children; i += hn::Lanes(d)) {
                 const auto out = [&](std::size_t k, hn::Vec<Doubles> q) HWY_ATTR {
-                    return hn::Max(hn::Max(hn::Sub(hn::Load(d, node.low[k] + i), q), hn::Sub(q, hn::Load(d, node.high[k] + i))), zero);
+                    return hn::Max(
+                        hn::Max(hn::Sub(hn::Load(d, node.low[k] + i), q), hn::Sub(q, hn::Load(d, node.high[k] + i))),
+                        zero);
                 };
                 const auto s = squares(out(0, px), out(1, py), out(2, pz));
                 hn::Store(s, d, distances + i);
@@ -169,7 +174,8 @@ HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough
             for (; mask != 0; mask &= mask - 1) {
                 const auto c = static_cast<std::size_t>(std::countr_zero(mask));
                 std::size_t place = size++;
-                for (; place > base && stack[place - 1].squared <= distances[c]; --place) stack[place] = stack[place - 1];
+                for (; place > base && stack[place - 1].squared <= distances[c]; --place)
+                    stack[place] = stack[place - 1];
                 stack[place] = {distances[c], at.level - 1, at.index * block_children + c};
             }
         }
@@ -277,7 +283,8 @@ HWY_EXPORT(raise_by_leaves);
 
 Extent extent_of(const Points& points) { return HWY_DYNAMIC_DISPATCH(extent_of)(points); }
 
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest, Counters& counters) {
+void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                   Counters& counters) {
     HWY_DYNAMIC_DISPATCH(raise_by_scan)(a, rows, b, farthest, counters);
 }
 

@@ -19,7 +19,8 @@ struct Extent {
 Extent extent_of(const Points& points);
 
 // The nearest point of B to each of a few rows of A, by comparing with all; raises `farthest`. O(rows |B|).
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest, Counters& counters);
+void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                   Counters& counters);
 
 // Leaves of A against the tree of B. What carries over from one leaf to the next is where the last answer was.
 struct ScanState {

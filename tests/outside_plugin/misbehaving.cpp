@@ -83,7 +83,9 @@ using Deed = void (*)(const std::string& how, Result& result);
 template <Deed deed> class Misbehaving final : public Solver {
 public:
     explicit Misbehaving(const Options& options)
-        : at_(options.real("at")), how_(options.text("how")), good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+        : at_(options.real("at")),
+          how_(options.text("how")),
+          good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
 
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
@@ -105,10 +107,21 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
     info.certified = false;
     info.original_coordinates = true;  // so that `at` is a length of the experiment
     info.parameters = {
-        {.name = "at", .default_value = 1.0, .unit = "length", .paper_value = "", .description = "x of the translation where it misbehaves"},
-        {.name = "how", .default_value = ways.front(), .unit = "", .paper_value = "", .description = "which way", .choices = ways},
+        {.name = "at",
+         .default_value = 1.0,
+         .unit = "length",
+         .paper_value = "",
+         .description = "x of the translation where it misbehaves"},
+        {.name = "how",
+         .default_value = ways.front(),
+         .unit = "",
+         .paper_value = "",
+         .description = "which way",
+         .choices = ways},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Misbehaving<deed>>(options); }};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
+                return std::make_unique<Misbehaving<deed>>(options);
+            }};
 }
 
 }  // namespace

@@ -58,12 +58,14 @@ public:
                     const TrianglePoint q = closest_point(corner, target_[j]);
                     lower = std::min(lower, distance_certainly_at_least(corner, target_[j], q.point));
                     farthest[j] = std::max(farthest[j], q.squared_distance);
-                    if (q.squared_distance < nearest) nearest = q.squared_distance, witness.target_point = q.point, witness.target_element = Index(j);
+                    if (q.squared_distance < nearest)
+                        nearest = q.squared_distance, witness.target_point = q.point, witness.target_element = Index(j);
                 }
                 result.counters.point_triangle_distances += target_.size();
                 if (lower > result.bounds.lower || i == 0) result.bounds.lower = lower, result.witness = witness;
             }
-            upper = std::max(upper, surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
+            upper =
+                std::max(upper, surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
         }
         result.bounds.upper = upper;
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
@@ -86,5 +88,6 @@ SolverEntry vertex_only_solver() {
     info.title = "Vertices only";
     info.source = info.target = {.points = true, .mesh = true};
     info.certified = true;
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
 }
