@@ -35,7 +35,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile types experiments figures tidy format asan bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile types experiments figures tidy format format-check asan bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -49,7 +49,7 @@ help:
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
 	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
-	@echo 'make tidy         clang-tidy;  make format: clang-format, in place;  make types: mypy'
+	@echo 'make tidy         clang-tidy;  make format, make format-check: clang-format, in place or only looking;  make types: mypy'
 	@echo 'make clean        delete what was built; results and fetched models stay'
 	@echo
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
@@ -165,9 +165,12 @@ tidy: build/release/build.ninja
 	@command -v clang-tidy >/dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }
 	printf '%s\n' $(filter-out tests/outside_plugin/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(CPP_FILES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/release --quiet
 
-format:
-	@command -v clang-format >/dev/null || { echo 'format: please run: sudo apt-get install clang-format' >&2; exit 1; }
+format: $(DEPS)
 	clang-format -i $(CPP_FILES) $(HEADERS)
+
+# Changes nothing; fails and shows the lines where `make format` would change something.
+format-check: $(DEPS)
+	@clang-format --dry-run --Werror $(CPP_FILES) $(HEADERS)
 
 # --- benchmarks of the kernels ------------------------------------------------------------------------------------------
 
