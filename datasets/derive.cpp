@@ -107,6 +107,39 @@ void normalise(Points& points) {
     for (Eigen::Index i = 0; i < points.rows(); ++i) points.row(i) = (points.row(i) - centre) / length;
 }
 
+// A length along (2, 1, 2) / 3, a unit vector: the box grows along every axis.
+Eigen::RowVector3d away(double distance) { return distance * Eigen::RowVector3d(2, 1, 2) / 3; }
+
+Points stacked(const Points& above, const Points& below) {
+    Points all(above.rows() + below.rows(), 3);
+    all << above, below;
+    return all;
+}
+
+// The last element once more, moved by `shift`, with vertices of its own.
+Shape with_stray(const Shape& shape, const Eigen::RowVector3d& shift) {
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    const Points& points = points_of(shape);
+    if (!mesh) return PointSet{stacked(points, points.bottomRows(1).rowwise() + shift)};
+    const auto n = static_cast<Index>(points.rows());
+    Points corners(3, 3);
+    for (int k = 0; k < 3; ++k) corners.row(k) = points.row(mesh->triangles(mesh->triangles.rows() - 1, k)) + shift;
+    Triangles triangles(mesh->triangles.rows() + 1, 3);
+    triangles << mesh->triangles, Eigen::RowVector3<Index>(n, n + 1, n + 2);
+    return TriangleMesh{stacked(points, corners), triangles};
+}
+
+// All elements once more, moved by `shift`, with vertices of their own.
+Shape with_copy(const Shape& shape, const Eigen::RowVector3d& shift) {
+    const Points& points = points_of(shape);
+    const Points all = stacked(points, points.rowwise() + shift);
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    if (!mesh) return PointSet{all};
+    Triangles triangles(2 * mesh->triangles.rows(), 3);
+    triangles << mesh->triangles, (mesh->triangles.array() + static_cast<Index>(points.rows())).matrix();
+    return TriangleMesh{all, triangles};
+}
+
 // From the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
 Eigen::Matrix3d rotation(const Vec3& axis, double t) {
     const double length = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y() + axis.z() * axis.z());
@@ -181,7 +214,9 @@ const std::vector<Recipe>& operations() {
         {"scale", {{"factor", false, 1e-100, 1e100}}},
         {"normalise", {}},
         {"translate", {x, y, z}},
-        {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}}};
+        {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}},
+        {"stray", {{"distance", false, 0, 1e100}}},
+        {"two_clusters", {{"distance", false, 0, 1e100}}}};
     return list;
 }
 
@@ -239,6 +274,10 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
         points.rowwise() += diagonal(points) * Eigen::RowVector3d(real("x"), real("y"), real("z"));
     else if (operation == "rotate")
         points = posed(points, {rotation({real("x"), real("y"), real("z")}, real("t")), Vec3::Zero()});
+    else if (operation == "stray")
+        made.shape = with_stray(origin.shape, away(real("distance")));
+    else if (operation == "two_clusters")
+        made.shape = with_copy(origin.shape, away(real("distance")));
     else {
         std::vector<std::string> known;
         for (const Recipe& o : operations()) known.push_back(o.name);

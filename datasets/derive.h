@@ -20,6 +20,8 @@ namespace hausbench {
 // normalise  box centred at the origin, diagonal 1
 // translate  x, y, z: fractions of the diagonal
 // rotate     x, y, z: the axis; t: tangent of half the angle; about the origin (rational, so that no libm is needed)
+// stray      distance: the last element once more, that far along (2, 1, 2); a scan with one stray triangle or point
+// two_clusters  distance: the shape, and a copy of it that far along (2, 1, 2)
 const std::vector<Recipe>& operations();
 
 // As check_numbers(), and that simplify has one of its two numbers.

@@ -193,6 +193,15 @@ TriangleMesh plane(int n, double z) {
     return builder.mesh();
 }
 
+TriangleMesh needle(double ratio) {
+    MeshBuilder builder;
+    builder.vertex(-0.5, 0, 0);
+    builder.vertex(0.5, 0, 0);
+    builder.vertex(0, 1 / ratio, 0);
+    builder.triangle(0, 1, 2);
+    return builder.mesh();
+}
+
 PointSet gaussian_points(Index count, std::uint64_t seed, double sigma, const Vec3& centre) {
     const Random random(seed);
     PointSet set{Points(count, 3)};
@@ -236,6 +245,7 @@ const std::vector<Recipe>& recipes() {
                                                {"bore", false, 1e-100, 1e100},
                                                {"height", false, 1e-100, 1e100}}},
                                              {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
+                                             {"needle", {{"ratio", false, 1e-100, 1e100}}},
                                              {"gaussian_points",
                                               {count,
                                                seed,
@@ -281,6 +291,7 @@ Shape generate(const std::string& recipe, const Numbers& numbers) {
         return gear(whole("teeth"), whole("steps"), whole("rings"), whole("layers"), real("outer"), real("root"),
                     real("bore"), real("height"));
     if (recipe == "plane") return plane(whole("n"), real("z"));
+    if (recipe == "needle") return needle(real("ratio"));
     if (recipe == "gaussian_points")
         return gaussian_points(whole("count"), seed(), real("sigma"), {real("x"), real("y"), real("z")});
     if (recipe == "uniform_points") return uniform_points(whole("count"), seed());

@@ -83,6 +83,7 @@ TEST(Generate, BitsArePinned) {
           {"height", 0.3}},
          "ace81462312066e0ab24a6e8956747ede67f20439dca6280487c19a010174d65"},
         {"plane", {{"n", 5}, {"z", 0.25}}, "9c6d752bba1721a7d7c23ab4a361c9b6e75015577d12a0ca7e23529b0bfa529b"},
+        {"needle", {{"ratio", 1e6}}, "62ef48f8c30bae8ee0220ed80eb61a48e8e725108b4d064a14179d027859c169"},
         {"gaussian_points",
          {{"count", 1000}, {"seed", 7}, {"sigma", 1.5}, {"x", 1}, {"y", 2}, {"z", 3}},
          "872538c9e23cc346ce866ff544bac770446f1865ca3b355bbe17bcb7b8b4da66"},
@@ -117,6 +118,10 @@ TEST(Generate, MeshesAreWhatTheySay) {
         EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 0), 2.5 * std::cos(angle), 4e-15);
         EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 1), 2.5 * std::sin(angle), 4e-15);
     }
+
+    const Shape needle = generate("needle", {{"ratio", 8}});
+    EXPECT_EQ(points_of(needle), (Points(3, 3) << -0.5, 0, 0, 0.5, 0, 0, 0, 0.125, 0).finished());
+    EXPECT_EQ(element_count(needle), 1);
 
     const Shape plane = generate("plane", {{"n", 4}, {"z", 0.25}});
     EXPECT_EQ(element_count(plane), 32);
@@ -230,6 +235,33 @@ TEST(Derive, MovesAndScales) {
     EXPECT_THROW(derive("normalise", {}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
     EXPECT_THROW(derive("subdivide", {{"levels", 1}}, {PointSet{Points::Ones(2, 3)}, {}}), InputError);
     EXPECT_THROW(derive("fold", {}, {ball, {}}), InputError);
+}
+
+TEST(Derive, StrayElementsAndSecondClusters) {
+    const Shape ball = sphere(1);
+    const Shape cloud = generate("uniform_points", {{"count", 20}, {"seed", 1}});
+    const Eigen::RowVector3d shift = 300 * Eigen::RowVector3d(2, 1, 2) / 3;
+    for (const Shape& before : {ball, cloud}) {
+        const Points& old = points_of(before);
+        const Shape stray = derived("stray", {{"distance", 300}}, before).shape;
+        const Shape two = derived("two_clusters", {{"distance", 300}}, before).shape;
+        EXPECT_EQ(element_count(stray), element_count(before) + 1);
+        EXPECT_EQ(element_count(two), 2 * element_count(before));
+        EXPECT_EQ(points_of(stray).topRows(old.rows()), old);
+        EXPECT_EQ(points_of(two).topRows(old.rows()), old);
+        EXPECT_EQ(points_of(two).bottomRows(old.rows()), old.rowwise() + shift);
+    }
+    const Shape stray = derived("stray", {{"distance", 300}}, ball).shape,
+                two = derived("two_clusters", {{"distance", 300}}, ball).shape;
+    EXPECT_EQ(points_of(derived("stray", {{"distance", 300}}, cloud).shape).bottomRows(1),
+              points_of(cloud).bottomRows(1).rowwise() + shift);
+    const Triangles& triangles = mesh_of(ball).triangles;
+    EXPECT_EQ(mesh_of(stray).triangles.bottomRows(1), (Triangles(1, 3) << 42, 43, 44).finished());
+    for (int k = 0; k < 3; ++k)
+        EXPECT_EQ(mesh_of(stray).vertices.row(42 + k), points_of(ball).row(triangles(triangles.rows() - 1, k)) + shift);
+    EXPECT_EQ(mesh_of(two).triangles.bottomRows(80), Triangles(triangles.array() + 42));
+    EXPECT_EQ(content_hash(stray), "6c7e89ba46e64f9e533be1878c6471dadd68b4cb890937a08c7a7dd568bede55");
+    EXPECT_EQ(content_hash(two), "77eebe278be45b4171dad617061551a452332c68c02f485aa4cad7290cc5db7b");
 }
 
 bool built_with_cgal_gpl() {

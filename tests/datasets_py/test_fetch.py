@@ -264,6 +264,7 @@ PARAMETERS: dict[str, list[set[str]]] = {
     "simplify": [{"ratio"}, {"triangles"}], "noise": [{"amplitude", "seed"}], "subdivide": [{"levels"}],
     "scale": [{"factor"}], "translate": [{"x", "y", "z"}], "quantise": [{"cells"}], "triangulate": [{"cells"}],
     "icosphere": [{"level", "radius"}], "cube": [{"subdivisions"}], "torus": [{"rings", "sides", "major", "minor"}],
+    "stray": [{"distance"}], "two_clusters": [{"distance"}], "needle": [{"ratio"}],
     "plane": [{"n", "z"}], "gaussian_points": [{"count", "seed", "sigma", "x", "y", "z"}],
     "uniform_points": [{"count", "seed"}], "surface": [{"polynomial", "box"}],
     "gear": [{"teeth", "steps", "rings", "layers", "outer", "root", "bore", "height"}],
