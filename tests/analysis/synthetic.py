@@ -240,6 +240,43 @@ def error_vs_time() -> ResultFile:
     return file
 
 
+def cliffs() -> ResultFile:
+    """Known: scan's work is 1000 everywhere but 3000 in two clusters at 1e6; guthe's grows tenfold a step of 1e6 with a
+    stray triangle in B, and it times out at 1e12 with A moved away; cgal counts nothing.
+    """
+    file = ResultFile("cliffs")
+    ratios = {"1e00": 1.0, "1e06": 1e6, "1e12": 1e12}
+    for family in ("mesh_stray_in_B", "mesh_stray_in_A", "mesh_two_clusters", "points_stray_in_B", "points_stray_in_A",
+                   "points_two_clusters", "needle"):
+        for k, name in enumerate(ratios):
+            if family.startswith("points"):
+                work = 3000 if (family, k) == ("points_two_clusters", 1) else 1000
+                file.case("scan", f"{family}_{name}", spread(0.01, 3), lower=0.5, upper=0.5, prepare_seconds=0.01,
+                          counters={"point_distances": work - 100, "node_visits": 60, "bound_tests": 40})
+                continue
+            work = 2000 * 10**k if family == "mesh_stray_in_B" else 2000
+            file.case("guthe", f"{family}_{name}", spread(1e-5 * work, 3), lower=0.5, upper=0.5,
+                      counters={"point_triangle_distances": work, "queue_pushes": 10**9},
+                      status="floor" if family == "mesh_two_clusters" and k == 2 else "ok")
+            file.case("cgal", f"{family}_{name}", spread(0.1, 3), lower=0.5, upper=0.5)
+            file.case("scan", f"{family}_{name}", status="skipped", reason="takes no mesh")
+    for k, distance in enumerate(ratios.values()):
+        pose = {"pose_index": k, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, *(distance * x / 3 for x in (2, 1, 2))]}
+        answer: dict[str, Any] = {"lower": 0.5, "upper": 0.5, **pose}
+        file.case("scan", "points_away", spread(0.01, 3), counters={"node_visits": 1000}, **answer)
+        if k == 2:
+            file.case("guthe", "mesh_away", **without_bounds("timeout", "0.5 s passed", answer))
+        else:
+            file.case("guthe", "mesh_away", spread(0.02, 3), counters={"node_visits": 500}, **answer)
+    for degree in (4, 32):
+        file.case("surface_enclosure", f"surface_degree_{degree:02}", spread(0.1 * degree, 3), lower=0.5, upper=0.5,
+                  counters={"polynomial_evaluations": 100 * degree})
+    for tolerance in (1e-1, 1e-8):
+        file.case("surface_enclosure", "surface_concentric", spread(0.1, 3), lower=0.5, upper=0.5, tolerance=tolerance,
+                  counters={"polynomial_evaluations": 100})
+    return file
+
+
 if __name__ == "__main__":
-    for make in (zhang2017_table3, sacht2024_fig13, error_vs_time):
+    for make in (zhang2017_table3, sacht2024_fig13, error_vs_time, cliffs):
         print(make().write(Path(sys.argv[1])))

@@ -18,7 +18,8 @@ from analysis.statistics import median
 
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
-         "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, **synthetic_zhang.STEMS}
+         "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, "cliffs": synthetic.cliffs,
+         **synthetic_zhang.STEMS}
 
 
 @pytest.fixture()
