@@ -1,4 +1,4 @@
-// Errors that a user can mend: one line that names the file or key, the place in it, and the remedy.
+// Errors that a user can fix: one line that names the file or key, the place in it, and the remedy.
 #pragma once
 
 #include <stdexcept>
@@ -17,7 +17,7 @@ public:
 // " (did you mean 'x'?)" for the candidate nearest to `wrong` by edit distance, else " (known: a, b, c)".
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 
-// Words of others as one line: what a terminal obeys becomes a blank; at most 1000 characters.
+// Untrusted text as one line: control characters become spaces; at most 1000 characters.
 std::string one_line(std::string text);
 
 }  // namespace hausbench

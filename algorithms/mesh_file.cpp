@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Text on its way into a file, a megabyte at a time.
+// Buffered text output, a megabyte at a time.
 class Writer {
 public:
     explicit Writer(fs::path file) : file_(std::move(file)), unfinished_(file_.string() + ".unfinished") {
@@ -76,8 +76,8 @@ MeshFormat mesh_format_of(const fs::path& file) {
     if (extension == ".off") return MeshFormat::off;
     if (extension == ".obj") return MeshFormat::obj;
     if (extension == ".ply") return MeshFormat::ply;
-    throw InputError(fmt::format("{}: formats that are written are .off, .obj and .ply: end its name with one of them",
-                                 file.string()));
+    throw InputError(
+        fmt::format("{}: can write only .off, .obj and .ply: end the name with one of them", file.string()));
 }
 
 void write_mesh_file(const fs::path& file, const Shape& shape, MeshFormat format) {

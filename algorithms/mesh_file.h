@@ -1,4 +1,4 @@
-// Writes shapes as other programs read them: text, 17 digits, so that reading gives back the same bits.
+// Writes shapes as text files for other programs, with 17 digits, so that reading gives the same bits.
 #pragma once
 
 #include "scene.h"
@@ -9,11 +9,11 @@ namespace hausbench {
 
 enum class MeshFormat { off, obj, ply };
 
-// By extension, in letters of any case. Throws InputError that names the formats.
+// The format that the extension names, in any case. Throws InputError that lists the formats.
 MeshFormat mesh_format_of(const std::filesystem::path& file);
 
-// Point sets are vertices without faces. Whole or not at all: by a temporary file beside it and rename. O(n). Throws
-// InputError where it cannot be written.
+// A point set is written as vertices without faces. The file is complete or absent: it is written to a temporary file and
+// renamed. O(n). Throws InputError if it cannot be written.
 void write_mesh_file(const std::filesystem::path& file, const Shape& shape, MeshFormat format);
 
 }  // namespace hausbench

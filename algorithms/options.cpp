@@ -16,7 +16,7 @@ std::string type_name(const ParameterValue& value) {
     return names[value.index()];
 }
 
-// `value` as the type of the parameter's default; a whole number is taken where a real one is wanted.
+// `value` converted to the type of the parameter's default; a whole number is accepted for a real parameter.
 ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const ParameterValue& value) {
     const std::string where = fmt::format("solver '{}', parameter '{}'", solver, spec.name);
     ParameterValue result = value;
@@ -38,7 +38,7 @@ ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const
     if (const auto* text = std::get_if<std::string>(&result); text && !spec.choices.empty()) {
         if (std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end()) {
             throw InputError(
-                fmt::format("{}: '{}' is none of its choices{}", where, *text, nearest_hint(*text, spec.choices)));
+                fmt::format("{}: '{}' is not one of its choices{}", where, *text, nearest_hint(*text, spec.choices)));
         }
     }
     if (const auto* text = std::get_if<std::string>(&result); text && spec.problem) {

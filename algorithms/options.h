@@ -23,8 +23,8 @@ struct ParameterSpec {
     std::string description;
     std::vector<std::string> choices;     // for text parameters: the only values allowed, empty for any
     double least = -1e300, most = 1e300;  // for numbers: the allowed range, ends included
-    // For texts: what is wrong with a value and how to mend it, empty where it is right. A default that is wrong makes the
-    // parameter one that has to be given.
+    // For texts: what is wrong with a value and how to fix it; empty if it is valid. A parameter with an invalid default is
+    // required.
     std::string (*problem)(const std::string& value) = nullptr;
 
     bool required() const;
@@ -35,8 +35,8 @@ using ParameterMap = std::map<std::string, ParameterValue>;
 // The values one solver runs with: every declared parameter has one.
 class Options {
 public:
-    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, one that has a
-    // problem, or a required parameter that is not given.
+    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, a value for which
+    // `problem` returns a text, or a missing required parameter.
     Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given);
 
     // Throws std::logic_error for a name that was not declared or is of another type.
@@ -47,7 +47,7 @@ public:
 
     const ParameterMap& values() const { return values_; }
 
-    // Declared parameters that nobody has read yet; a solver's constructor must leave none.
+    // Declared parameters that have not been read yet; a solver's constructor must read all.
     std::vector<std::string> unread() const;
 
 private:

@@ -21,13 +21,13 @@ std::vector<Plugin>& list_of_plugins() {
     return list;
 }
 
-// Whether a library's file ends before what its header says is loaded from it: dlopen() would die of it (SIGBUS).
+// Whether the file ends before the segments that its header lists: dlopen() would crash (SIGBUS).
 bool is_cut_short(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     Elf64_Ehdr header{};
     if (!in.read(reinterpret_cast<char*>(&header), sizeof header) ||
         std::string_view(reinterpret_cast<char*>(header.e_ident), SELFMAG) != ELFMAG) {
-        return false;  // dlopen() says what it is
+        return false;  // dlopen() reports the error
     }
     std::error_code ignored;
     const std::uintmax_t size = fs::file_size(file, ignored);
@@ -44,7 +44,7 @@ template <class Function> Function* symbol(void* library, const char* name, cons
     void* address = ::dlsym(library, name);
     if (!address) {
         throw InputError(
-            fmt::format("{}: is a library but no plug-in, it has no '{}': put HAUSBENCH_PLUGIN(...) in one of its "
+            fmt::format("{}: is a library but not a plug-in, it has no '{}': put HAUSBENCH_PLUGIN(...) in one of its "
                         "files (plugin.h)",
                         file.string(), name));
     }
@@ -62,8 +62,8 @@ void load_plugin(const fs::path& named) {
     if (fs::is_directory(file))
         throw InputError(fmt::format("{}: is a folder: name a plug-in in it (.so)", named.string()));
     if (is_cut_short(file))
-        throw InputError(fmt::format("{}: the file is cut short: copy or build it again", file.string()));
-    void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed: its solvers are in use to the end
+        throw InputError(fmt::format("{}: the file is truncated: copy or build it again", file.string()));
+    void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed: its solvers stay in use
     if (!library) {
         const char* why = ::dlerror();
         throw InputError(
@@ -90,7 +90,7 @@ void load_plugin(const fs::path& named) {
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {
-        throw InputError(fmt::format("{}: could not say what it offers: {}", file.string(), error.what()));
+        throw InputError(fmt::format("{}: failed to list its solvers: {}", file.string(), error.what()));
     }
     if (entries.empty())
         throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));

@@ -4,9 +4,9 @@
 //
 //     HAUSBENCH_PLUGIN(my_solver(), my_other_solver())   // expressions of type SolverEntry
 //
-// built against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is a whole one.
-// C++ objects cross the border, so plug-in and program must agree on the interface, the compiler's library and Eigen:
-// `plugin_interface` counts up with every change of meaning in the public headers, `plugin_layout()` notices the rest.
+// It is built against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is an example.
+// C++ objects pass between plug-in and program, so both must agree on the interface, the C++ library and Eigen:
+// `plugin_interface` increases with every change of meaning in the public headers, `plugin_layout()` detects the rest.
 #pragma once
 
 #include "solver.h"
@@ -23,7 +23,7 @@ inline constexpr int plugin_interface = 2;
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
 
-// Libraries whose objects cross the border, and the sizes of what does.
+// Libraries whose objects pass between plug-in and program, and the sizes of these objects.
 inline std::string plugin_layout() {
     std::string text =
         "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION) ", alignment " +
@@ -49,9 +49,9 @@ inline std::string plugin_layout() {
         to = {__VA_ARGS__};                                                                                          \
     }
 
-// Adds a plug-in's solvers to the registry; it stays loaded. Before anything else is done: see add_solvers() in registry.h.
-// Throws InputError naming the file and the remedy: missing, not a library, not a plug-in, made for another interface or
-// with other libraries, a solver name that is taken.
+// Adds a plug-in's solvers to the registry; it stays loaded. Call it before anything else: see add_solvers() in registry.h.
+// Throws InputError with the file and the remedy: missing, not a library, not a plug-in, built for another interface or
+// with other libraries, or a solver name that is already in use.
 void load_plugin(const std::filesystem::path& file);
 
 struct Plugin {

@@ -24,7 +24,8 @@ Prepared::Prepared(const Scene& scene, const Needs& needs) {
         const auto side = static_cast<std::size_t>(need.side);
         const Shape& shape = need.side == Side::source ? scene.source : scene.target;
         if (!fits(need.structure, kind_of(shape))) {
-            throw std::logic_error("a " + to_string(need) + " was asked for, but that side is of another kind");
+            throw std::logic_error("a " + to_string(need) +
+                                   " was declared, but the shape of that side is of another kind");
         }
         const auto begin = std::chrono::steady_clock::now();
         std::size_t bytes = 0;

@@ -1,4 +1,4 @@
-// Structures built once for a scene, before any query: exactly those that a solver declared it needs, each timed.
+// Structures built once for a scene, before any query: exactly those that a solver declares in needs(), each timed.
 #pragma once
 
 #include "kernel/adjacency.h"
@@ -42,7 +42,7 @@ using Needs = std::vector<Need>;
 
 std::string to_string(const Need& need);  // "target octree"
 
-// Whether such a structure can be built of such a shape.
+// Whether this structure can be built over a shape of this kind.
 bool fits(Structure structure, ShapeKind kind);
 
 struct PreparationTime {
@@ -72,7 +72,7 @@ public:
 
     const std::vector<PreparationTime>& times() const { return times_; }
 
-    // What was asked for through the getters so far; a need never used is a bug that the contract test finds.
+    // The structures that the getters have returned so far; the contract test fails for a declared one that is never used.
     const std::map<Need, int>& uses() const { return uses_; }
 
 private:

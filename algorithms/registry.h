@@ -11,11 +11,11 @@ namespace hausbench {
 // Solvers compiled into this program, in the order of the list, then those of plug-ins in the order of loading.
 const std::vector<SolverEntry>& solvers();
 
-// For plugin.h, before any solver is looked up: references into solvers() do not outlive this. Throws InputError, beginning
-// with `origin`, for a name that is taken; nothing is added then.
+// For plugin.h; call it before any solver is looked up: it invalidates references into solvers(). Throws InputError, which
+// begins with `origin`, for a name that is already in use; then nothing is added.
 void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin);
 
-// Solvers the list knows whose library was not found, or was switched off, when this program was built.
+// Solvers that are not in this program: their library was not found, or was switched off, when it was built.
 struct NotBuilt {
     std::string name, reason;
 };

@@ -34,7 +34,7 @@ double diagonal(const Points& points) {
     const Eigen::RowVector3d extent = points.colwise().maxCoeff() - points.colwise().minCoeff();
     const double largest = extent.maxCoeff();
     if (!(largest > 0) || std::isinf(largest)) return largest;
-    // Scaled by a power of two, which is exact, so that no square overflows or vanishes.
+    // Scaling by a power of two is exact, and no square overflows or underflows.
     const int exponent = std::ilogb(largest);
     const double x = std::ldexp(extent.x(), -exponent);
     const double y = std::ldexp(extent.y(), -exponent);

@@ -30,12 +30,12 @@ struct TriangleMesh {
     Triangles triangles;
 };
 
-// The points of a closed box where a polynomial in x, y, z vanishes: never empty, as all shapes. A solver that finds that
-// this one is throws InputError when it prepares.
+// The points of a closed box where a polynomial in x, y, z vanishes. Like every shape, it must not be empty; a solver that
+// finds it empty throws InputError in prepare().
 struct AlgebraicSurface {
     std::string
-        polynomial;  // as kernel/polynomial.h reads it; its coefficients are the numbers written, not their roundings
-    Points box;      // two rows: the least and the largest corner, the first below the second in each coordinate
+        polynomial;  // as kernel/polynomial.h reads it; its coefficients are the decimal numbers as written, not rounded to doubles
+    Points box;  // two rows: the least and the largest corner, the first below the second in each coordinate
 };
 
 using Shape = std::variant<PointSet, TriangleMesh, AlgebraicSurface>;
@@ -68,10 +68,10 @@ struct Pose {
 
 // A posed is, by definition, the points fl(R v + t) that this function returns: (r0 x + r1 y) + r2 z + t, rounded after
 // each operation, in that order. The identity pose returns the same bits. Every bound and witness is about that shape.
-// Surfaces stand still: a session refuses other poses.
+// Surfaces do not move: a session refuses every other pose.
 Points posed(const Points& points, const Pose& pose);
 
-// The source A moves by the pose; the target B stands.
+// The pose moves the source A; the target B does not move.
 struct Scene {
     Shape source, target;
 };

@@ -1,4 +1,4 @@
-// How the bounds closed over time: samples that a solver offers while it runs, kept only in runs made for tracing.
+// The bounds over time: samples that a solver offers while it runs; they are kept only in runs made for tracing.
 #pragma once
 
 #include <chrono>
@@ -18,14 +18,14 @@ class Trace {
 public:
     enum class Mode { off, on };
 
-    // `marks`: gaps, the largest first. The first sample offered at or below a mark is kept whatever the last one was, so
-    // that the answer to a coarser tolerance can be read off the trace of a finer one, to the bit.
+    // `marks`: gaps, the largest first. The first sample with a gap at or below a mark is always kept, so that the trace of
+    // a finer tolerance holds the answer to a coarser one, bit for bit.
     explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {})
         : on_(mode == Mode::on), marks_(std::move(marks)) {}
 
     bool on() const { return on_; }
 
-    // Samples will be offered in units of 2^-exponent of those of the marks.
+    // The samples are in units of 2^-exponent times the unit of the marks.
     void start(int exponent = 0) {
         samples_.clear();
         next_mark_ = 0;
@@ -34,8 +34,8 @@ public:
         begin_ = std::chrono::steady_clock::now();
     }
 
-    // To be called wherever a solver asks whether the gap is small enough: a sample is kept when it has shrunk by 3 % since
-    // the last one kept, or reached a mark, so a trace from 1 to 1e-16 has about 1200 samples at most.
+    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if the gap is 3 % smaller than in
+    // the last one kept, or has reached a mark, so a trace from 1 to 1e-16 has at most about 1200 samples.
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
@@ -45,7 +45,7 @@ public:
         keep(lower, upper);
     }
 
-    // The end of a run is kept whatever the gap.
+    // The last sample of a run is always kept.
     void finish(double lower, double upper) {
         if (on_) keep(lower, upper);
     }

@@ -110,7 +110,7 @@ std::string list_as_text() {
     const auto joined = [](const json& list) {
         std::string out;
         for (const json& item : list) out += (out.empty() ? "" : ", ") + item.get<std::string>();
-        return out.empty() ? "nothing" : out;
+        return out.empty() ? "no structure" : out;
     };
     for (const json& s : all["solvers"]) {
         const auto of = s["paper"].get<std::string>();
@@ -121,9 +121,9 @@ std::string list_as_text() {
         for (const json& p : s["parameters"]) {
             const auto paper = p["paper_value"].get<std::string>(), unit = p["unit"].get<std::string>();
             text += fmt::format("    {} = {} ({}{}{}): {}{}\n", p["name"].get<std::string>(),
-                                p["required"].get<bool>() ? "(to be given)" : p["default"].dump(),
+                                p["required"].get<bool>() ? "(required)" : p["default"].dump(),
                                 p["type"].get<std::string>(), unit.empty() ? "" : ", in " + unit,
-                                paper.empty() ? "" : ", paper " + paper, p["description"].get<std::string>(),
+                                paper.empty() ? "" : ", in the paper " + paper, p["description"].get<std::string>(),
                                 p["choices"].empty() ? "" : ": " + joined(p["choices"]));
         }
     }

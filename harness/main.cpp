@@ -64,7 +64,7 @@ int run(const RunArguments& arguments) {
         counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
     fmt::print("{}: {}\n", summary.file.string(), counts);
     if (!summary.interrupted) return 0;
-    fmt::print(stderr, "interrupted: what was finished is safe; the same command goes on from here\n");
+    fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
     return 130;
 }
 
@@ -87,7 +87,7 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
     return parameters;
 }
 
-// What is wrong with a command line, with the nearest name for a wrong one.
+// The error in a command line, with the nearest known name for an unknown one.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();
     const auto unknown = app.remaining(true);
@@ -126,7 +126,7 @@ int dispatch(int argc, char** argv) {
 
     std::vector<fs::path> plugin_files;
     const auto takes_plugins = [&](CLI::App* verb) {  // loaded before anything looks for a solver
-        verb->add_option("--plugin", plugin_files, "a library with more solvers; may be repeated")
+        verb->add_option("--plugin", plugin_files, "a plug-in library with additional solvers; may be repeated")
             ->allow_extra_args(false);
         verb->parse_complete_callback([&] {
             for (const fs::path& file : plugin_files) load_plugin(file);
@@ -134,7 +134,7 @@ int dispatch(int argc, char** argv) {
     };
 
     RunArguments run_arguments;
-    auto* run_verb = app.add_subcommand("run", "run an experiment and write its results (resumes by itself)");
+    auto* run_verb = app.add_subcommand("run", "run an experiment and write its results; resumes an interrupted run");
     run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
     run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")
         ->capture_default_str();
@@ -147,26 +147,29 @@ int dispatch(int argc, char** argv) {
     run_verb->add_option("--results", run_arguments.results,
                          "folder for the result file (default: results of the project)");
     run_verb
-        ->add_option("--shard", run_arguments.shard, "only the i-th of n parts, i/n; put them together with `merge`")
+        ->add_option("--shard", run_arguments.shard, "run only part i of n, written i/n; join the parts with `merge`")
         ->capture_default_str();
-    run_verb->add_flag("--fresh", run_arguments.fresh, "start over: forget what an earlier run finished");
-    run_verb->add_flag("--any-build", run_arguments.any_build, "keep rows that another build or machine measured");
-    run_verb->add_flag("--leave-nothing-out", run_arguments.choice.leave_nothing_out,
-                       "run every tolerance and build every structure, into STEM.everything.h5: to check that leaving "
-                       "out changes no answer");
-    run_verb->add_flag("--quiet", run_arguments.quiet, "no progress");
+    run_verb->add_flag("--fresh", run_arguments.fresh, "start over: discard the finished cases of an earlier run");
+    run_verb->add_flag("--any-build", run_arguments.any_build,
+                       "keep rows that were measured by another build or on another machine");
+    run_verb->add_flag(
+        "--leave-nothing-out", run_arguments.choice.leave_nothing_out,
+        "run every tolerance and build every structure, into STEM.everything.h5: to check that no answer "
+        "changes");
+    run_verb->add_flag("--quiet", run_arguments.quiet, "show no progress");
     takes_plugins(run_verb);
     run_verb->callback([&] { code = run(run_arguments); });
 
     RunArguments explain_arguments;
     auto* explain_verb = app.add_subcommand(
-        "explain", "what a run of an experiment would prepare, run and leave out, why, and about how long it takes");
+        "explain", "show what a run would prepare, run and leave out, with reasons and an estimate of the time");
     explain_verb->add_option("experiment", explain_arguments.file, "experiment file (.toml)")->required();
     explain_verb->add_option("--profile", explain_arguments.profile, "as for run")->capture_default_str();
     explain_verb->add_option("--solver", explain_arguments.choice.solvers, "as for run")->allow_extra_args(false);
     explain_verb->add_option("--scene", explain_arguments.choice.scenes, "as for run")->allow_extra_args(false);
     explain_verb->add_option("--results", explain_arguments.results,
-                             "folder with earlier results, for the estimate (default: results of the project)");
+                             "folder with earlier results, for the estimate of the time (default: results of the "
+                             "project)");
     takes_plugins(explain_verb);
     explain_verb->callback([&] {
         const Plan plan = plan_of(explain_arguments);
@@ -176,7 +179,7 @@ int dispatch(int argc, char** argv) {
     bool list_json = false;
     auto* list_verb =
         app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
-    list_verb->add_flag("--json", list_json, "as one JSON object");
+    list_verb->add_flag("--json", list_json, "print one JSON object");
     takes_plugins(list_verb);
     list_verb->callback(
         [&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
@@ -194,7 +197,7 @@ int dispatch(int argc, char** argv) {
         "--solver", request.solver,
         "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
     measure_verb
-        ->add_option("--tolerance", request.tolerance, "how far apart lower and upper may stay, in the unit of --of")
+        ->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
         ->capture_default_str();
     measure_verb
         ->add_option("--of", request.of,
@@ -210,13 +213,13 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     measure_verb->add_option("--time-limit", request.time_limit,
-                             "seconds for each direction; the bounds hold when it runs out");
+                             "seconds for each direction; the bounds hold also when it is reached");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {
         request.options = parse_parameters(parameters);
         const Measured measured = measure(request);
-        constexpr auto replace = nlohmann::json::error_handler_t::replace;  // a program's words may be no UTF-8
+        constexpr auto replace = nlohmann::json::error_handler_t::replace;  // output of a program may not be UTF-8
         std::fputs((measure_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n"
                                  : describe(measured, request))
                        .c_str(),
@@ -229,7 +232,7 @@ int dispatch(int argc, char** argv) {
     std::string exported;
     fs::path export_to;
     auto* export_verb =
-        app.add_subcommand("export", "write a model as OFF, OBJ or PLY, so that other programs can take the same bits");
+        app.add_subcommand("export", "write a model as OFF, OBJ or PLY with all digits, for other programs");
     export_verb->add_option("model", exported, "a model of datasets/manifest.toml, or any mesh file")->required();
     export_verb->add_option("file", export_to, "file to write: .off, .obj or .ply")->required();
     export_verb->callback([&] { fmt::print("{}\n", export_model(catalogue(), exported, export_to)); });
@@ -237,8 +240,8 @@ int dispatch(int argc, char** argv) {
     fs::path verified;
     auto* verify_verb =
         app.add_subcommand("verify",
-                           "re-check every row of a result by code that shares nothing with the solvers; exit code 1 "
-                           "if a row is unsound, or a model to check it on is not here");
+                           "check every row of a result independently of the solvers (surfaces: with the same interval "
+                           "bounds of polynomials); exit code 1 if a row is unsound or its model is unavailable");
     verify_verb->add_option("result", verified, "result file (.h5)")->required();
     verify_verb->callback([&] {
         ResultFile result = read_result(verified);
@@ -251,19 +254,19 @@ int dispatch(int argc, char** argv) {
     fs::path merged;
     std::vector<fs::path> parts;
     bool any_build = false;
-    auto* merge_verb = app.add_subcommand("merge", "one result out of several of the same experiment, such as shards");
+    auto* merge_verb = app.add_subcommand("merge", "join several results of one experiment, such as shards");
     merge_verb->add_option("out", merged, "result file to write (.h5)")->required();
     merge_verb->add_option("results", parts, "result files (.h5)")->required();
-    merge_verb->add_flag("--any-build", any_build, "merge although builds or machines differ");
+    merge_verb->add_flag("--any-build", any_build, "merge even if builds or machines differ");
     merge_verb->callback([&] {
         if (parts.size() < 2)
             throw InputError(
-                "merge: one result is nothing to put together: name the file to write first, then two results or more");
+                "merge: needs at least two results: name the file to write first, then two or more results");
         std::error_code none;
         const auto is_merged = [&](const fs::path& part) { return fs::equivalent(part, merged, none); };
         if (fs::exists(merged, none) && std::none_of(parts.begin(), parts.end(), is_merged)) {
             throw InputError(
-                fmt::format("{}: exists, and is not among the results to merge: name a new file first, or remove it",
+                fmt::format("{}: exists and is not one of the results to merge: name a new file first, or remove it",
                             merged.string()));
         }
         ResultFile result = merge_results(parts, any_build);
@@ -274,14 +277,14 @@ int dispatch(int argc, char** argv) {
 
     fs::path base, candidate;
     auto* compare_verb = app.add_subcommand(
-        "compare", "two results case by case: differing answers first, then ratios of times with intervals");
+        "compare", "compare two results case by case: differing answers first, then ratios of times with intervals");
     compare_verb->add_option("first", base, "result file (.h5): the base")->required();
-    compare_verb->add_option("second", candidate, "result file (.h5): times are given relative to the first")
+    compare_verb->add_option("second", candidate, "result file (.h5): its times are divided by those of the first")
         ->required();
     compare_verb->callback(
         [&] { std::fputs(compare_results(read_result(base), read_result(candidate)).c_str(), stdout); });
 
-    // For this program's own use: a foreign file or a solver can take down no more than its own process.
+    // Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
     fs::path load_in, load_out;
     std::string load_format;
     auto* load_verb = app.add_subcommand("load")->group("");
@@ -306,7 +309,7 @@ int dispatch(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error to report, as a full disk is, not a death
+    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit gives a write error, as a full disk does, instead of a signal
     try {
         return dispatch(argc, argv);
     } catch (const hausbench::InputError& error) {

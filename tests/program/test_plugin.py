@@ -72,7 +72,7 @@ def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Pa
     assert "cut.so" in hausbench.fails("list", "--plugin", cut)
     assert "folder" in hausbench.fails("list", "--plugin", tmp_path)
     library = next(Path("/usr/lib").rglob("libz.so.1"))
-    assert "no plug-in" in hausbench.fails("list", "--plugin", library)
+    assert "not a plug-in" in hausbench.fails("list", "--plugin", library)
     # A name is given once.
     assert "'vertex_only'" in hausbench.fails("list", "--plugin", plugin, "--plugin", plugin)
 
