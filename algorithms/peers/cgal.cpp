@@ -2,15 +2,15 @@
 //
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
 // subdivision). Its own structures are built inside every call, so they are part of solve, not of prepare.
-// It returns one number, v with |v - h| <= error_bound, and starts its search at error_bound: where it answers just that,
-// h lies in [0, 2 error_bound], and no more is known; else in [v, v + error_bound]. No rounding is accounted for: not
-// certified. No pair of points is told (NaN, elements -1). One run a tolerance, which is error_bound; where h is so small
-// that it answers the bound itself, a second run with half of it, whose [0, tolerance] is close enough. A tolerance
-// relative to the lower bound is met by lessening error_bound until it is. Limits of time and work are not looked at.
+// It returns one number v with |v - h| <= error_bound, and starts its search at error_bound: if v is error_bound itself,
+// only h in [0, 2 error_bound] is known, else h lies in [v, v + error_bound]. It ignores rounding errors: not
+// certified. It returns no witness (NaN, elements -1). There is one run for each tolerance, with error_bound = tolerance; if h
+// is so small that v is error_bound itself, a second run with half of it gives [0, tolerance], which is narrow enough. For a
+// tolerance relative to the lower bound, error_bound decreases until it is met. Limits of time and work are ignored.
 //
-// The soup becomes a Surface_mesh that shares vertices where that makes a polygon mesh; otherwise each triangle gets its
-// own three, which is valid for this function: it looks at faces one by one, and only its matching of equal faces of A and
-// B goes by shared positions, which it then finds by sorting points.
+// The soup becomes a Surface_mesh with shared vertices if that is a polygon mesh; otherwise each triangle gets three vertices
+// of its own. That is valid for this function: it uses faces one by one, and only its matching of equal faces of A and B
+// compares positions, which it sorts for this purpose.
 #include "kernel/rounding.h"
 #include "solver.h"
 
@@ -26,7 +26,7 @@ namespace hausbench {
 namespace {
 
 // With Exact_predicates_inexact_constructions_kernel, as in CGAL's example, answers and times are the same, but scenes of
-// scale 1e150 and 1e-160 end the program in GMP with SIGFPE; here they get wrong answers, which the harness can report.
+// scale 1e150 and 1e-160 crash in GMP with SIGFPE; with this kernel their answers are wrong, which the harness can report.
 using Kernel = CGAL::Simple_cartesian<double>;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
@@ -88,7 +88,7 @@ public:
                 if (result.bounds.gap() > query.tolerance.value)
                     result.bounds = bounds(source, query.tolerance.value / 2);
             } else {
-                // The diagonal of the source is where a search for the scale of h may start.
+                // The search for the scale of h starts at the diagonal of the source.
                 double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
                 do {
                     bound *= query.tolerance.value < 0.5 ? query.tolerance.value : 0.5;
@@ -96,7 +96,7 @@ public:
                 } while (result.bounds.gap() > query.tolerance.gap(result.bounds.lower) &&
                          bound > 16 * unit_roundoff * magnitude(source_->vertices));
             }
-        } catch (const std::exception&) {  // an assertion of CGAL's, where those are compiled in
+        } catch (const std::exception&) {  // a failed assertion of CGAL, if they are compiled in
             return result;
         }
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
@@ -111,7 +111,7 @@ private:
         const double value =
             pmp::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(source, target_, error_bound, matched, matched);
         if (value == 0) return {0, 0};  // every face of A is a face of B
-        if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};  // as CGAL passes it on
+        if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};  // as CGAL computes it
         Bounds result{value, value + error_bound};
         while (result.gap() > error_bound) result.upper = next_down(result.upper);
         return result;

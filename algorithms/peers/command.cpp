@@ -32,7 +32,7 @@ std::int64_t resident_now() {
     return resident * ::sysconf(_SC_PAGE_SIZE);
 }
 
-// What is there now; false at the end of the pipe.
+// Reads the available output; false at the end of the pipe.
 bool read_some(int pipe, std::string& to) {
     char bytes[1 << 16];
     for (;;) {
@@ -45,8 +45,8 @@ bool read_some(int pipe, std::string& to) {
     }
 }
 
-// A shell that does nothing but kill the last process group it was told of when this process ends, however that comes about.
-// Returns where it is told; -1 if there is none. One for all commands: starting it would count in their times.
+// Starts a shell that kills the last process group written to its input when this process ends, for whatever reason.
+// Returns the descriptor of that input; -1 on failure. All commands share one shell: starting it would count in their times.
 int start_watch() {
     int talk[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return -1;
@@ -65,7 +65,7 @@ int start_watch() {
     return child < 0 ? -1 : talk[1];
 }
 
-// An empty text: nothing is to be killed.
+// An empty text: kill nothing.
 void tell(int watch, const std::string& group) {
     const std::string line = group + "\n";
     if (watch >= 0) static_cast<void>(::send(watch, line.data(), line.size(), MSG_NOSIGNAL));
@@ -78,7 +78,7 @@ CommandRun run_command(const std::string& line, double seconds) {
     if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
     static const int watch = start_watch();
     const std::int64_t own_bytes = resident_now();
-    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what the command leaves behind becomes this process's child, and is found
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of the command become children of this process, so they are found
     const pid_t parent = ::getpid();
     const std::vector<pid_t> before = family_of(parent);
     const pid_t child = ::fork();
@@ -98,7 +98,7 @@ CommandRun run_command(const std::string& line, double seconds) {
         ::execl("/bin/sh", "sh", "-c", line.c_str(), static_cast<char*>(nullptr));
         ::_exit(127);
     }
-    ::setpgid(child, child);  // whoever comes first
+    ::setpgid(child, child);  // both processes call this; the order does not matter
     tell(watch, fmt::format("{}", child));
     ::close(output[1]);
     ::fcntl(output[0], F_SETFL, O_NONBLOCK);
@@ -109,7 +109,7 @@ CommandRun run_command(const std::string& line, double seconds) {
     rusage used{};
     for (bool open = true;;) {
         pollfd on{open ? output[0] : -1, POLLIN, 0};
-        ::poll(&on, 1, 1);  // its end is noticed within a millisecond; mostly at once, by the end of its output
+        ::poll(&on, 1, 1);  // notices its end within a millisecond, or at once if its output ends
         if (on.revents) open = read_some(output[0], run.output);
         const pid_t ended = ::wait4(child, &status, WNOHANG, &used);
         if (ended == child || (ended < 0 && errno != EINTR)) break;
@@ -119,8 +119,8 @@ CommandRun run_command(const std::string& line, double seconds) {
         }
     }
     tell(watch, "");
-    ::kill(-child, SIGKILL);  // what it left behind
-    end_family(before);       // and what has left its group
+    ::kill(-child, SIGKILL);  // the rest of its group
+    end_family(before);       // and processes that left the group
     read_some(output[0], run.output);
     ::close(output[0]);
     if (run.output.size() > output_kept) run.output.erase(0, run.output.size() - output_kept);

@@ -1,9 +1,9 @@
-// Any program as a peer, described by its parameters: authors' own programs beside ours without linking them.
+// Any program as a peer, described by its parameters: it compares with the authors' own programs without linking them.
 //
-// A posed and B are handed over as files of 17 digits (B once, before the clock starts), the tolerance on the command line;
-// bounds are what the program prints where the regular expressions say. Nothing is promised of them. What is not told is
-// what always holds: 0 below, infinity above. The time of a solve holds writing A, starting the program and its reading of
-// both files; `seconds` finds what the program itself says of its time.
+// The program gets A posed and B as files with 17 digits (B once, before the clock starts), and the tolerance on the command
+// line. Regular expressions find the bounds in its output. They are not certified. A bound that the program does not print
+// is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
+// `seconds` finds the time that the program itself reports.
 #include "error.h"
 #include "mesh_file.h"
 #include "peers/command.h"
@@ -22,18 +22,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An expression with one group, tried on each line; the last match counts, since programs print progress first.
+// An expression with one group, matched against each line; the last match counts, because programs print progress first.
 class Place {
 public:
     explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
 
     bool told() const { return !text_.empty(); }
 
-    // Empty where no line matches, or what matched is no number.
+    // Empty if no line matches, or the match is not a number.
     std::optional<double> find(const std::string& output) const {
         std::optional<double> found;
         if (!told()) return found;
-        constexpr std::size_t longest = 4096;  // std::regex recurses for each character
+        constexpr std::size_t longest = 4096;  // std::regex recurses once for each character
         for (std::size_t begin = 0; begin < output.size();) {
             const std::size_t end = std::min(output.find('\n', begin), output.size());
             const std::string line = output.substr(begin, std::min(end - begin, longest));
@@ -58,7 +58,7 @@ private:
 std::string command_problem(const std::string& value) {
     for (const char* needed : {"{A}", "{B}"}) {
         if (value.find(needed) == std::string::npos)
-            return fmt::format("does not say where {} stands: write it where the program takes that file", needed);
+            return fmt::format("does not contain {}: write it where the program takes that file", needed);
     }
     return "";
 }
@@ -69,7 +69,7 @@ std::string expression_problem(const std::string& value) {
         if (std::regex(value, std::regex::ECMAScript).mark_count() == 1) return "";
         return "must have one group, ( ), around the number";
     } catch (const std::regex_error& error) {
-        return fmt::format("is no regular expression ({}): see ECMAScript's", error.what());
+        return fmt::format("is not a regular expression ({}): see the ECMAScript syntax", error.what());
     }
 }
 
@@ -88,7 +88,7 @@ std::string last_words(const std::string& output) {
     const std::size_t begin = output.find_last_not_of(" \n\r\t");
     if (begin == std::string::npos) return "";
     const std::string text = output.substr(0, begin + 1);
-    return "; last words: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
+    return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
 }
 
 class External final : public Solver {
@@ -102,7 +102,8 @@ public:
           seconds_unit_(options.real("seconds_unit")) {
         if (!lower_.told() && !upper_.told()) {
             throw InputError(
-                "solver 'external': neither 'lower' nor 'upper' says where the program prints its answer: give one, or "
+                "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
+                "one, or "
                 "both");
         }
     }
@@ -121,7 +122,7 @@ public:
         const bool needs_length = command_.find("tolerance}") != std::string::npos;
         if (needs_length && query.tolerance.of == Tolerance::Of::lower) {
             result.note =
-                "the command line takes a tolerance as a length, the query asks for a fraction of the lower bound";
+                "the command line needs the tolerance as a length, but the query gives a fraction of the lower bound";
             return result;
         }
         write_mesh_file(file("A"), a, mesh_format_of(file("A")));
@@ -154,7 +155,7 @@ private:
                    seconds = seconds_.find(run.output);
         if (seconds) result.reported_seconds = *seconds * seconds_unit_;
         if ((lower_.told() && !lower) || (upper_.told() && !upper)) {
-            result.note = fmt::format("the program's output has no number where '{}' says{}",
+            result.note = fmt::format("the program's output has no number that '{}' matches{}",
                                       lower_.told() && !lower ? "lower" : "upper", last_words(run.output));
             return;
         }
@@ -163,16 +164,16 @@ private:
         if (upper) bounds.upper = *upper;
         if (std::isinf(bounds.lower) || bounds.upper < 0) {
             result.note =
-                fmt::format("the program's bounds [{}, {}] are those of no distance", bounds.lower, bounds.upper);
+                fmt::format("the program's bounds [{}, {}] are no interval of distances", bounds.lower, bounds.upper);
             return;
         }
         result.bounds = bounds;
         if (bounds.gap() <= query.tolerance.gap(bounds.lower)) {
             result.status = Status::converged;
         } else {
-            result.status = Status::precision_floor;  // it did all it can
-            result.note = !upper   ? "the program tells no upper bound"
-                          : !lower ? "the program tells no lower bound"
+            result.status = Status::precision_floor;  // the program ended normally
+            result.note = !upper   ? "the program gives no upper bound"
+                          : !lower ? "the program gives no lower bound"
                                    : "the program's own interval is wider than the tolerance";
         }
     }
@@ -181,7 +182,7 @@ private:
     Place lower_, upper_, seconds_;
     double seconds_unit_;
     const Shape* source_ = nullptr;
-    HoldInterrupts hold_;  // the folder goes before it
+    HoldInterrupts hold_;  // destroyed after the folder
     std::optional<ScratchFolder> folder_;
 };
 
@@ -216,18 +217,18 @@ SolverEntry external_solver() {
          .default_value = std::string("off"),
          .unit = "",
          .paper_value = "",
-         .description = "of the files",
+         .description = "format of the files",
          .choices = {"off", "obj"}},
         place("lower",
               "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the "
-              "output; empty: not told"),
-        place("upper", "likewise, of the upper bound"),
-        place("seconds", "likewise, of the time that the program reports of itself"),
+              "output; empty: not printed"),
+        place("upper", "likewise, for the upper bound"),
+        place("seconds", "likewise, for the time that the program reports"),
         {.name = "seconds_unit",
          .default_value = 1.0,
          .unit = "s",
          .paper_value = "",
-         .description = "what one unit of that time is: 1e-3 for milliseconds",
+         .description = "length of one unit of that time: 1e-3 for milliseconds",
          .choices = {},
          .least = 1e-12,
          .most = 1e6},

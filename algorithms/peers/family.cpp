@@ -15,7 +15,7 @@ std::vector<pid_t> family_of(pid_t process) {
     std::vector<pid_t> all{process};
     for (std::size_t i = 0; i < all.size(); ++i) {
         const pid_t parent = all[i];
-        // A child hangs on the thread that started it.
+        // The kernel lists a child under the thread that started it.
         std::error_code gone;
         for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
              !gone && thread != end; thread.increment(gone)) {
@@ -27,13 +27,14 @@ std::vector<pid_t> family_of(pid_t process) {
 }
 
 void end_family(const std::vector<pid_t>& spared) {
-    for (int tries = 0; tries < 1000; ++tries) {  // a second; what the kernel holds up dies when it lets go
+    for (int tries = 0; tries < 1000;
+         ++tries) {  // a second; a process blocked in the kernel dies when the call returns
         bool any = false;
         for (const pid_t member : family_of(::getpid())) {
             if (member == ::getpid() || std::find(spared.begin(), spared.end(), member) != spared.end()) continue;
             any = true;
             ::kill(member, SIGKILL);
-            ::waitpid(member, nullptr, WNOHANG);  // where it is a child of this process, and has ended
+            ::waitpid(member, nullptr, WNOHANG);  // if it is a child of this process and has ended
         }
         if (!any) return;
         ::usleep(1000);

@@ -1,4 +1,4 @@
-// What a process has started, down to the last: Linux, /proc.
+// All descendants of a process (Linux, /proc).
 #pragma once
 
 #include <sys/types.h>
@@ -7,12 +7,12 @@
 
 namespace hausbench {
 
-// A process, first, and all that it has started and that still hang on it. Those whose parent has ended hang on the nearest
-// process above that is a subreaper (prctl).
+// A process, first, and all its descendants. A process whose parent has ended becomes a child of the nearest
+// ancestor that is a subreaper (prctl).
 std::vector<pid_t> family_of(pid_t process);
 
-// Kills this process's children and all they have started, but for what is in `spared`, until there are none,
-// for up to a second.
+// Kills all descendants of this process except those in `spared`; repeats until there are none, for at most
+// a second.
 void end_family(const std::vector<pid_t>& spared);
 
 }  // namespace hausbench

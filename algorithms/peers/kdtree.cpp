@@ -1,9 +1,9 @@
-// The simple rival: a k-d tree over B (nanoflann), a nearest neighbour search for each point of A that is given up once it
-// finds a point no farther than the largest distance so far. Points of A that look farthest come first.
+// The simple baseline: a k-d tree over B (nanoflann) and a nearest neighbour search for each point of A, which stops once it
+// finds a point no farther than the largest distance so far. Points of A that are probably farthest come first.
 //
-// Certified although nanoflann promises nothing: each search names a true point of B, so the largest distance found bounds
-// h from above whatever was overlooked; the point that attains it is compared with all of B again, which is the lower
-// bound. O(|A| log |B| + |B|) time on tame data, O(|A| + |B|) memory. Budget: points of A.
+// Certified although nanoflann gives no guarantee: each search returns a point of B, so the largest distance found bounds
+// h from above even if a search missed a nearer point; the point that attains it is compared with all of B again, which
+// gives the lower bound. O(|A| log |B| + |B|) time on tame data, O(|A| + |B|) memory. Budget: points of A.
 #include "kernel/deadline.h"
 #include "points/exact.h"
 #include "solver.h"
@@ -26,7 +26,7 @@ struct PointsAdaptor {
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsAdaptor>, PointsAdaptor, 3>;
 
-// Keeps the nearest point; asks to stop at the first one that is near enough.
+// Keeps the nearest point; stops the search at the first one that is near enough.
 struct NearestOrEnough {
     double enough;
     Counters& counters;
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    // The points of A that are farthest from a few points of B, a 64th of all, then the others as they come.
+    // First a 64th of A, the points farthest from a few points of B; then the others in their order.
     std::vector<Index> likely_farthest_first(const Points& a, const Points& b, Counters& counters) const {
         const auto count = static_cast<std::size_t>(a.rows());
         const Index samples = std::min<Index>(samples_, static_cast<Index>(b.rows()));
@@ -112,7 +112,7 @@ private:
         return order;
     }
 
-    // Compares the farthest point with all of B again; what the search found stays the upper bound.
+    // Compares the farthest point with all of B again for the lower bound; the result of the search stays the upper bound.
     static Result finish(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                          Counters& counters, double rest, Status stopped) {
         if (farthest.source >= 0) {
@@ -158,7 +158,7 @@ SolverEntry kdtree_solver() {
          .default_value = std::int64_t{16},
          .unit = "points",
          .paper_value = "",
-         .description = "points of B that choose which points of A come first; 0: the order given",
+         .description = "number of points of B that determine which points of A come first; 0: keep the order of A",
          .choices = {},
          .least = 0,
          .most = 1e6},

@@ -75,7 +75,7 @@ def test_a_name_that_begins_with_a_dash(hausbench: Program, tetrahedron: Path) -
 
 def test_no_answer_is_no_success(hausbench: Program, tetrahedron: Path) -> None:
     given = ("--solver", "external", "--set", "lower=(.*)", "--set")
-    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "of no distance"), ("echo '\xff' # {A} {B}", "no number")):
+    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "no interval of distances"), ("echo '\xff' # {A} {B}", "no number")):
         done = hausbench("measure", tetrahedron, tetrahedron, *given, "command=" + command, "--json")
         assert done.returncode == 1 and "no answer" in done.stderr
         answer = json.loads(done.stdout)
