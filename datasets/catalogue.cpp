@@ -16,8 +16,8 @@
 namespace hausbench {
 namespace {
 
-// Goes into every key of the shape cache. Raise it whenever a reader, a recipe or an operation makes other bits than
-// before.
+// Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
+// changes.
 constexpr std::string_view shapes_version = "1";
 
 template <class List> std::vector<std::string> names_of(const List& list) {
@@ -32,7 +32,7 @@ const Recipe& recipe_named(const std::vector<Recipe>& list, const std::string& n
     throw InputError(fmt::format("{}: unknown '{}'{}", where, name, nearest_hint(name, names_of(list))));
 }
 
-// One [model.NAME] table; every key must be asked for.
+// One [model.NAME] table. A key that no member function has read is an error.
 class ModelTable {
 public:
     ModelTable(const std::filesystem::path& manifest, std::string name, const toml::table& table)

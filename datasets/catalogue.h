@@ -1,4 +1,4 @@
-// Models by name: where each comes from, and its shape once fetched, generated or derived.
+// Models by name: the origin of each, and its shape once it is fetched, generated or derived.
 #pragma once
 
 #include "load.h"
@@ -48,13 +48,13 @@ public:
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
 
-    // The folders that resolve() writes to, where they are not there yet. Throws InputError where they cannot be made.
+    // Creates the folders that resolve() writes to. Throws InputError if they cannot be created.
     void make_folders() const;
 
     // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their
     // SHA-256 is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in
-    // CACHE/shapes/<key>.h5 where key is a hash of the recipe, the operation and all inputs' bytes, so an edited
-    // manifest never meets a stale shape.
+    // CACHE/shapes/<key>.h5, where key is a hash of the recipe, the operation and the bytes of all inputs, so a stale shape
+    // is never used after an edit of the manifest.
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:

@@ -54,7 +54,7 @@ PointSet weld_points(const Points& points) {
 
 PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
     if (count > points.rows())
-        throw InputError(fmt::format("sample: a point set of {} points has no {} to choose", points.rows(), count));
+        throw InputError(fmt::format("sample: cannot choose {1} points of a point set of {0}", points.rows(), count));
     const Random random(seed);
     std::vector<std::pair<std::uint64_t, Index>> lots;
     for (Index i = 0; i < points.rows(); ++i) lots.emplace_back(random.bits(static_cast<std::uint64_t>(i)), i);
@@ -102,7 +102,7 @@ void quantise(Points& points, double cells) {
 
 void normalise(Points& points) {
     const double length = diagonal(points);
-    if (!(length > 0)) throw InputError("normalise: all points are one");
+    if (!(length > 0)) throw InputError("normalise: all points are equal");
     const Eigen::RowVector3d centre = (points.colwise().minCoeff() + points.colwise().maxCoeff()) / 2;
     for (Eigen::Index i = 0; i < points.rows(); ++i) points.row(i) = (points.row(i) - centre) / length;
 }
@@ -192,7 +192,7 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     }
     fine.vertices.resize(mesh.vertices.rows() + static_cast<Eigen::Index>(edges.size()), 3);
     fine.vertices.topRows(old_count) = mesh.vertices;
-    for (std::size_t e = 0; e < edges.size(); ++e)  // halves first: no overflow, and exact but for the smallest numbers
+    for (std::size_t e = 0; e < edges.size(); ++e)  // halves first: no overflow, and exact except for subnormal numbers
         fine.vertices.row(old_count + static_cast<Eigen::Index>(e)) =
             mesh.vertices.row(edges[e][0]) / 2 + mesh.vertices.row(edges[e][1]) / 2;
     return fine;

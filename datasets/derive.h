@@ -1,4 +1,4 @@
-// Shapes made from other shapes, in float64, the same bits each time.
+// Shapes made from other shapes, in float64; the result is the same bit for bit on every machine.
 #pragma once
 
 #include "generate.h"
@@ -8,14 +8,14 @@ namespace hausbench {
 
 // vertices   a mesh becomes the set of its vertices
 // weld       vertices (or points) with equal coordinates become one
-// sample     count, seed: points spread over the surface, by area; of a point set, `count` of its points
+// sample     count, seed: random points on the surface, uniform in area; of a point set, `count` of its points
 // quantise   cells: each coordinate becomes the nearest multiple of 1 / cells, as in voxel data; equal points all stay
 // simplify   ratio, or triangles: edge collapse (CGAL, Lindstrom and Turk 1998) down to that many triangles
 // remesh     edge: even edges of this length, a fraction of the diagonal (CGAL, isotropic remeshing, 3 rounds)
 // noise      amplitude, seed: each vertex moves within a cube of half this edge, a fraction of the diagonal
-// subdivide  levels: each triangle in four at the midpoints of its edges; the surface stays the same but for rounding
-// triangulate  cells: an algebraic surface becomes a mesh by marching tetrahedra (surfaces/surface_mesh.h), the only
-//            operation that takes one
+// subdivide  levels: splits each triangle in four at the midpoints of its edges; the surface changes by rounding only
+// triangulate  cells: an algebraic surface becomes a mesh by marching tetrahedra (surfaces/surface_mesh.h); no other
+//            operation takes a surface
 // scale      factor, about the origin
 // normalise  box centred at the origin, diagonal 1
 // translate  x, y, z: fractions of the diagonal
@@ -24,21 +24,21 @@ namespace hausbench {
 // two_clusters  distance: the shape, and a copy of it that far along (2, 1, 2)
 const std::vector<Recipe>& operations();
 
-// As check_numbers(), and that simplify has one of its two numbers.
+// As check_numbers(); also checks that simplify has exactly one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);
 
-// Throws InputError for a shape that the operation does not take, or that it cannot do (simplify, remesh of a soup
-// that no manifold can be made from; a program built without CGAL's GPL parts).
+// Throws InputError if the operation does not take this shape, or fails on it (simplify and remesh need a soup that can be
+// made a manifold, and a program built with CGAL's GPL parts).
 LoadedShape derive(const std::string& operation, const Numbers& numbers, const LoadedShape& origin);
 
-// Each triangle in four. New vertices come after the old ones; an edge of several triangles has one midpoint. O(n)
+// Splits each triangle in four. New vertices follow the old ones; triangles that share an edge share its midpoint. O(n)
 // expected.
 TriangleMesh subdivide(const TriangleMesh& mesh);
 
-// Vertices with equal coordinates (-0 = +0) become the first of them.
+// Merges vertices with equal coordinates (-0 = +0) into the first of them.
 TriangleMesh weld(const TriangleMesh& mesh);
 
-// derive_cgal.cpp; a soup is made a manifold first: welded, faces oriented, edges of more than two faces taken apart.
+// In derive_cgal.cpp. They first make the soup a manifold: weld it, orient the faces, split edges of more than two faces.
 TriangleMesh simplify(const TriangleMesh& mesh, Index triangles);
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);
 

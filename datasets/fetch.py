@@ -3,12 +3,12 @@
 
     fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin
 
-Each mesh becomes CACHE/raw/<sha256>/<file name>, put there whole (by rename) and only if its SHA-256 is the
-manifest's. What is there already is left alone: with everything present nothing is run. No root is needed.
+Each mesh becomes CACHE/raw/<sha256>/<file name>, only if its SHA-256 is that of the manifest; the file is complete or
+absent (renamed into place). Meshes that exist are not fetched again. Root is not needed.
 
-A package that cannot be had is no failure: its models are reported as `skipped` and the exit status stays 0. A file
-that is not the one the manifest describes is: exit status 1, after all other models had their turn. 2 means that the
-command line, the manifest or the cache folder is wrong.
+An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. A file that
+is not the one of the manifest is an error: exit status 1, after all other models were fetched. 2 means that the command
+line, the manifest or the cache folder is wrong.
 
 `path` in the manifest is the file inside the package. "ARCHIVE!MEMBER" looks inside a tar archive of the package; a
 JavaScript file that exports `positions` and `cells` counts as an archive too, whose one member is that mesh as an OBJ
@@ -33,11 +33,11 @@ SECONDS_LIMIT = 600  # for one call of apt-get or npm
 
 
 class Unavailable(Exception):
-    """A package that cannot be had here; the text says why, in one line."""
+    """A package that is unavailable; the text gives the reason, in one line."""
 
 
 class ManifestError(Exception):
-    """A manifest or command line that cannot be used as it is."""
+    """An invalid manifest or command line."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def unknown(name: str, trail: list[str], models: Iterable[str]) -> str:
 
 
 def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> tuple[list[Mesh], int]:
-    """The meshes that are still to be fetched, and how many are there already."""
+    """The meshes to fetch, and how many are already present."""
     todo: list[Mesh] = []
     there = 0
     for name in names:
@@ -120,7 +120,7 @@ def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
 
 
 def run(command: list[str], folder: Path) -> tuple[int, str]:
-    """Exit status and what was said on stderr and stdout, in that order."""
+    """Exit status and the output, stderr before stdout."""
     import subprocess
 
     environment = dict(os.environ, LC_ALL="C.UTF-8", DEBIAN_FRONTEND="noninteractive")
@@ -135,7 +135,7 @@ def run(command: list[str], folder: Path) -> tuple[int, str]:
 
 
 def reason(text: str) -> str:
-    """The one line of a program's output that says what went wrong."""
+    """The line of a program's output that names the error."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     marked = [line for line in lines if line.startswith(("E:", "npm ERR!", "npm error"))]
     telling = [line for line in marked if not line.split()[-2:-1] == ["code"]]  # npm's first line is only "code E404"
@@ -143,7 +143,7 @@ def reason(text: str) -> str:
 
 
 class Apt:
-    """Downloads .deb files; refreshes empty package lists once, where we may."""
+    """Downloads .deb files; as root, refreshes empty package lists once."""
 
     def __init__(self, lists: Path = APT_LISTS, root: bool | None = None) -> None:
         self.lists = lists
@@ -262,7 +262,7 @@ def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str,
 
 
 def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
-    """Puts the mesh in its place, whole or not at all; says so if it is not the mesh of the manifest."""
+    """Puts the mesh in its place (complete or absent); returns an error if it is not the mesh of the manifest."""
     import hashlib
 
     found = hashlib.sha256(data).hexdigest()
@@ -278,7 +278,7 @@ def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
 
 
 def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
-    """Downloads the package of these meshes (all of one package) and keeps them. Returns what is wrong with them."""
+    """Downloads one package and keeps these meshes, which are all in it. Returns the errors."""
     import tempfile
 
     first = meshes[0]
@@ -311,7 +311,7 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None)
     models = read_manifest(manifest)
     todo, there = missing(models, origins(models, names or models), cache)
     if not todo:
-        print(f"all {there} mesh files are there")
+        print(f"all {there} mesh files are present")
         return 0
 
     packages: dict[tuple[str, str, str], list[Mesh]] = {}
@@ -323,7 +323,7 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None)
         try:
             problems = fetch_package(meshes, cache, apt)
         except Unavailable as why:
-            print(f"{source} {package} {version}: cannot be had", flush=True)
+            print(f"{source} {package} {version}: unavailable", flush=True)
             for mesh in (m for m in meshes if not m.place(cache).exists()):
                 print(f"skipped: model {mesh.name}: {why}", file=sys.stderr, flush=True)
             continue
@@ -347,7 +347,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"error: the meshes cannot be put into {given.cache}: {error}", file=sys.stderr)
+        print(f"error: cannot write the meshes to {given.cache}: {error}", file=sys.stderr)
         return 2
 
 

@@ -18,10 +18,10 @@ struct Circle {
     double cosine, sine;
 };
 
-// The point at k/n of a turn: by the series, after reduction to an eighth of a turn in whole numbers.
+// The point at k/n of a turn: by the Taylor series, after an exact reduction to an eighth of a turn in integers.
 Circle circle_point(std::int64_t k, std::int64_t n) {
     const std::int64_t eighth = 8 * k / n;         // 0..7
-    const std::int64_t rest = 8 * k - eighth * n;  // of n, in the eighth
+    const std::int64_t rest = 8 * k - eighth * n;  // position within the eighth, in units of 1/n
     const bool mirrored = eighth % 2 == 1;         // odd eighths run backwards from the next quarter
     const double part = static_cast<double>(mirrored ? n - rest : rest) / static_cast<double>(n);
     const double angle = part * 0.78539816339744830961;
@@ -48,7 +48,7 @@ public:
         return static_cast<Index>(points_.size() - 1);
     }
     void triangle(Index a, Index b, Index c) { triangles_.push_back({a, b, c}); }
-    void square(Index a, Index b, Index c, Index d) {  // in turn; split from a to c
+    void square(Index a, Index b, Index c, Index d) {  // corners in order; split from a to c
         triangle(a, b, c);
         triangle(a, c, d);
     }
@@ -149,8 +149,8 @@ TriangleMesh torus(int rings, int sides, double major, double minor) {
     return builder.mesh();
 }
 
-// A rectangle, bore to rim by height, swept around the axis; the rim follows the teeth: a quarter of each is tip, a quarter
-// root, the flanks between them straight.
+// A rectangle from bore to rim, swept around the axis. The rim follows the teeth: each has a quarter tip, a quarter root and
+// straight flanks between them.
 TriangleMesh gear(int teeth, int steps, int rings, int layers, double outer, double root, double bore, double height) {
     const auto rim = [&](int step) {
         const double phase = 4.0 * step / steps;  // tip, flank, root, flank

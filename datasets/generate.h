@@ -1,5 +1,5 @@
-// Shapes made by recipe. Only + - x / and sqrt are used, so that every x86-64 makes the same bits; a test pins the
-// hashes.
+// Shapes made by recipe, with + - x / and sqrt only, so that the result is the same bit for bit on every x86-64; a test
+// checks the hashes.
 #pragma once
 
 #include "scene.h"
@@ -17,7 +17,7 @@ struct NumberSpec {
     std::string name;
     bool whole = false;
     double least = -1e300, most = 1e300;  // the allowed range, ends included
-    bool required = true;                 // the others are left out of Numbers where they are not given
+    bool required = true;                 // the others are absent from Numbers if they are not given
 };
 
 struct Recipe {
@@ -25,7 +25,7 @@ struct Recipe {
     std::vector<NumberSpec> numbers;
 };
 
-// icosphere        level, radius: an icosahedron split 1 to 4 `level` times, vertices moved to the sphere;
+// icosphere        level, radius: an icosahedron, each triangle split in four `level` times, vertices moved to the sphere;
 //                  20 * 4^level triangles
 // cube             subdivisions n: edge 1 around the origin, n x n squares a side; 12 n^2 triangles
 // torus            rings, sides, major, minor: around the z axis; 2 rings sides triangles
@@ -40,10 +40,10 @@ struct Recipe {
 const std::vector<Recipe>& recipes();
 
 // `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction
-// where a whole number is wanted, or a number out of range.
+// where a whole number is required, or a number out of range.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
-// Numbers as check_numbers() wants them. Throws InputError.
+// The numbers must have passed check_numbers(). Throws InputError for an unknown recipe.
 Shape generate(const std::string& recipe, const Numbers& numbers);
 
 }  // namespace hausbench

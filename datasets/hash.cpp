@@ -32,7 +32,7 @@ Sha256& Sha256::add(const void* bytes, std::size_t count) {
 }
 
 Sha256& Sha256::add(std::string_view text) {
-    std::array<unsigned char, 8> length{};  // little-endian, whatever the machine
+    std::array<unsigned char, 8> length{};  // little-endian on every machine
     for (std::size_t i = 0; i < length.size(); ++i)
         length[i] = static_cast<unsigned char>((static_cast<std::uint64_t>(text.size()) >> (8 * i)) & 0xff);
     return add(length.data(), length.size()).add(text.data(), text.size());

@@ -14,7 +14,7 @@ public:
     Sha256();
     ~Sha256();
     Sha256& add(const void* bytes, std::size_t count);
-    Sha256& add(std::string_view text);  // the length goes in too, so that fields cannot run together
+    Sha256& add(std::string_view text);  // hashes the length too, so that two fields cannot be confused with one
     std::string hex();                   // 64 lower-case digits; ends the hash
 
 private:

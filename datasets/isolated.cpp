@@ -28,12 +28,12 @@ namespace {
 struct Outcome {
     int status = 0;  // as waitpid gives it
     bool timed_out = false, too_big = false, interrupted = false;
-    std::string errors;  // the end of what it wrote on standard error
+    std::string errors;  // the end of its standard error
 };
 
 constexpr std::size_t errors_kept = 16384;
 
-// What the process has in memory; 0 when it is gone.
+// Resident set of the process; 0 if it has ended.
 std::int64_t resident_bytes(pid_t process) {
     std::ifstream in(fmt::format("/proc/{}/statm", process));
     std::int64_t size = 0, resident = 0;
@@ -41,14 +41,14 @@ std::int64_t resident_bytes(pid_t process) {
     return resident * ::sysconf(_SC_PAGE_SIZE);
 }
 
-// Three quarters of what the machine, or the container, has to give now. No more than that is known to be harmless.
+// Three quarters of the free memory of the machine or the container: more could make the kernel kill other processes.
 std::int64_t spare_bytes() {
     std::int64_t spare = std::numeric_limits<std::int64_t>::max(), number = 0;
     std::string key, unit;
     for (std::ifstream in("/proc/meminfo"); in >> key >> number && std::getline(in, unit);)
         if (key == "MemAvailable:") spare = number * 1024;
     for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
-        if (std::ifstream in(file); in >> number) spare = std::min(spare, number);  // "max" is no number
+        if (std::ifstream in(file); in >> number) spare = std::min(spare, number);  // "max" is not a number
     return spare / 4 * 3;
 }
 
@@ -105,7 +105,7 @@ Outcome run(std::vector<std::string> words, double seconds_limit, std::int64_t b
         if (done == child || (done < 0 && errno != EINTR)) break;
     }
     while (listen(0)) {
-    }  // what it wrote last; not to the end of the pipe, which a grandchild may hold open
+    }  // its last output; the pipe may have no end, since a grandchild may hold it open
     ::close(pipe[0]);
     return outcome;
 }
@@ -114,7 +114,7 @@ std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     const std::size_t newline = text.rfind('\n');
     text = newline == std::string::npos ? text : text.substr(newline + 1);
-    // It may quote the file, which may hold what a terminal obeys.
+    // It may quote the file, which may contain control characters.
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
     constexpr std::string_view prefix = "hausbench: ";  // the program puts it before its messages
@@ -125,7 +125,7 @@ std::string last_line(std::string text) {
 
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
                           const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
-    const HoldInterrupts hold;  // the folder goes first
+    const HoldInterrupts hold;  // destroyed after the folder
     const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "load"};
@@ -145,8 +145,8 @@ LoadedShape load_isolated(const std::filesystem::path& program, const std::files
     if (WIFSIGNALED(outcome.status)) {
         const int number = WTERMSIG(outcome.status);
         throw InputError(
-            fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or is one that its reader "
-                        "cannot take",
+            fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or its reader cannot "
+                        "process it",
                         file.string(), number, ::strsignal(number)));
     }
     const int code = WEXITSTATUS(outcome.status);

@@ -1,4 +1,4 @@
-// Foreign files are read in a process of its own, so that a reader that crashes takes nothing with it.
+// Reads foreign files in a separate process, so that a crash of a reader does no harm.
 #pragma once
 
 #include "load.h"

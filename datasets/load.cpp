@@ -19,7 +19,7 @@ namespace hausbench {
 namespace readers {
 namespace {
 
-// Bits of the three coordinates, with -0 taken for +0.
+// Bits of the three coordinates; -0 counts as +0.
 struct PointKey {
     std::array<double, 3> x;
     bool operator==(const PointKey&) const = default;
@@ -78,7 +78,7 @@ void check(const std::string& name, const Soup& soup) {
                                              soup.points.size()));
 }
 
-// Corners without those equal to their predecessor, as far as more than three are left.
+// Removes corners equal to their predecessor while more than three remain.
 std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     std::vector<std::size_t> corners;
     for (const std::size_t v : face)
@@ -150,10 +150,10 @@ std::string extension_of(const std::filesystem::path& file) {
     return extension.empty() ? "" : extension.substr(1);
 }
 
-// What gzip makes of numbers is about a tenth of them; a thousandth, which it can reach, is nothing but repetition.
+// gzip shrinks numbers to about a tenth; it reaches a thousandth only for mere repetition.
 constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;
 
-// The whole file, inflated where it is gzipped (zlib goes by its first two bytes).
+// The whole file, decompressed if it is gzipped (zlib tests the first two bytes).
 std::string read_all(const std::filesystem::path& file) {
     errno = 0;
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
@@ -165,11 +165,11 @@ std::string read_all(const std::filesystem::path& file) {
         const int count = gzread(in.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
         int code = 0;
         const std::string why = gzerror(in.get(), &code);
-        // The end of a truncated archive is no error of gzread, but leaves this code.
+        // For a truncated archive gzread reports no error, but sets this code.
         if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
         if (count == 0) return bytes;
         bytes.append(buffer.data(), static_cast<std::size_t>(count));
-        const z_off_t taken = gzoffset(in.get());  // of the file; -1 where it does not say
+        const z_off_t taken = gzoffset(in.get());  // bytes of the file read so far; -1 if unknown
         if (taken > 0 && bytes.size() > inflated_anyway && bytes.size() / inflation > static_cast<std::size_t>(taken))
             throw InputError(
                 fmt::format("{}: inflates to more than {} times its size, which no mesh does: inflate it "

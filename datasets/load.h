@@ -11,11 +11,12 @@
 namespace hausbench {
 
 struct LoadReport {
-    std::string format;                            // "obj", "ply", "stl", "off", ... as read
-    std::string precision = "float64";             // "float32" where the reader keeps no more (assimp)
-    std::optional<std::int64_t> unreferenced = 0;  // vertices dropped; empty: unknown, the reader drops them itself
-    std::int64_t polygons = 0;                     // faces of more than three corners, now triangles
-    std::int64_t objects = 1;                      // solids, groups or meshes that became one soup
+    std::string format;                 // "obj", "ply", "stl", "off", ... as read
+    std::string precision = "float64";  // "float32" if the reader rounds to it (assimp)
+    std::optional<std::int64_t> unreferenced =
+        0;                      // number of dropped vertices; empty: unknown, since the reader drops them
+    std::int64_t polygons = 0;  // faces of more than three corners, which were split into triangles
+    std::int64_t objects = 1;   // number of solids, groups or meshes in the file, which become one soup
 };
 
 struct LoadedShape {

@@ -12,7 +12,7 @@
 namespace hausbench::readers {
 namespace {
 
-// assimp 5.2.5 either finds no valid file in UTF-16 text (AC, Collada, Irrlicht), or makes every number of it 0 (ASE).
+// assimp 5.2.5 either rejects UTF-16 text (AC, Collada, Irrlicht), or reads every number in it as 0 (ASE).
 void refuse_utf16(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string mark(2, ' ');
@@ -24,7 +24,7 @@ struct Tally {
     std::int64_t meshes = 0, polygons = 0;
 };
 
-// Instances count each time, as they do in the soup.
+// Counts every instance of a mesh, since the soup contains each.
 void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
         const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
@@ -44,7 +44,7 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     Assimp::Importer importer;
     const aiScene* scene = nullptr;
     if (format.empty() || format == extension) {
-        scene = importer.ReadFile(name, 0);  // not from memory: the file may name others beside it
+        scene = importer.ReadFile(name, 0);  // not from memory: the file may refer to other files in its folder
     } else {
         std::ifstream in(file, std::ios::binary);
         const std::string bytes{std::istreambuf_iterator<char>(in), {}};

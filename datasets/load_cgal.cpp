@@ -14,11 +14,11 @@
 namespace hausbench::readers {
 namespace {
 
-// Reading only: the input and output package is LGPL, the processing of meshes would be GPL.
+// Reading only: CGAL's input and output package is LGPL, its mesh processing is GPL.
 using Kernel = CGAL::Simple_cartesian<double>;
 using CgalPoint = Kernel::Point_3;
 
-// The first line that a reader cannot have liked: coordinates that are not numbers, or an OFF face that names no
+// The first line that CGAL's reader rejects: coordinates that are not numbers, or an OFF face with an unknown
 // vertex.
 std::string first_bad_line(const Mended& mended, const std::string& format) {
     std::istringstream in(mended.bytes);
@@ -81,8 +81,8 @@ Soup read_with_cgal(const std::string& name, std::string bytes, const std::strin
     } catch (const std::exception& error) {
         trouble = error.what();
     }
-    // STL lists points by facet, so their number is not known beforehand. Of OBJ all lines are read first; what CGAL
-    // then says against a file without faces, or of a number out of range, finish() says better.
+    // STL lists points by facet, so their number is not known beforehand. CGAL reads all lines of an OBJ file before it
+    // fails; for a file without faces, or a number out of range, finish() gives a better message than CGAL.
     const bool complete = faces.size() == mended.faces && (format == "stl" || points.size() == mended.points);
     if (!complete || !(read || format == "obj") || !trouble.empty()) {
         std::string why = format == "ply" ? "" : first_bad_line(mended, format);

@@ -16,7 +16,7 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
-// The next word of `line`, which loses it; empty at the end.
+// Removes the next word from `line` and returns it; empty at the end.
 std::string_view next_word(std::string_view& line) {
     std::size_t begin = 0;
     while (begin < line.size() && is_blank(line[begin])) ++begin;
@@ -37,7 +37,7 @@ template <class F> void each_line(std::string_view bytes, F f) {
     }
 }
 
-// Whether all of the word is a number, one beyond double or a NaN included: what is read of it is looked at later.
+// Whether the whole word is a number; one out of range or a NaN counts too, since finish() checks the values.
 bool is_number(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double value = 0;
@@ -45,7 +45,7 @@ bool is_number(std::string_view word) {
     return error != std::errc::invalid_argument && end == word.data() + word.size();
 }
 
-// A stream would take "1.5D3" and "3.1+e2" for 1.5 and 3.1, and leave the rest.
+// A stream would read "1.5D3" and "3.1+e2" as 1.5 and 3.1, and ignore the rest.
 void check_coordinates(const std::string& name, std::string_view line, std::uint32_t number) {
     for (int k = 0; k < 3; ++k) {
         const std::string_view word = next_word(line);
@@ -58,7 +58,7 @@ void put_line(Mended& mended, std::string_view text, std::uint32_t number) {
     mended.lines.push_back(number);
 }
 
-// Byte order marks: UTF-8's is cut off, UTF-16 is narrowed (what is not ASCII can only be a name or a comment).
+// Removes a UTF-8 byte order mark; converts UTF-16 to ASCII (other characters occur only in names and comments).
 std::string as_ascii(std::string_view bytes) {
     if (bytes.starts_with("\xef\xbb\xbf")) return std::string(bytes.substr(3));
     const bool little = bytes.starts_with("\xff\xfe"), big = bytes.starts_with("\xfe\xff");
@@ -71,7 +71,7 @@ std::string as_ascii(std::string_view bytes) {
     return narrow;
 }
 
-// A backslash at the end of a line continues it; the lines stay, so that their numbers do, but the second is empty.
+// A backslash at the end of a line joins it with the next, which becomes empty, so that line numbers stay the same.
 void join_continued(std::string& bytes) {
     std::size_t owed = 0;
     for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -142,7 +142,7 @@ Mended mend_off(const std::string& name, const std::string& bytes) {
     const auto count = [&](std::size_t which, const char* what) {
         long long value = -1;
         std::from_chars(words[which].data(), words[which].data() + words[which].size(), value);
-        // The shortest line of either kind has two characters; a header that promises more is a lie that costs memory.
+        // The shortest line of either kind has two characters; a header with a larger count is wrong and would cost memory.
         if (value < 0 || static_cast<unsigned long long>(value) > bytes.size() / 2)
             refuse(name, fmt::format("the header announces {} {}, which a file of {} bytes cannot hold", words[which],
                                      what, bytes.size()));
@@ -200,11 +200,11 @@ Mended mend_binary_stl(const std::string& name, std::string bytes) {
     if (bytes.size() < expected)
         refuse(name, fmt::format("is truncated, or no STL file: {} facets take {} bytes, {} bytes found", facets,
                                  expected, bytes.size()));
-    if (bytes.size() > expected)  // mostly one that was once copied as text: its coordinates are garbage
+    if (bytes.size() > expected)  // usually a file that was transferred as text: its coordinates are wrong
         refuse(name, fmt::format("is damaged, or no STL file: {} facets take {} bytes, {} bytes found", facets,
                                  expected, bytes.size()));
     for (std::size_t f = 0; f < facets; ++f)
-        for (std::size_t k = 0; k < 9; ++k) {  // before CGAL sorts them, which NaN would upset
+        for (std::size_t k = 0; k < 9; ++k) {  // before CGAL sorts them, which fails with a NaN
             float value = 0;
             std::memcpy(&value, bytes.data() + stl_header + f * stl_facet + 12 + 4 * k, sizeof value);
             if (!std::isfinite(value))
@@ -247,7 +247,7 @@ Mended mend_stl(const std::string& name, std::string bytes) {
             if (inside) refuse(name, fmt::format("line {}: a solid begins inside another", number));
             inside = true;
             ++mended.objects;
-            put_line(mended, "solid", number);  // its name could be a keyword
+            put_line(mended, "solid", number);  // without the name, which could be a keyword
         } else if (keyword == "vertex") {
             check_coordinates(name, line, number);
             put_line(mended, fmt::format("vertex {}", line), number);

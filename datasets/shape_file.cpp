@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t shape_schema = 1;
 
-static_assert(std::endian::native == std::endian::little, "content_hash takes the bytes as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "content_hash uses the bytes as stored in memory");
 
 Points points_from(const std::vector<double>& values) {
     if (values.size() % 3 != 0) throw std::runtime_error("coordinates are not a whole number of points");
@@ -58,14 +58,14 @@ LoadedShape read_unchecked(const std::filesystem::path& path) {
     loaded.report.polygons = file.integer_attribute("", "polygons");
     loaded.report.objects = file.integer_attribute("", "objects");
     if (content_hash(loaded.shape) != file.text_attribute("", "content_hash"))
-        throw std::runtime_error("does not hold what was written into it");
+        throw std::runtime_error("does not match its content hash");
     return loaded;
 }
 
 }  // namespace
 
 void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
-    // The process number keeps two writers of one file apart; the last rename wins, and both wrote the same shape.
+    // The process number separates two writers of one file; the last rename wins, and both write the same shape.
     std::filesystem::path temporary = path;
     temporary += fmt::format(".{}.part", ::getpid());
     try {
@@ -105,10 +105,10 @@ LoadedShape read_shape(const std::filesystem::path& path) {
     } catch (const std::runtime_error& error) {
         const std::string why = error.what();
         const bool named = why.starts_with(path.string());
-        throw InputError((named ? "" : path.string() + ": ") + why + "; delete the file and it is made anew");
+        throw InputError((named ? "" : path.string() + ": ") + why + "; delete the file, and it is made again");
     }
     const std::string problem = shape_problem(loaded.shape);
-    if (!problem.empty()) throw InputError(path.string() + ": " + problem + "; delete the file and it is made anew");
+    if (!problem.empty()) throw InputError(path.string() + ": " + problem + "; delete the file, and it is made again");
     return loaded;
 }
 

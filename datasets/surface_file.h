@@ -13,11 +13,11 @@
 
 namespace hausbench {
 
-// The two keys of a table that may have others. `where` begins every message. Throws InputError for a missing key, a text
-// that is no polynomial (its column), a box that is not three pairs of numbers or has no volume.
+// Reads these two keys of a table; other keys are ignored. `where` begins every message. Throws InputError for a missing key,
+// an invalid polynomial (with the column), a box that is not three pairs of numbers or has no volume.
 AlgebraicSurface surface_of(const toml::table& table, const std::string& where);
 
-// Throws InputError also for what is no TOML, and for other keys.
+// Throws InputError also for invalid TOML and for other keys.
 AlgebraicSurface read_surface_file(const std::filesystem::path& file);
 
 // "x^2 + y^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]"
