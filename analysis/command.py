@@ -1,4 +1,4 @@
-"""The command line that every stem has: `python3 -m analysis.<stem> [--results DIR] [--out DIR]`."""
+"""The command line of every stem: `python3 -m analysis.<stem> [--results DIR] [--out DIR]`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Make = Callable[[Results, Path], list[Path]]
 
 
 def main(stem: str, make: Make, arguments: Sequence[str] | None = None) -> int:
-    """Reads <results>/<stem>.h5 and lets `make` write below <out>. Returns the exit code: 2 if the file is no use."""
+    """Reads <results>/<stem>.h5 and lets `make` write below <out>. Returns the exit code: 2 if the file is unusable."""
     parser = argparse.ArgumentParser(prog=f"analysis.{stem}", description=f"Figures and tables of {stem}.")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (results)")

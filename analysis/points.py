@@ -1,4 +1,4 @@
-"""Coordinates of point models, for pictures and for counts: result files hold none, so the program writes them out."""
+"""Coordinates of point models, for pictures and counts: result files have none, so the program exports them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def program() -> Path:
 
 
 def points_of(model: str, count: int) -> Floats | None:
-    """n x 3, in the unit of the model. None where there is no program, it has no such model, or one of another size."""
+    """n x 3, in the unit of the model. None if the program is missing, or its model is missing or of another size."""
     if not program().is_file():
         return None
     with tempfile.TemporaryDirectory() as folder:
@@ -37,6 +37,6 @@ def points_of(model: str, count: int) -> Floats | None:
 
 
 def posed(points: Floats, pose: Floats) -> Floats:
-    """By a pose as stored: the rotation row by row, then the translation."""
+    """Moves points by a pose as stored in result files: the rotation row by row, then the translation."""
     moved: Floats = points @ pose[:9].reshape(3, 3).T + pose[9:]
     return moved

@@ -37,7 +37,7 @@ class Look:
 
     @property
     def size(self) -> float:
-        """Markers of one visual weight: stars and crosses need more."""
+        """Marker size; stars and crosses are larger, so that all markers look equally heavy."""
         return {"*": 6.5, "P": 5.0, "X": 5.0, "p": 5.0, "h": 5.0, "d": 5.0}.get(self.marker, 4.2)
 
 
@@ -68,7 +68,7 @@ LOOKS: Final[dict[str, Look]] = {
     "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5))),
 }
 
-# Letters that stand for rows without bounds in figures.
+# Letters in figures for rows without bounds.
 STATUS_LETTERS: Final = {"timeout": "T", "out_of_memory": "M", "signal": "C", "failed": "F", "unsound": "U",
                          "skipped": "S", "not_built": "N", "floor": "P", "budget": "B"}
 STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "signal": "crashed", "failed": "failed",
@@ -117,11 +117,11 @@ class LogAxis:
         high = int(np.ceil(np.log10(positive.max()))) if len(positive) else 0
         high = max(high, low + 1)
         self.has_zeros = bool((x <= 0).any())
-        room = 0.075 * (high - low + 1)  # in decades: half of the band, and what else is kept free
+        room = 0.075 * (high - low + 1)  # in decades: half of the band, and free space
         self._zero = 10.0 ** (low - 2.6 * room)
         ax.set_yscale("log")
         ax.minorticks_off()
-        if self.has_zeros and not len(positive):  # nothing but zeros: no scale to break off from
+        if self.has_zeros and not len(positive):  # only zeros: there is no scale
             ax.set_facecolor("#F1F1F1")
             ax.set_yticks([self._zero], ["0"])
             ax.set_ylim(self._zero / 10, self._zero * 10)
@@ -147,7 +147,7 @@ class LogAxis:
 
 
 def log_ticks(axis: Any) -> None:
-    """Powers of ten, without minor ticks; where fewer than two would be seen, also 2 and 5 times them, written out."""
+    """Powers of ten, without minor ticks; if fewer than two are in view, also 2 and 5 times them, as plain numbers."""
     low, high = np.log10(sorted(axis.get_view_interval()))
     few = np.floor(high) - np.ceil(low) < 1
     axis.set_minor_locator(matplotlib.ticker.NullLocator())
@@ -157,7 +157,7 @@ def log_ticks(axis: Any) -> None:
 
 
 def margin_marks(ax: Any, marks: Sequence[tuple[Look, str]], height: float, pitch: float = 8.5) -> None:
-    """Failures, in a column right of the axes and downwards from their top: each an open marker and its letter.
+    """Draws failures in a column to the right of the axes, from the top down: for each an open marker and its letter.
 
     `height` of the column and `pitch` are in points; what does not fit is said as '+n'.
     """
@@ -194,14 +194,14 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
 
 
 def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3) -> None:
-    """A legend above all frames, which constrained layout then keeps clear of it."""
+    """A legend above all frames; constrained layout keeps them clear of it."""
     figure.legend(handles=entries, loc="upper center", ncol=columns)
     rows = -(-len(entries) // columns)
     figure.get_layout_engine().set(rect=(0, 0, 1, 1 - 0.155 * rows / figure.get_size_inches()[1]))
 
 
 def save(figure: Any, out: Path, stem: str, caption: str = "") -> list[Path]:
-    """Writes <out>/figures/<stem>.pdf and .png: the same bytes for the same numbers, so no dates."""
+    """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes."""
     folder = out / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{stem}.pdf", folder / f"{stem}.png"]

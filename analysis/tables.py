@@ -11,7 +11,7 @@ from pathlib import Path
 
 from analysis.statistics import Estimate
 
-NOTHING = "—"  # nobody asked for this number, or nobody has it
+NOTHING = "—"  # this number was not measured, or is unknown
 Record = dict[str, object]
 
 _TEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
@@ -28,12 +28,12 @@ class Table:
     header: Sequence[str]
     rows: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    left: int = 1  # that many columns are texts, aligned left; the rest are numbers
+    left: int = 1  # the number of columns with texts, aligned left; the others hold numbers
     rules: set[int] = field(default_factory=set)
 
 
 def number(x: float, digits: int = 3) -> str:
-    """With so many significant digits; whole numbers are never cut. '—' for NaN."""
+    """Rounds to `digits` significant digits, but never to fewer than all digits before the point. '—' for NaN."""
     if math.isnan(x):
         return NOTHING
     if math.isinf(x):
@@ -50,7 +50,7 @@ def number(x: float, digits: int = 3) -> str:
 
 
 def estimate(x: Estimate, scale: float = 1.0) -> str:
-    """'2.10 [2.05, 2.31]'; without an interval where one repeat gives none."""
+    """'2.10 [2.05, 2.31]'; without the interval if there is only one repeat."""
     if x.n == 0:
         return NOTHING
     if not x.has_interval:
@@ -66,7 +66,7 @@ def ratio(x: Estimate) -> str:
 
 
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
-    """('ms', 1000) where half of the times are below 0.1 s, else ('s', 1): one unit for a whole table."""
+    """The unit of a table and its factor: ('ms', 1000) if the median of the times is below 0.1 s, else ('s', 1)."""
     known = sorted(x for x in seconds if math.isfinite(x))
     return ("ms", 1000.0) if known and known[len(known) // 2] < 0.1 else ("s", 1.0)
 
@@ -107,7 +107,7 @@ def latex(table: Table, stem: str) -> str:
     for i, row in enumerate(table.rows):
         if i in table.rules and i > 0:
             lines.append(r"\addlinespace")
-        # A row that begins with '[' would be read as an argument of the row end before it.
+        # LaTeX would read a '[' at the start of a row as an argument of the \\ before it.
         cells = ["{" + cell + "}" if cell.startswith("[") else cell for cell in map(tex_escape, row)]
         lines.append(" & ".join(cells) + r" \\")
     lines += [r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
@@ -118,7 +118,7 @@ def latex(table: Table, stem: str) -> str:
 
 
 def comma_separated(records: Sequence[Record]) -> str:
-    """One line a record; doubles in full, NaN as an empty field."""
+    """One line for each record; doubles with all digits, NaN as an empty field."""
     def cell(value: object) -> object:
         return "" if isinstance(value, float) and math.isnan(value) else value
 

@@ -1,4 +1,4 @@
-// Square roots of rationals, as doubles on either side.
+// Bounds on the square roots of rationals: the nearest doubles below and above.
 #pragma once
 
 #include <CGAL/Exact_rational.h>
@@ -7,8 +7,8 @@ namespace hausbench {
 
 using Rational = CGAL::Exact_rational;
 
-// The largest double whose square is at most `square`, and the smallest whose square is at least that (infinity where there
-// is none). For every square that is not negative, also where it is itself too large or too small for a double.
+// The largest double whose square is at most `square`, and the smallest whose square is at least `square` (infinity if there
+// is none). `square` is not negative; it may be outside the range of doubles.
 double root_at_most(const Rational& square);
 double root_at_least(const Rational& square);
 

@@ -31,7 +31,7 @@ LoadedShape find_shape(const Catalogue& catalogue, const std::string& model) {
 }  // namespace
 
 std::string export_model(const Catalogue& catalogue, const std::string& model, const std::filesystem::path& to) {
-    const MeshFormat format = mesh_format_of(to);  // before the work
+    const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
     const LoadedShape loaded = find_shape(catalogue, model);
     write_mesh_file(to, loaded.shape, format);
     const bool points = kind_of(loaded.shape) == ShapeKind::points;

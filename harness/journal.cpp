@@ -23,7 +23,7 @@ constexpr int journal_schema = 2;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
-// What is left of a first line whose write never finished.
+// Whether this is the beginning of a first line whose write did not finish.
 bool torn_header(std::string_view text) {
     constexpr std::string_view start = R"({"hausbench_journal":)";
     if (text.find('\n') != std::string_view::npos) return false;
@@ -47,7 +47,8 @@ Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         ::close(descriptor_);
-        throw InputError(fmt::format("{}: another run is writing this result: wait for it, or end it", file_.string()));
+        throw InputError(
+            fmt::format("{}: another run is writing this result: wait until it ends, or stop it", file_.string()));
     }
     try {
         if (fresh)
@@ -78,7 +79,7 @@ void Journal::read() {
         if (n == 0) break;
         text.append(buffer, std::size_t(n));
     }
-    std::size_t good = 0;  // everything before is whole lines
+    std::size_t good = 0;  // length of the complete lines
     for (int number = 1; good < text.size(); ++number) {
         const std::size_t end = text.find('\n', good);
         const bool last = end == std::string::npos || end + 1 == text.size();
@@ -87,20 +88,21 @@ void Journal::read() {
             checksum(std::string_view(line).substr(17)) != line.substr(0, 16)) {
             if (number == 1 && !torn_header(text)) {
                 throw InputError(fmt::format(
-                    "{}: is not a journal of hausbench: move it away or choose another folder with --results",
+                    "{}: is not a journal of hausbench: move it away, or choose another folder with --results",
                     file_.string()));
             }
             if (!last) throw InputError(fmt::format("{}:{}: damaged: start over with --fresh", file_.string(), number));
-            break;  // torn: the write never finished
+            break;  // incomplete: its write did not finish
         }
         if (!take(number, std::string_view(line).substr(17))) {
             throw InputError(
-                fmt::format("{}:{}: is no record of a run: start over with --fresh", file_.string(), number));
+                fmt::format("{}:{}: is not a record of a run: start over with --fresh", file_.string(), number));
         }
         good = end + 1;
     }
     if (::ftruncate(descriptor_, off_t(good)) != 0 || ::lseek(descriptor_, 0, SEEK_END) < 0) {
-        throw InputError(fmt::format("{}: cannot mend its last line: {}", file_.string(), std::strerror(errno)));
+        throw InputError(
+            fmt::format("{}: cannot remove its incomplete last line: {}", file_.string(), std::strerror(errno)));
     }
     if (started_.empty()) begin();
 }
@@ -114,7 +116,7 @@ bool Journal::take(int number, std::string_view text) {
         }
         if (record.value("hausbench_journal", 0) != journal_schema) {
             throw InputError(fmt::format(
-                "{}: written by another version of hausbench: finish with that one, or start over with --fresh",
+                "{}: written by another version of hausbench: finish with that version, or start over with --fresh",
                 file_.string()));
         }
         started_ = record.at("started");
@@ -141,15 +143,15 @@ void Journal::write_line(const std::string& text) {
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) {
             const int cause = errno;
-            // Whole lines only, even on a full disk. If this fails as well, opening the journal cuts the torn line off.
+            // Keep complete lines only, even on a full disk. If this fails too, the next open removes the incomplete line.
             if (::ftruncate(descriptor_, start) == 0) ::lseek(descriptor_, start, SEEK_SET);
-            throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again",
+            throw InputError(fmt::format("{}: cannot write: {}; finished cases are saved: make room and run again",
                                          file_.string(), std::strerror(cause)));
         }
         done += std::size_t(n);
     }
     if (::fsync(descriptor_) != 0 && errno != EINVAL) {
-        throw InputError(fmt::format("{}: cannot write: {}; what was finished is safe: make room and run again",
+        throw InputError(fmt::format("{}: cannot write: {}; finished cases are saved: make room and run again",
                                      file_.string(), std::strerror(errno)));
     }
 }

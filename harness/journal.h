@@ -1,7 +1,7 @@
-// What is finished is safe: outcomes appended, each with a checksum and fsync, to a file beside the result.
+// Keeps finished outcomes safe: each is appended, with a checksum and fsync, to a file beside the result.
 //
-// One line a record: 16 hexadecimal digits of the SHA-256 of the rest, a blank, JSON. A last line that is torn (power cut,
-// kill) is cut off when the journal is opened; a damaged line further up is an error, since something else wrote there.
+// One line for each record: 16 hexadecimal digits of the SHA-256 of the rest, a space, JSON. An incomplete last line (power
+// cut, kill) is removed when the journal is opened; a damaged line before it is an error, since another program wrote it.
 #pragma once
 
 #include "record.h"
@@ -16,8 +16,8 @@ namespace hausbench {
 
 class Journal {
 public:
-    // Opens or creates, and locks: throws InputError if another run holds it, if it is damaged, of another schema or not
-    // ours, or cannot be written. `fresh`: whatever is in it is forgotten (`run --fresh`), and need not be ours.
+    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is damaged, of
+    // another schema, not a journal, or cannot be written. `fresh` (`run --fresh`): its contents are discarded unread.
     explicit Journal(std::filesystem::path file, bool fresh = false);
     ~Journal();
     Journal(const Journal&) = delete;
@@ -29,13 +29,13 @@ public:
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
     void append(const Key& key, const Outcome& outcome);
 
-    // When the first record was begun, UTC.
+    // Start of the run that created the journal, UTC.
     const std::string& started() const { return started_; }
 
 private:
     void write_line(const std::string& text);
     void read();
-    bool take(int number, std::string_view text);  // a line; false if it is no record
+    bool take(int number, std::string_view text);  // reads a line; false if it is not a record
     void clear();
     void begin();
 

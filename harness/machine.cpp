@@ -74,7 +74,7 @@ Build read_build() {
     libraries["HDF5"] = fmt::format("{}.{}.{}", hdf5[0], hdf5[1], hdf5[2]);
     libraries["assimp"] = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
     build.libraries = libraries.dump();
-    // The commit lies beside the program, not in it, so that a commit that changes no code keeps the build's id.
+    // The commit is in a file beside the program, so that a commit without a change of code keeps the build's id.
     std::ifstream in(program_path().parent_path() / "commit.json");
     const json commit = in ? json::parse(in, nullptr, false) : json();
     build.commit = commit.is_object() ? commit.value("commit", "unknown") : "unknown";

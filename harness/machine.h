@@ -1,4 +1,4 @@
-// Where numbers come from: the build, the machine, the time.
+// The origin of results: build, machine and time.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace hausbench {
 
 struct Build {
-    std::string id;      // SHA-256 of the program: changes when anything that could change an answer does
+    std::string id;      // SHA-256 of the program: changes with everything that could change an answer
     std::string commit;  // of the sources, "unknown" outside a checkout; not part of the id
     std::string dirty;   // "yes", "no" or "unknown"
     std::string version, compiler, flags, type;
@@ -25,11 +25,11 @@ struct Machine {
 const Build& this_build();
 const Machine& this_machine();
 
-// The build that answers of this solver are from: the program's, or of program and plug-in together where a plug-in offers
-// it. The one place that knows; resuming, and the column `build`, go by it.
+// The build of this solver: that of the program, or of program and plug-in together if a plug-in contains it. Resuming and
+// the column `build` use it.
 const std::string& build_of(const std::string& solver);
 
-// SHA-256 of each plug-in as it was when it was first asked for, by file.
+// SHA-256 of each plug-in, by file, computed at the first call.
 const std::map<std::filesystem::path, std::string>& plugin_hashes();
 
 std::string utc_now();  // "2026-11-21T03:29:32Z"

@@ -57,7 +57,7 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
         for (double value : values) good = good && std::isfinite(value);
         if (!good) {
             throw InputError(fmt::format(
-                "{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): mend the line",
+                "{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): correct this line",
                 file.string(), number));
         }
         Pose pose;
@@ -66,7 +66,8 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
         poses.push_back(pose);
     }
     if (poses.empty())
-        throw InputError(fmt::format("{}: no poses in it: write at least one line of twelve numbers", file.string()));
+        throw InputError(
+            fmt::format("{}: contains no poses: write at least one line of twelve numbers", file.string()));
     return poses;
 }
 

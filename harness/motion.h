@@ -1,4 +1,4 @@
-// Motions: the poses that a scene's source goes through.
+// Motions: the poses of a scene's source.
 #pragma once
 
 #include "scene.h"
@@ -26,15 +26,15 @@ struct Rotation {
     int steps;
 };
 
-// A text file with twelve numbers a line: the rotation row by row, then the translation; '#' begins a comment. A recorded
-// simulation is such a file, too.
+// A text file with twelve numbers in each line: the rotation row by row, then the translation; '#' begins a comment. A
+// recorded simulation has this form too.
 struct PoseFile {
     std::filesystem::path file;
 };
 
 using Motion = std::variant<Static, Translation, Rotation, PoseFile>;
 
-// Throws InputError that names the line of a pose file that is not twelve finite numbers.
+// Throws InputError with the line of a pose file that does not hold twelve finite numbers.
 std::vector<Pose> poses_of(const Motion& motion, const Shape& source);
 
 bool moves(const Motion& motion);

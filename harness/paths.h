@@ -1,11 +1,11 @@
-// Where things lie: found from the program and the working directory, overridable by environment.
+// Paths of the project, found from the working directory or the program; environment variables override them.
 #pragma once
 
 #include <filesystem>
 
 namespace hausbench {
 
-// This program's own file.
+// The file of this program.
 std::filesystem::path program_path();
 
 // The checkout: HAUSBENCH_ROOT, else the nearest folder above the working directory, else above the program, that holds

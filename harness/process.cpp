@@ -23,18 +23,18 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t output_kept = 4096;
-constexpr std::size_t longest_line = std::size_t(1) << 28;  // of a worker gone mad
+constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the worker is broken
 
 void write_all(int descriptor, const std::string& text) {
     for (std::size_t done = 0; done < text.size();) {
         const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) return;  // it ended early: listen() will tell
+        if (n < 0) return;  // it ended early: listen() reports this
         done += std::size_t(n);
     }
 }
 
-// The environment, but for TMPDIR.
+// The environment without TMPDIR.
 std::vector<std::string> environment_with(const std::string& folder) {
     std::vector<std::string> all{"TMPDIR=" + folder};
     for (char** entry = environ; *entry; ++entry) {
@@ -46,7 +46,7 @@ std::vector<std::string> environment_with(const std::string& folder) {
 }  // namespace
 
 WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) : folder_("worker") {
-    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what a worker leaves behind becomes this process's child, and is found
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of a worker become children of this process, so they are found
     std::signal(SIGPIPE, SIG_IGN);
     int feed[2], events[2], output[2];
     if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
@@ -66,7 +66,7 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
     if (pid_ == 0) {
         ::setpgid(0, 0);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that what it starts hangs on it, and counts
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, and count as its own
         if (::getppid() != parent) ::_exit(127);
         ::dup2(feed[0], STDIN_FILENO);
         ::dup2(output[1], STDOUT_FILENO);
@@ -93,7 +93,7 @@ WorkerProcess::~WorkerProcess() {
     ::close(output_);
 }
 
-// So that a worker that writes much is not held up, and only the end of it is kept.
+// Reads all output, so that the worker never blocks, and keeps only the end.
 void WorkerProcess::read_output() {
     char bytes[1 << 16];
     for (;;) {
@@ -119,7 +119,7 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
         pollfd on[2] = {{events_, POLLIN, 0}, {output_open_ ? output_ : -1, POLLIN, 0}};
         const int ready = ::poll(on, 2, int(std::max<std::int64_t>(0, left.count())));
-        if (ready <= 0) return Heard::nothing;  // an interrupt is the caller's to look at
+        if (ready <= 0) return Heard::nothing;  // the caller checks for interrupts
         if (on[1].revents & POLLIN)
             read_output();
         else if (on[1].revents)
@@ -150,8 +150,8 @@ std::int64_t WorkerProcess::resident_bytes() const {
 void WorkerProcess::kill() {
     if (status_) return;
     const std::vector<pid_t> family = family_of(pid_);
-    ::kill(-pid_, SIGKILL);                                     // its group, whoever is in it
-    for (const pid_t member : family) ::kill(member, SIGKILL);  // first itself, which may have made no group yet
+    ::kill(-pid_, SIGKILL);                                     // its process group
+    for (const pid_t member : family) ::kill(member, SIGKILL);  // the worker first: its group may not exist yet
 }
 
 bool WorkerProcess::ended_within(std::chrono::milliseconds wait) {
@@ -193,7 +193,7 @@ std::string WorkerProcess::last_words(std::size_t characters) {
         if (c == '\n')
             c = ' ';
         else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126)
-            c = '?';  // it may not be text
+            c = '?';  // a byte that is no text
     }
     const auto begin = text.find_first_not_of(' ');
     const auto last = text.find_last_not_of(' ');

@@ -1,4 +1,4 @@
-// Progress with an estimate: one line that redraws itself when a person watches, plain lines when not.
+// Progress with an estimate of the time left: on a terminal one line that is redrawn, otherwise plain lines.
 #pragma once
 
 #include <chrono>
@@ -13,9 +13,9 @@ public:
     ~Progress();
 
     void total(std::size_t cases);
-    void doing(const std::string& what);  // shown to a person at once
-    void done(std::size_t cases);         // that many more are finished
-    void line(const std::string& text);   // a line that stays
+    void doing(const std::string& what);  // shown at once on a terminal
+    void done(std::size_t cases);         // adds to the number of finished cases
+    void line(const std::string& text);   // a permanent line
 
 private:
     void draw();
