@@ -19,9 +19,11 @@ CMAKE_ARGS ?=
 RUN_ARGS ?=
 BENCH_ARGS ?=
 VERSIONS_ARGS ?=
+MUTANTS ?=
 SKIP_DEPS ?=
 
 export MPLBACKEND := Agg
+export MUTANTS
 export HAUSBENCH_PROGRAM := $(CURDIR)/build/release/hausbench
 # Where ccache is installed it is used, and two clones share what it holds.
 export CCACHE_BASEDIR := $(CURDIR)
@@ -35,7 +37,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile types experiments figures tidy format format-check asan bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -47,12 +49,14 @@ help:
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
+	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
 	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
 	@echo 'make tidy         clang-tidy;  make format, make format-check: clang-format, in place or only looking;  make types: mypy'
 	@echo 'make clean        delete what was built; results and fetched models stay'
 	@echo
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
+	@echo '           MUTANTS= (only those whose name or file contains it)'
 	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench/versions.py)'
 	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
 	@echo
@@ -155,6 +159,10 @@ hostile: build
 types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/mutants.py tests/test_mutants.py
+
+mutants: $(DEPS)
+	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}
 
 asan: build/asan/build.ninja
 	$(call compile,asan,all)
