@@ -133,8 +133,6 @@ WorkerProcess::Heard WorkerProcess::listen(std::chrono::milliseconds wait, std::
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0 || buffer_.size() > longest_line) return Heard::closed;
         buffer_.append(bytes, std::size_t(n));
-        if (left.count() <= 0 && !std::memchr(bytes, '\n', std::size_t(n)))
-            return Heard::nothing;  // a line without end
     }
 }
 
