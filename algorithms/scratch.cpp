@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view prefix = "hausbench-";
+constexpr int most_tries = 100;
 constexpr std::array<std::string_view, 3> kinds = {"worker", "load", "external"};
 constexpr std::array<int, 2> held_signals = {SIGINT, SIGTERM};
 
@@ -61,18 +62,41 @@ ScratchFolder::ScratchFolder(std::string_view kind) {
     }
     static const bool swept = remove_abandoned_folders(temporary);
     static_cast<void>(swept);
-    for (;;) {
-        std::string pattern = (temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string();
-        if (!::mkdtemp(pattern.data())) {
-            throw InputError(fmt::format("{}: cannot be made ({}): name another place for temporary files with TMPDIR",
-                                         pattern, std::strerror(errno)));
-        }
-        path_ = pattern;
-        lock_ = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-        struct stat state {};
-        if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0 && ::stat(pattern.c_str(), &state) == 0) return;
-        if (lock_ >= 0) ::close(lock_);  // another process swept it away between two of these lines
+    for (int i = 0; i < most_tries; ++i) {
+        if (try_to_make((temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string())) return;
     }
+    throw InputError(
+        fmt::format("{}: other processes removed {} folders just made there: name another place for "
+                    "temporary files with TMPDIR",
+                    temporary.string(), most_tries));
+}
+
+// False where another process took the new folder for an abandoned one: it holds the lock, or has removed the folder.
+bool ScratchFolder::try_to_make(std::string pattern) {
+    const auto fail = [&](const char* what) {
+        const int error = errno;
+        if (lock_ >= 0) ::close(lock_);
+        ::rmdir(pattern.c_str());
+        throw InputError(fmt::format("{}: cannot be {} ({}): name another place for temporary files with TMPDIR",
+                                     pattern, what, std::strerror(error)));
+    };
+    if (!::mkdtemp(pattern.data())) fail("made");
+    lock_ = ::open(pattern.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_ < 0) {
+        if (errno == ENOENT) return false;
+        fail("opened");
+    }
+    struct stat state {};
+    const bool held = ::flock(lock_, LOCK_EX | LOCK_NB) == 0;
+    if (!held && errno != EWOULDBLOCK) fail("locked");
+    if (held && ::stat(pattern.c_str(), &state) == 0) {
+        path_ = pattern;
+        return true;
+    }
+    if (held && errno != ENOENT) fail("read");
+    ::close(lock_);
+    lock_ = -1;
+    return false;
 }
 
 ScratchFolder::~ScratchFolder() {

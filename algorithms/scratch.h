@@ -7,11 +7,11 @@
 
 namespace hausbench {
 
-// A folder of its own, TMPDIR/hausbench-KIND-XXXXXX, gone with this object. A lock on it ends with this process whatever
-// becomes of that: the first folder of a process sweeps away those that nobody holds any more.
+// A folder of its own, TMPDIR/hausbench-KIND-XXXXXX, removed with this object. A lock marks it as used, and ends with this
+// process, however that ends: the first folder that a process makes first removes those that nobody holds.
 class ScratchFolder {
 public:
-    // Throws InputError where there is no room for one.
+    // Throws InputError where none can be made or locked, and then leaves none behind.
     explicit ScratchFolder(std::string_view kind);
     ~ScratchFolder();
     ScratchFolder(const ScratchFolder&) = delete;
@@ -20,13 +20,14 @@ public:
     const std::filesystem::path& path() const { return path_; }
 
 private:
+    bool try_to_make(std::string pattern);
+
     std::filesystem::path path_;
     int lock_ = -1;
 };
 
-// While one lives, Ctrl-C (SIGINT) and SIGTERM wait, where they would end this process at once: whoever waits for
-// something asks came() and leaves off. The last one to go lets the signal do what it does, when all is cleared away.
-// For one thread.
+// While an instance exists, SIGINT (Ctrl-C) and SIGTERM are deferred; poll came() and stop. The last instance to be
+// destroyed delivers the signal. For one thread.
 class HoldInterrupts {
 public:
     HoldInterrupts();

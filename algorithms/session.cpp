@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// Multiplies by 2^exponent; returns the largest rounding error that a coordinate may have got (0: exact).
+// Multiplies by 2^exponent; returns 2^-1074 where that rounded a coordinate (which underflowed: by half as much), else 0.
 double scale(Points& points, int exponent) {
     bool exact = true;
     for (double& value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
@@ -50,6 +50,32 @@ void check(const Query& query) {
     }
 }
 
+bool close(const Query& query, const Result& result) {
+    return result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
+}
+
+bool answers_cutoff(const Query& query, const Result& result) {
+    return result.bounds.lower > query.cutoff || (std::isfinite(query.cutoff) && result.bounds.upper <= query.cutoff);
+}
+
+// A solver's word is not enough: its status has to follow from its bounds.
+void hold_to_its_status(const Query& query, Result& result) {
+    if (result.status == Status::cutoff_passed && !answers_cutoff(query, result)) {
+        if (close(query, result)) {
+            result.status = Status::converged;
+            return;
+        }
+        result.status = Status::stalled;
+        result.note =
+            std::isfinite(query.cutoff)
+                ? "the solver reports cutoff_passed, but neither of its bounds passes the cutoff"
+                : "the solver reports cutoff_passed, but the query has no cutoff, and its gap is above the tolerance";
+    } else if (result.status == Status::converged && !close(query, result)) {
+        result.status = Status::stalled;
+        result.note = "the solver reports converged, but its gap is above the tolerance";
+    }
+}
+
 }  // namespace
 
 std::string_view to_string(Status status) {
@@ -68,7 +94,7 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target) 
 }
 
 Session::Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries, Leave leave)
-    : scene_(std::make_unique<Scene>(std::move(scene))), traces_(entry.info.traces) {
+    : entry_(entry), options_(options), leave_(leave), scene_(std::make_unique<Scene>(std::move(scene))) {
     const std::string no = refusal(entry.info, kind_of(scene_->source), kind_of(scene_->target));
     if (!no.empty()) throw InputError(no);
 
@@ -77,11 +103,16 @@ Session::Session(const SolverEntry& entry, const Options& options, Scene scene, 
     const double largest = std::max(magnitude(source), magnitude(target));
     moveable_ = kind_of(scene_->source) != ShapeKind::surface;
     // The coefficients of a surface belong to its coordinates.
-    const bool scalable = moveable_ && kind_of(scene_->target) != ShapeKind::surface;
-    if (!entry.info.original_coordinates && scalable && largest > 0) {
+    scalable_ = !entry.info.original_coordinates && moveable_ && kind_of(scene_->target) != ShapeKind::surface;
+    if (scalable_ && largest > 0) {
         std::frexp(largest, &exponent_);
         exponent_ = -exponent_;
-        lost_ = std::max(scale(source, exponent_), scale(target, exponent_));
+        const double smallest = std::min(smallest_nonzero(source), smallest_nonzero(target));
+        if (std::ldexp(smallest, exponent_) < std::numeric_limits<double>::min())
+            original_ = std::make_unique<Scene>(*scene_);
+        lost_source_ = scale(source, exponent_);
+        lost_target_ = scale(target, exponent_);
+        if (lost_source_ + lost_target_ == 0) original_.reset();
     }
     largest_ = magnitude(source);
     smallest_ = smallest_nonzero(source);
@@ -114,28 +145,97 @@ Session::Session(const SolverEntry& entry, const Options& options, Scene scene, 
     preparation_.push_back({"solver", elapsed.count(), solver_->prepared_bytes()});
 }
 
-// The solver measures fl(R (sv) + st), the definition says s fl(R v + t). They are the same bits unless something
-// underflows: then each differs from the exact value by at most 4u (3 r M + t) for the roundings and 2^-1073 for the
-// underflows, in its own unit, in each coordinate. A coordinate lost in scaling moves a point by as much. The distance
-// changes by no more than the two points move together.
+// At least the largest |coordinate| that any step of posing the source can reach, scaled: S below.
+double Session::posed_extent(const Pose& pose) const {
+    double translation = 0;
+    for (const double t : pose.translation) translation = std::max(translation, std::abs(std::ldexp(t, exponent_)));
+    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * largest_) + translation;
+}
+
+// How far the points that the solver measures may be from those that the definition means, A's and B's together, in scaled
+// units. The distance changes by no more.
+//
+// Scaling: a coordinate that it rounds is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
+//
+// Posing: in each coordinate the definition says D = s fl(R v + t), and the solver measures C = fl(R v' + t'), where s is the
+// power of two 2^e, and v' and t' are the scaled v and t. Where v' = s v, t' = s t and no product underflows in either unit,
+// they are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
+// held against the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
+// sums are 4u(1 + 4u) S on either side, each of the three products may lose 2^-1075 in its own unit, t' may lose 2^-1075, and
+// the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
+//   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
+// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. What is computed below rounds by less than 8u of itself
+// and underflows by less than q, and B has lost 0.9 q at most: 8 q covers the three.
 double Session::widening(const Pose& pose) const {
-    double widening = 4 * lost_;
-    if (exponent_ == 0 || pose.is_identity()) return widening;
+    if (pose.is_identity()) return lost_source_ + lost_target_;
+    if (exponent_ == 0) return 0;
     double least = std::numeric_limits<double>::infinity();
     for (const double entry : pose.rotation.reshaped()) {
         if (entry != 0) least = std::min(least, std::abs(entry));
     }
-    const Vec3 translation = pose.translation.unaryExpr([&](double t) { return std::ldexp(t, exponent_); });
-    const bool exact_translation =
-        translation.unaryExpr([&](double t) { return std::ldexp(t, -exponent_); }) == pose.translation;
-    // Logarithms rounded down, so that no product here underflows itself.
-    const auto exponent_of = [](double x) { return std::isfinite(x) && x != 0 ? std::ilogb(x) : 0; };
+    const bool exact_translation = pose.translation.unaryExpr([&](double t) {
+        return std::ldexp(std::ldexp(t, exponent_), -exponent_);
+    }) == pose.translation;
+    // Exponents, so that no product here underflows itself.
+    const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(smallest_);
-    if (exact_translation && product >= -1022 && product - exponent_ >= -1022) return widening;
+    const bool same_bits = lost_source_ == 0 && exact_translation && product >= -1022 && product - exponent_ >= -1022;
+    if (same_bits) return lost_target_;
     const double most = pose.rotation.cwiseAbs().maxCoeff();
-    const double size = 3 * most * largest_ + translation.cwiseAbs().maxCoeff();
-    return widening +
-           2 * (10 * unit_roundoff * size + std::ldexp(1.0, std::max(exponent_, 0) - 1070) + 4 * most * lost_);
+    return 3 * (most * lost_source_) + 14 * unit_roundoff * posed_extent(pose) +
+           8 * std::ldexp(1.0, std::max(exponent_, 0) - 1074);
+}
+
+Points Session::original(Side side) const {
+    const auto of = [side](Scene& scene) -> Shape& { return side == Side::source ? scene.source : scene.target; };
+    if (original_) return points_of(of(*original_));
+    Points points = points_of(of(*scene_));
+    scale(points, -exponent_);
+    return points;
+}
+
+Result Session::solve_rescaled(const Query& query, Points source, Trace& trace) const {
+    Scene scene = *scene_;
+    points_of(scene.source) = std::move(source);
+    points_of(scene.target) = original(Side::target);
+    Query still = query;
+    still.pose = Pose{};
+    const double finest = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
+    return Session(entry_, options_, std::move(scene), {false, 1, finest}, leave_).solve(still, trace);
+}
+
+Query Session::scaled(const Query& query, Result& previous) const {
+    Query out = query;
+    for (double& value : out.pose.translation) value = std::ldexp(value, exponent_);
+    if (query.tolerance.of == Tolerance::Of::absolute) {
+        out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
+    }
+    out.cutoff = std::ldexp(query.cutoff, exponent_);
+    if (query.previous) {
+        previous = *query.previous;
+        previous.bounds.lower = std::ldexp(previous.bounds.lower, exponent_);
+        previous.bounds.upper = std::ldexp(previous.bounds.upper, exponent_);
+        for (double& value : previous.witness.source_point) value = std::ldexp(value, exponent_);
+        for (double& value : previous.witness.target_point) value = std::ldexp(value, exponent_);
+        out.previous = &previous;
+    }
+    return out;
+}
+
+void Session::scale_back(Result& result, Trace& trace, double wider) const {
+    const auto outward = [&](double& lower, double& upper) {
+        if (wider > 0) {
+            lower = std::max(0.0, next_down(lower - wider));
+            upper = next_up(upper + wider);
+        }
+        if (exponent_ == 0) return;
+        lower = scaled_back(lower, exponent_, next_down);
+        upper = scaled_back(upper, exponent_, next_up);
+    };
+    outward(result.bounds.lower, result.bounds.upper);
+    for (TraceSample& sample : trace.samples()) outward(sample.lower, sample.upper);
+    for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
+    for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
 }
 
 Result Session::solve(const Query& query, Trace& trace) const {
@@ -145,49 +245,34 @@ Result Session::solve(const Query& query, Trace& trace) const {
             "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
             "first");
     }
-    Query scaled = query;
+    if (!query.pose.is_identity()) {
+        const double extent = posed_extent(query.pose);
+        if (!(extent <= largest_safe_coordinate && std::ldexp(extent, -exponent_) < 0x1p1023)) {
+            Points source = posed(original(Side::source), query.pose);
+            if (!source.allFinite()) {
+                throw InputError(
+                    "query: the pose moves a point of A beyond the largest double, 1.8e308; give a smaller rotation "
+                    "and "
+                    "translation, or both shapes in a larger unit");
+            }
+            if (scalable_ && std::ldexp(magnitude(source), exponent_) > largest_safe_coordinate)
+                return solve_rescaled(query, std::move(source), trace);
+        }
+    }
+
     Result previous;
-    if (exponent_ != 0) {
-        for (double& value : scaled.pose.translation) value = std::ldexp(value, exponent_);
-        if (query.tolerance.of == Tolerance::Of::absolute) {
-            scaled.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
-        }
-        scaled.cutoff = std::ldexp(query.cutoff, exponent_);
-        if (query.previous) {
-            previous = *query.previous;
-            previous.bounds.lower = std::ldexp(previous.bounds.lower, exponent_);
-            previous.bounds.upper = std::ldexp(previous.bounds.upper, exponent_);
-            for (double& value : previous.witness.source_point) value = std::ldexp(value, exponent_);
-            for (double& value : previous.witness.target_point) value = std::ldexp(value, exponent_);
-            scaled.previous = &previous;
-        }
-    }
-
+    const Query asked = scaled(query, previous);
     trace.start(exponent_);
-    Result result = solver_->solve(scaled, trace);
-
-    if (const double wider = widening(query.pose); wider > 0) {
-        result.bounds.lower = std::max(0.0, next_down(result.bounds.lower - wider));
-        result.bounds.upper = next_up(result.bounds.upper + wider);
-    }
-    if (exponent_ != 0) {
-        result.bounds.lower = scaled_back(result.bounds.lower, exponent_, next_down);
-        result.bounds.upper = scaled_back(result.bounds.upper, exponent_, next_up);
-        for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
-        for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
-        for (TraceSample& sample : trace.samples()) {
-            sample.lower = scaled_back(sample.lower, exponent_, next_down);
-            sample.upper = scaled_back(sample.upper, exponent_, next_up);
-        }
-    }
-    if (traces_) trace.finish(result.bounds.lower, result.bounds.upper);
+    Result result = solver_->solve(asked, trace);
+    hold_to_its_status(asked, result);
+    scale_back(result, trace, widening(query.pose));
+    if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);
 
     // Scaling back may have cost what the solver had promised.
-    const Bounds& bounds = result.bounds;
-    const bool close = bounds.gap() <= query.tolerance.gap(bounds.lower);
-    const bool answered = bounds.lower > query.cutoff || bounds.upper <= query.cutoff;
-    if (result.status == Status::converged && !close) result.status = Status::precision_floor;
-    if (result.status == Status::cutoff_passed && !answered) result.status = Status::precision_floor;
+    const bool kept = result.status == Status::converged       ? close(query, result)
+                      : result.status == Status::cutoff_passed ? answers_cutoff(query, result)
+                                                               : true;
+    if (!kept) result.status = Status::precision_floor;
     return result;
 }
 

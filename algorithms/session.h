@@ -16,14 +16,18 @@ class Session {
 public:
     // Takes the scene over, scales it by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
     // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers and surfaces stay as they are), builds the
-    // structures, prepares the solver. Throws InputError for shapes the solver does not take.
+    // structures, prepares the solver. Throws InputError for shapes the solver does not take. Keeps a copy of the scene only
+    // where scaling was not exact.
     Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries,
             Leave leave = Leave::out_what_is_not_needed);
 
     // The query's lengths (tolerance, cutoff, translation), the result's and the trace's are in the units of the input.
     // Bounds are rounded outward where scaling back is inexact. Starts the trace, and ends it if the solver traces.
-    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite,
-    // a pose other than the identity where the source is an algebraic surface.
+    // The status is held against the bounds: `converged` and `cutoff_passed` are returned only where they are true.
+    // A pose that moves A so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another
+    // session, scaled by the posed extents: its preparation then counts as solving.
+    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite or
+    // makes a point that is not, a pose other than the identity where the source is an algebraic surface.
     Result solve(const Query& query, Trace& trace) const;
 
     const Prepared& prepared() const { return *prepared_; }
@@ -34,13 +38,22 @@ public:
 
 private:
     double widening(const Pose& pose) const;
+    double posed_extent(const Pose& pose) const;
+    Points original(Side side) const;
+    Result solve_rescaled(const Query& query, Points source, Trace& trace) const;
+    Query scaled(const Query& query, Result& previous) const;
+    void scale_back(Result& result, Trace& trace, double wider) const;
 
+    SolverEntry entry_;
+    Options options_;
+    Leave leave_;
     std::unique_ptr<Scene> scene_;
-    bool traces_ = false;
-    bool moveable_ = true;               // the source may be posed: it is no algebraic surface
-    int exponent_ = 0;                   // scaled = original * 2^exponent
-    double lost_ = 0;                    // what a scaled coordinate may have lost to underflow
-    double largest_ = 0, smallest_ = 0;  // nonzero |coordinate| of the source, scaled
+    std::unique_ptr<Scene> original_;  // only where scaling was not exact
+    bool moveable_ = true;             // the source may be posed: it is no algebraic surface
+    bool scalable_ = false;
+    int exponent_ = 0;                          // scaled = original * 2^exponent
+    double lost_source_ = 0, lost_target_ = 0;  // 2^-1074 where a scaled coordinate was rounded, else 0
+    double largest_ = 0, smallest_ = 0;         // nonzero |coordinate| of the source, scaled
     Needs needs_;
     std::unique_ptr<Prepared> prepared_;
     std::unique_ptr<Solver> solver_;

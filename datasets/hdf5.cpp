@@ -42,6 +42,7 @@ public:
     ~Id() {
         if (id_ >= 0) close_(id_);
     }
+    Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
     Id(const Id&) = delete;
     Id& operator=(const Id&) = delete;
     operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): C wants one
@@ -61,7 +62,7 @@ std::string library_message() {
     };
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
     H5Eclear2(H5E_DEFAULT);
-    // It may hold line breaks, and quote the file, which may hold what a terminal obeys.
+    // Untrusted: it may hold line breaks, and quote the file. Control characters become question marks.
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
     return text.empty() ? "HDF5 gave no reason" : text;
@@ -111,36 +112,86 @@ void write_dataset(hid_t file, const std::filesystem::path& path, const std::str
     if (count > 0) check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), path, name);
 }
 
-std::size_t count_of(hid_t dataset, const std::filesystem::path& path, const std::string& name) {
-    const Id space(check(H5Dget_space(dataset), path, name), H5Sclose);
-    return static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), path, name));
+// The file that an object is in.
+std::string file_of(hid_t object) {
+    const ssize_t length = H5Fget_name(object, nullptr, 0);
+    if (length <= 0) return "";
+    std::string name(static_cast<std::size_t>(length) + 1, '\0');
+    H5Fget_name(object, name.data(), name.size());
+    return name;
+}
+
+// A link may lead into another file; what is there is not read.
+void expect_in(hid_t file, hid_t object, const std::filesystem::path& path, const std::string& name) {
+    if (file_of(object) != file_of(file)) fail(path, name, "is in another file, which is not read");
 }
 
 Id open_dataset(hid_t file, const std::filesystem::path& path, const std::string& name) {
-    return Id(check(H5Dopen2(file, name.c_str(), H5P_DEFAULT), path, name), H5Dclose);
+    Id opened(check(H5Dopen2(file, name.c_str(), H5P_DEFAULT), path, name), H5Dclose);
+    expect_in(file, opened, path, name);
+    return opened;
 }
 
-void expect_class(hid_t type, H5T_class_t wanted, const char* words, const std::filesystem::path& path,
-                  const std::string& name) {
+// Deflate, the strongest filter of the library, makes at most 1032 bytes of one.
+constexpr std::size_t most_bytes_of_one = 1032;
+
+// What a file says of a dataset is not to be trusted: only values stored in this file itself, and no more of them than it has
+// room for, are read.
+std::size_t count_of(hid_t dataset, hid_t type, const std::filesystem::path& path, const std::string& name) {
+    const Id space(check(H5Dget_space(dataset), path, name), H5Sclose);
+    const int rank = check(H5Sget_simple_extent_ndims(space), path, name);
+    if (H5Sget_simple_extent_type(space) != H5S_SIMPLE || rank < 1 || rank > 2)
+        fail(path, name, "is neither a column nor a table");
+    const Id creation(check(H5Dget_create_plist(dataset), path, name), H5Pclose);
+    const H5D_layout_t layout = H5Pget_layout(creation);
+    if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
+        fail(path, name, "is a view of other datasets, which is not read");
+    if (H5Pget_external_count(creation) != 0) fail(path, name, "is kept in another file, which is not read");
+    const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space), path, name));
+    const std::size_t stored = H5Dget_storage_size(dataset);
+    if (stored > std::filesystem::file_size(path)) fail(path, name, "is larger than its file");
+    if (count > stored * most_bytes_of_one / H5Tget_size(type))
+        fail(path, name, "has " + std::to_string(count) + " values, more than are stored");
+    return count;
+}
+
+// An attribute is one value: reading more would write past it.
+void expect_one_value(hid_t attribute, const std::filesystem::path& path, const std::string& object) {
+    const Id space(check(H5Aget_space(attribute), path, object), H5Sclose);
+    if (H5Sget_simple_extent_type(space) == H5S_NULL || H5Sget_simple_extent_npoints(space) != 1)
+        fail(path, object, "is not one value");
+}
+
+// One of the types that are read: numbers of at most 64 bits, texts of any length.
+void expect_type(hid_t type, H5T_class_t wanted, const char* words, const std::filesystem::path& path,
+                 const std::string& name) {
     if (H5Tget_class(type) != wanted) fail(path, name, std::string("does not hold ") + words);
+    if (wanted == H5T_STRING) {
+        if (H5Tis_variable_str(type) <= 0) fail(path, name, "holds texts of fixed length, which are not read");
+    } else if (H5Tget_size(type) > sizeof(double)) {
+        fail(path, name, "holds numbers of more than 64 bits, which are not read");
+    }
 }
 
-template <class T> std::vector<T> read_raw(hid_t dataset, const std::filesystem::path& path, const std::string& name) {
-    std::vector<T> values(count_of(dataset, path, name));
+template <class T>
+std::vector<T> read_raw(hid_t dataset, hid_t type, const std::filesystem::path& path, const std::string& name) {
+    std::vector<T> values(count_of(dataset, type, path, name));
     if (!values.empty()) check(H5Dread(dataset, native<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, name);
     return values;
 }
 
-// The library clamps what does not fit without a word, so the wider type is read first and looked through.
+template <class T, class Wide> T narrowed(Wide value, const std::filesystem::path& path, const std::string& name) {
+    if (!std::in_range<T>(value)) fail(path, name, "holds " + std::to_string(value) + ", which is out of range");
+    return static_cast<T>(value);
+}
+
+// The library clamps values that do not fit and reports nothing, so the wider type is read first and checked.
 template <class T, class Wide>
-std::vector<T> read_checked(hid_t dataset, const std::filesystem::path& path, const std::string& name) {
-    const std::vector<Wide> wide = read_raw<Wide>(dataset, path, name);
+std::vector<T> read_checked(hid_t dataset, hid_t type, const std::filesystem::path& path, const std::string& name) {
+    const std::vector<Wide> wide = read_raw<Wide>(dataset, type, path, name);
     std::vector<T> values;
     values.reserve(wide.size());
-    for (const Wide value : wide) {
-        if (!std::in_range<T>(value)) fail(path, name, "holds " + std::to_string(value) + ", which is out of range");
-        values.push_back(static_cast<T>(value));
-    }
+    for (const Wide value : wide) values.push_back(narrowed<T>(value, path, name));
     return values;
 }
 
@@ -148,15 +199,15 @@ template <class T>
 std::vector<T> read_any_integer(hid_t file, const std::filesystem::path& path, const std::string& name) {
     const Id dataset = open_dataset(file, path, name);
     const Id type(check(H5Dget_type(dataset), path, name), H5Tclose);
-    expect_class(type, H5T_INTEGER, "integers", path, name);
-    if (H5Tequal(type, native<T>()) > 0) return read_raw<T>(dataset, path, name);
-    return H5Tget_sign(type) == H5T_SGN_NONE ? read_checked<T, std::uint64_t>(dataset, path, name)
-                                             : read_checked<T, std::int64_t>(dataset, path, name);
+    expect_type(type, H5T_INTEGER, "integers", path, name);
+    if (H5Tequal(type, native<T>()) > 0) return read_raw<T>(dataset, type, path, name);
+    return H5Tget_sign(type) == H5T_SGN_NONE ? read_checked<T, std::uint64_t>(dataset, type, path, name)
+                                             : read_checked<T, std::int64_t>(dataset, type, path, name);
 }
 
 std::string group_name(const std::string& group) { return group.empty() ? "/" : group; }
 
-// H5Lexists wants every step of the way to exist, so the path is walked.
+// H5Lexists wants every step of the path to exist.
 bool exists(hid_t file, const std::string& name) {
     if (name.empty() || name == "/") return true;
     for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
@@ -166,7 +217,9 @@ bool exists(hid_t file, const std::string& name) {
 }
 
 Id open_group(hid_t file, const std::filesystem::path& path, const std::string& group) {
-    return Id(check(H5Gopen2(file, group_name(group).c_str(), H5P_DEFAULT), path, group), H5Gclose);
+    Id opened(check(H5Gopen2(file, group_name(group).c_str(), H5P_DEFAULT), path, group), H5Gclose);
+    expect_in(file, opened, path, group);
+    return opened;
 }
 
 void write_attribute(hid_t file, const std::filesystem::path& path, const std::string& group, const std::string& name,
@@ -268,8 +321,8 @@ void File::write(const std::string& name, const std::vector<std::string>& values
 std::vector<double> File::read_doubles(const std::string& name) const {
     const Id dataset = open_dataset(id_, path_, name);
     const Id type(check(H5Dget_type(dataset), path_, name), H5Tclose);
-    expect_class(type, H5T_FLOAT, "real numbers", path_, name);
-    return read_raw<double>(dataset, path_, name);
+    expect_type(type, H5T_FLOAT, "real numbers", path_, name);
+    return read_raw<double>(dataset, type, path_, name);
 }
 
 std::vector<std::int64_t> File::read_integers(const std::string& name) const {
@@ -285,9 +338,8 @@ std::vector<std::int32_t> File::read_indices(const std::string& name) const {
 std::vector<std::string> File::read_texts(const std::string& name) const {
     const Id dataset = open_dataset(id_, path_, name);
     const Id stored(check(H5Dget_type(dataset), path_, name), H5Tclose);
-    expect_class(stored, H5T_STRING, "texts", path_, name);
-    if (H5Tis_variable_str(stored) <= 0) fail(path_, name, "holds texts of fixed length, which are not read");
-    std::vector<char*> texts(count_of(dataset, path_, name), nullptr);
+    expect_type(stored, H5T_STRING, "texts", path_, name);
+    std::vector<char*> texts(count_of(dataset, stored, path_, name), nullptr);
     std::vector<std::string> values;
     if (texts.empty()) return values;
     check(H5Dread(dataset, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), path_, name);
@@ -325,8 +377,8 @@ std::string File::text_attribute(const std::string& group, const std::string& na
     const Id opened = open_group(id_, path_, group);
     const Id attribute(check(H5Aopen(opened, name.c_str(), H5P_DEFAULT), path_, object), H5Aclose);
     const Id type(check(H5Aget_type(attribute), path_, object), H5Tclose);
-    expect_class(type, H5T_STRING, "a text", path_, object);
-    if (H5Tis_variable_str(type) <= 0) fail(path_, object, "is a text of fixed length, which is not read");
+    expect_type(type, H5T_STRING, "a text", path_, object);
+    expect_one_value(attribute, path_, object);
     char* text = nullptr;
     check(H5Aread(attribute, type, &text), path_, object);
     const std::string value = text ? text : "";
@@ -339,7 +391,13 @@ std::int64_t File::integer_attribute(const std::string& group, const std::string
     const Id opened = open_group(id_, path_, group);
     const Id attribute(check(H5Aopen(opened, name.c_str(), H5P_DEFAULT), path_, object), H5Aclose);
     const Id type(check(H5Aget_type(attribute), path_, object), H5Tclose);
-    expect_class(type, H5T_INTEGER, "an integer", path_, object);
+    expect_type(type, H5T_INTEGER, "an integer", path_, object);
+    expect_one_value(attribute, path_, object);
+    if (H5Tget_sign(type) == H5T_SGN_NONE) {
+        std::uint64_t value = 0;
+        check(H5Aread(attribute, H5T_NATIVE_UINT64, &value), path_, object);
+        return narrowed<std::int64_t>(value, path_, object);
+    }
     std::int64_t value = 0;
     check(H5Aread(attribute, H5T_NATIVE_INT64, &value), path_, object);
     return value;

@@ -1,6 +1,7 @@
 #include "machine.h"
 
-#include "build_info.h"  // written by CMake
+#include "build_flags.h"  // written by CMake, as is build_info.h
+#include "build_info.h"
 #include "hash.h"
 #include "paths.h"
 #include "plugin.h"

@@ -16,7 +16,7 @@ namespace hausbench {
 
 namespace {
 
-// One direction, added to what is measured so far: H is the larger of the two.
+// Adds one direction to what is measured so far: H is the larger of the two.
 void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scene scene, const std::string& direction,
                    Measured& measured, bool first) {
     Query query;
@@ -43,11 +43,17 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
         whole.witness = result.witness;
         measured.witness_direction = direction;
     }
-    whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
-    whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
-    if (result.status != Status::converged) {
+    // The status is that of H: where its bounds are still apart, it is the direction with the larger upper bound that keeps
+    // them apart, and says why.
+    if (result.bounds.upper > whole.bounds.upper) {
         whole.status = result.status;
         whole.note = result.note;
+    }
+    whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
+    whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
+    if (whole.bounds.gap() <= query.tolerance.gap(whole.bounds.lower)) {
+        whole.status = Status::converged;
+        whole.note.clear();
     }
     for (const CounterField& field : counter_fields) whole.counters.*field.member += result.counters.*field.member;
 }

@@ -39,6 +39,15 @@ public:
     std::vector<std::int64_t> integers(const std::string& name) const {
         return checked(name, file_.read_integers(path(name)), 1);
     }
+    // Of which only the values of a narrower type are legal.
+    template <class T> std::vector<T> integers_as(const std::string& name) const {
+        std::vector<T> values;
+        for (const std::int64_t value : integers(name)) {
+            if (!std::in_range<T>(value)) throw std::runtime_error(fmt::format("{} holds {}", path(name), value));
+            values.push_back(static_cast<T>(value));
+        }
+        return values;
+    }
     std::vector<std::uint64_t> counts(const std::string& name) const {
         return checked(name, file_.read_unsigned(path(name)), 1);
     }
@@ -95,7 +104,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.texts("identity"), [](Row& r, Text v) { r.asked.identity = v; });
     each(c.texts("solver"), [](Row& r, Text v) { r.asked.solver = v; });
     each(c.texts("label"), [](Row& r, Text v) { r.asked.label = v; });
-    each(c.integers("certified"), [](Row& r, auto v) { r.asked.certified = int(v); });
+    each(c.integers_as<int>("certified"), [](Row& r, int v) { r.asked.certified = v; });
     each(c.texts("options"), [](Row& r, Text v) { r.asked.options = options_of(v); });
     each(c.texts("scene"), [](Row& r, Text v) { r.asked.scene = v; });
     each(c.texts("scene_note"), [](Row& r, Text v) { r.asked.note = v; });
@@ -104,7 +113,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.integers("source_elements"), [](Row& r, auto v) { r.asked.source_elements = v; });
     each(c.integers("target_elements"), [](Row& r, auto v) { r.asked.target_elements = v; });
     each(c.reals("source_diagonal"), [](Row& r, double v) { r.asked.source_diagonal = v; });
-    each(c.integers("pose_index"), [](Row& r, auto v) { r.asked.pose_index = int(v); });
+    each(c.integers_as<int>("pose_index"), [](Row& r, int v) { r.asked.pose_index = v; });
     const auto poses = c.reals("pose", 12);
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t k = 0; k < 9; ++k)
@@ -122,12 +131,11 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.reals("lower"), [](Row& r, double v) { r.outcome.bounds.lower = v; });
     each(c.reals("upper"), [](Row& r, double v) { r.outcome.bounds.upper = v; });
     const auto on_source = c.reals("witness_source", 3), on_target = c.reals("witness_target", 3);
-    const auto source_element = c.integers("witness_source_element"),
-               target_element = c.integers("witness_target_element");
-    for (std::size_t i = 0; i < n; ++i) {
-        rows[i].outcome.witness = {vector_at(on_source, i), vector_at(on_target, i), Index(source_element[i]),
-                                   Index(target_element[i])};
-    }
+    const auto source_element = c.integers_as<Index>("witness_source_element"),
+               target_element = c.integers_as<Index>("witness_target_element");
+    for (std::size_t i = 0; i < n; ++i)
+        rows[i].outcome.witness = {vector_at(on_source, i), vector_at(on_target, i), source_element[i],
+                                   target_element[i]};
     each(c.reals("prepare_seconds"), [](Row& r, double v) { r.outcome.prepare_seconds = v; });
     each(c.integers("prepare_bytes"), [](Row& r, auto v) { r.outcome.prepare_bytes = v; });
     each(c.reals("solve_seconds"), [](Row& r, double v) { r.outcome.solve_seconds = v; });
@@ -153,29 +161,32 @@ void read_details(const h5::File& file, std::vector<Row>& rows) {
     };
     const auto of = file.read_integers("repeats/case");
     const Reading r(file, "repeats", of.size());
-    const auto rounds = r.integers("round"), iterations = r.integers("iterations");
+    const auto rounds = r.integers_as<int>("round");
+    const auto iterations = r.integers("iterations");
     const auto wall = r.reals("wall_seconds"), cpu = r.reals("cpu_seconds");
     for (std::size_t i = 0; i < of.size(); ++i)
-        row(of[i]).repeats.push_back({int(rounds[i]), wall[i], cpu[i], iterations[i]});
+        row(of[i]).repeats.push_back({rounds[i], wall[i], cpu[i], iterations[i]});
 
     const auto part_of = file.read_integers("preparation/case");
     const Reading p(file, "preparation", part_of.size());
     const auto names = p.texts("name");
     const auto seconds = p.reals("seconds");
-    const auto bytes = p.integers("bytes");
+    const auto bytes = p.integers_as<std::size_t>("bytes");
     for (std::size_t i = 0; i < part_of.size(); ++i)
-        row(part_of[i]).preparation.push_back({names[i], seconds[i], std::size_t(bytes[i])});
+        row(part_of[i]).preparation.push_back({names[i], seconds[i], bytes[i]});
 
     const auto at = file.read_doubles("trace/seconds");
     const Reading t(file, "trace", at.size()), c(file, "cases", rows.size());
     const auto lower = t.reals("lower"), upper = t.reals("upper");
     const auto begins = c.integers("trace_begin"), ends = c.integers("trace_end");
+    std::int64_t used = 0;  // traces stand one after the other; where they overlap, a small file could fill the memory
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        for (std::int64_t k = begins[i]; k < ends[i]; ++k) {
-            const auto s = std::size_t(k);
-            if (k < 0 || s >= at.size()) throw std::runtime_error("a trace reaches past the samples");
+        if (begins[i] >= ends[i]) continue;
+        if (begins[i] < used) throw std::runtime_error("two cases share samples of a trace");
+        if (std::size_t(ends[i]) > at.size()) throw std::runtime_error("a trace reaches past the samples");
+        used = ends[i];
+        for (auto s = std::size_t(begins[i]); s < std::size_t(ends[i]); ++s)
             rows[i].outcome.trace.push_back({at[s], lower[s], upper[s]});
-        }
     }
 }
 
@@ -245,8 +256,8 @@ std::int64_t address_space() {
     return pages * ::sysconf(_SC_PAGE_SIZE);
 }
 
-// The library crashes on some damaged files. A file without a seal, changed by another program, may be one: so a copy of this
-// process reads it first, and whatever that does, it does to the copy. Where the copy lives, reading it here mostly does the same.
+// The library crashes on some damaged files, and a file without a seal, changed by another program, may be one. So a copy of
+// this process reads the file first, within limits of time and memory; this process reads it only where the copy survives.
 void read_in_a_copy(const fs::path& file) {
     std::fflush(nullptr);
     const pid_t child = ::fork();
@@ -283,7 +294,7 @@ void read_in_a_copy(const fs::path& file) {
     if (WEXITSTATUS(status) != 0) throw std::runtime_error("it asks for more memory than its size accounts for");
 }
 
-// What quotes a damaged file may hold what a terminal obeys, or be no text at all.
+// Untrusted text: control characters, and all that is not ASCII, become question marks.
 std::string printable(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');

@@ -17,6 +17,8 @@ namespace {
 // How long past a solver's own time limit it is waited for before it is killed.
 double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
 
+constexpr std::chrono::milliseconds turn(20);
+
 struct NotAnEvent {};
 
 class Supervisor {
@@ -30,9 +32,10 @@ public:
         std::string line;
         for (;;) {
             if (report_.interrupted()) return finished_;  // the case in flight is run again on resume
-            switch (worker_.listen(std::chrono::milliseconds(20), line)) {
+            if (!within_memory()) return finished_;
+            switch (worker_.listen(turn, line)) {
                 case WorkerProcess::Heard::nothing:
-                    if (!within_limits()) return finished_;
+                    if (!within_time()) return finished_;
                     break;
                 case WorkerProcess::Heard::closed: {
                     if (finished_ == order_.items.size()) return finished_;
@@ -59,19 +62,25 @@ private:
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    bool within_limits() {
-        const Limits& limits = order_.limits;
-        if (worker_.resident_bytes() > limits.memory_bytes) {
-            fail("out_of_memory", fmt::format("more than {} MB resident", limits.memory_bytes >> 20));
+    // Looked at by the clock, once a turn, however much the worker has to say.
+    bool within_memory() {
+        if (Clock::now() < next_look_) return true;
+        const std::int64_t limit = order_.limits.memory_bytes;
+        if (worker_.resident_bytes() > limit) {
+            fail("out_of_memory", fmt::format("more than {} MB resident", limit >> 20));
             return false;
         }
-        if (Clock::now() > deadline_) {
-            fail("timeout", prepared_
-                                ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                                : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
-            return false;
-        }
+        next_look_ = Clock::now() + turn;
         return true;
+    }
+
+    // Looked at when all that the worker has said is heard: what it said in time counts.
+    bool within_time() {
+        if (Clock::now() <= deadline_) return true;
+        const Limits& limits = order_.limits;
+        fail("timeout", prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
+                                  : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
+        return false;
     }
 
     // False if the line is no event, or one out of turn. A solver may have written it: nothing in it is taken for granted.
@@ -126,21 +135,24 @@ private:
         }
     }
 
-    // The worker is gone or has to go: the case in flight gets its row, or all of them if it never got to the first.
+    // The worker has ended or has to end: the case in flight gets its row, or all cases if it never got to the first.
     void fail(const std::string& status, const std::string& reason) {
         worker_.kill();
         worker_.end();
-        if (finished_ == order_.items.size()) return;  // all are answered: how it ends is its own affair
+        if (finished_ == order_.items.size()) return;  // all are answered: how it ends does not matter
         Outcome outcome;
         outcome.status = status;
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         if (!prepared_) {
             while (finished_ < order_.items.size()) close(outcome);
-        } else if (answered_) {  // the answer counts; only its timing was cut short
-            if (outcome_.status == "ok" && outcome_.repeats.empty() && order_.repeats > 0) {
+        } else if (answered_) {  // the answer counts where only its timing was cut short, by time
+            const bool untimed = outcome_.repeats.empty() && order_.repeats > 0;
+            if (outcome_.status == "ok" && (untimed || status == "out_of_memory")) {
                 outcome_.status = status;
-                outcome_.reason = "answered, but not while it was timed: " + outcome.reason;
+                outcome_.reason = (untimed ? "answered, but not while it was timed: "
+                                           : "answered, but was killed while it was timed: ") +
+                                  outcome.reason;
             }
             close(outcome_);
         } else {
@@ -164,7 +176,7 @@ private:
     const WorkOrder& order_;
     const Supervision& report_;
     WorkerProcess worker_;
-    Clock::time_point deadline_;
+    Clock::time_point deadline_, next_look_ = Clock::now();
     bool prepared_ = false, began_ = false, answered_ = false;
     std::size_t finished_ = 0;
     Outcome outcome_;  // of the case in flight, as far as it is known

@@ -5,9 +5,14 @@
 // not to, it comes close to CGAL's, but then nothing in it sees to the mode at all, and its two ends need tricks of their
 // own. Both are proven designs; CGAL's keeps (-low, high) in one SSE register, so that rounding upward does for both.
 //
-// Whoever computes with Interval holds an UpwardRounding for as long as it does. Plain doubles are rounded upward as well
-// then, which where a bound hangs on them the comments say.
+// Code that computes with Interval holds an UpwardRounding while it does. Plain doubles are then rounded upward as well;
+// comments say so where a bound depends on it.
 #pragma once
+
+#ifndef __ROUNDING_MATH__
+#error \
+    "interval.h: compile with -frounding-math: without it the compiler may move arithmetic out of UpwardRounding's scope"
+#endif
 
 #include <CGAL/Interval_nt.h>
 
@@ -15,7 +20,7 @@ namespace hausbench {
 
 using Interval = CGAL::Interval_nt<false>;
 
-// Sets the rounding mode to upward, and back when it goes.
+// Sets the rounding mode to upward, and restores it when it is destroyed.
 using UpwardRounding = CGAL::Protect_FPU_rounding<true>;
 
 // x^n, n >= 0, with even powers never below 0 and odd ones sharp. O(log n).

@@ -33,6 +33,17 @@ void eat_memory(const std::string& how, Result&) {
     }
 }
 
+// Grows by 4 MB at a time to 1.2 GB, without ever being silent for long.
+void leak(const std::string& how, Result&) {
+    static std::vector<std::vector<char>> kept;
+    const auto grow = [] { kept.emplace_back(std::size_t(4) << 20, 'x'); };
+    const std::string words(std::size_t(1) << 16, '.');
+    if (how == "from repeat to repeat") grow();
+    if (how == "while it talks") {
+        for (int i = 0; i < 300; ++i) grow(), std::fwrite(words.data(), 1, words.size(), stderr);
+    }
+}
+
 void lie(const std::string& how, Result& result) {
     Bounds& bounds = result.bounds;
     if (how == "upper below") bounds = {0, 0.5 * bounds.lower};
@@ -41,6 +52,8 @@ void lie(const std::string& how, Result& result) {
     if (how == "crossed") std::swap(bounds.lower, bounds.upper), bounds.lower *= 1.5;
     if (how == "not a number") bounds.lower = bounds.upper = std::numeric_limits<double>::quiet_NaN();
     result.status = Status::converged;
+    if (how == "wide") bounds = {0, 4e9};
+    if (how == "wide, no cutoff") bounds = {0, 4e9}, result.status = Status::cutoff_passed;
 }
 
 int event_pipe() {
@@ -124,10 +137,40 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
             }};
 }
 
+// Is out of time wherever the target has more triangles than the source.
+class StopsEarly final : public Solver {
+public:
+    explicit StopsEarly(const Options&) : good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        stops_ = element_count(scene.target) > element_count(scene.source);
+        good_->prepare(scene, prepared);
+    }
+
+    Result solve(const Query& query, Trace& trace) const override {
+        Result result = good_->solve(query, trace);
+        if (stops_) result.status = Status::time_limit, result.note = "stopped early", result.bounds.upper += 0.125;
+        return result;
+    }
+
+private:
+    bool stops_ = false;
+    std::unique_ptr<Solver> good_;
+};
+
+SolverEntry stops_early() {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = "stops_early";
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<StopsEarly>(options); }};
+}
+
 }  // namespace
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
-                 misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number"}),
+                 misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
+                                           "wide", "wide, no cutoff"}),
+                 misbehaving<leak>("leaks", {"from repeat to repeat", "while it talks"}), stops_early(),
                  misbehaving<babble>("babbles", {"noise", "json", "another row", "an answer", "closed"}),
                  misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"))

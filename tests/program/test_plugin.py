@@ -105,6 +105,8 @@ DEEDS = {
     ("lies", "far witness"): ("unsound", "above what its witness shows"),
     ("lies", "crossed"): ("unsound", "below"),
     ("lies", "not a number"): ("unsound", "not a number"),
+    ("lies", "wide"): ("failed", "reports converged, but its gap is above the tolerance"),
+    ("lies", "wide, no cutoff"): ("failed", "the query has no cutoff"),
     ("babbles", "noise"): ("failed", "not an event"),
     ("babbles", "json"): ("failed", "not an event"),
     ("babbles", "another row"): ("failed", "not an event"),
@@ -181,6 +183,65 @@ def test_last_words_are_kept(swept: Rows) -> None:
 def test_certified_is_a_column(swept: Rows) -> None:
     assert {row["certified"] for row in swept["guthe"] + swept["vertex_only"]} == {1}
     assert {row["certified"] for row in swept["throws a number"]} == {0}
+
+
+LEAKING = """\
+title = "a solver that grows and is never silent"
+tolerances = [2.0]
+of = "absolute"
+repeats = 300
+limits = { case_seconds = 20, memory_mb = 300 }
+
+[[scene]]
+name = "still"
+source = "sphere0"
+target = "sphere0"
+
+[[solver]]
+name = "leaks"
+parameters = { at = 0.0, how = "HOW" }
+"""
+
+
+@pytest.mark.parametrize("how", ["from repeat to repeat", "while it talks"])
+def test_the_memory_limit_holds_while_a_solver_talks(hausbench: Program, plugin: Path, tmp_path: Path, how: str) -> None:
+    experiment = tmp_path / "leaking.toml"
+    experiment.write_text(LEAKING.replace("HOW", how))
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    (row,) = rows_of(tmp_path / "leaking.h5")["leaks"]
+    assert row["status"] == "out_of_memory" and "300 MB" in row["reason"], row
+
+
+def off(points: list[tuple[float, float, float]], faces: int) -> str:
+    corners = "".join(f"{x} {y} {z}\n" for x, y, z in points)
+    triangles = ["0 2 1", "0 1 3", "0 3 2", "1 2 3"] + ["0 2 1"] * (faces - 4)
+    return f"OFF\n{len(points)} {faces} 0\n{corners}" + "".join(f"3 {t}\n" for t in triangles)
+
+
+def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    # The solver stops early from four triangles to five, and comes to its end from five to four.
+    flat = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
+    tall = [*flat[:3], (0, 0, 4)]
+    for name, points, faces in (("flat4", flat, 4), ("flat5", flat, 5), ("tall4", tall, 4), ("tall5", tall, 5)):
+        (tmp_path / f"{name}.off").write_text(off([(float(x), float(y), float(z)) for x, y, z in points], faces))
+
+    def measured(a: str, b: str) -> dict[str, Any]:
+        done = hausbench("measure", f"{a}.off", f"{b}.off", "--symmetric", "--solver", "stops_early", "--plugin", plugin,
+                         "--of", "absolute", "--tolerance", "0.01", "--json")
+        assert done.returncode == 0, done.stderr
+        result: dict[str, Any] = json.loads(done.stdout)
+        assert result["lower"] <= 4 <= result["upper"]
+        return result
+
+    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stopped lies in [0, 0.125]
+        closed = measured(*pair)
+        assert closed["upper"] - closed["lower"] <= 0.01
+        assert (closed["status"], closed["note"]) == ("converged", "")
+    for pair in (("tall4", "flat5"), ("flat5", "tall4")):
+        left_open = measured(*pair)
+        assert left_open["upper"] - left_open["lower"] > 0.1
+        assert (left_open["status"], left_open["note"]) == ("time_limit", "stopped early")
 
 
 RESUMED = HEAD + '\n[[solver]]\nname = "vertex_only"\n'
