@@ -113,6 +113,24 @@ def test_checks_end_and_hold_at_every_scale(hausbench: Program, scaled: Callable
         assert lower == pytest.approx(0.25 * SCALES[scene], rel=0.01), scene
 
 
+def test_poses_beyond_the_range_are_refused_and_far_ones_answered(
+    hausbench: Program, scaled: Callable[[str, dict[str, float]], Path], tmp_path: Path
+) -> None:
+    root = scaled('[[solver]]\nname = "guthe"\n', {"most": 1e308, "one": 1.0})
+    experiment = tmp_path / "scaled.toml"
+    for scene, to in (("most", 1.7e308), ("one", 1e300)):
+        motion = f'motion = {{ kind = "translation", from = [0, 0, 0], to = [{to}, 0, 0], steps = 2, of = "absolute" }}'
+        experiment.write_text(experiment.read_text().replace(f'target = "{scene}"\n', f'target = "{scene}"\n{motion}\n'))
+    experiment.write_text(experiment.read_text().replace('[1e-3]\nof = "diagonal"', '[1e-3]\nof = "lower"'))
+    done = run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path, "--quiet")
+    assert done.returncode == 0, done.stderr
+    file = tmp_path / "scaled.h5"
+    cases = list(zip(texts(file, "cases/scene"), numbers(file, "cases/pose_index")))
+    status, reason = dict(zip(cases, texts(file, "cases/status"))), dict(zip(cases, texts(file, "cases/reason")))
+    assert status == {("most", 0): "ok", ("most", 1): "failed", ("one", 0): "ok", ("one", 1): "ok"}, reason
+    assert "beyond the largest double" in reason["most", 1] and "larger unit" in reason["most", 1]
+
+
 def damaged(good: Path, changes: dict[str, object], row: int) -> Path:
     bad = good.with_name("bad.h5")
     shutil.copy(good, bad)
