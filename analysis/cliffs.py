@@ -31,7 +31,7 @@ NOT_RUN: Final = ("skipped", "not_built")
 class Family:
     title: str
     axis: str = "ratio"
-    claim: str = ""  # what a verdict is about; families with the same text share one verdict a solver
+    claim: str = ""  # subject of a verdict; families with the same text share one verdict for each solver
 
 
 QUERIES: Final = "closest point work"
@@ -52,7 +52,7 @@ FAMILIES: Final[dict[str, Family]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """One case: where it is drawn, and what it took. NaN where it has no answer, or the solver counts no work."""
+    """One case. Work and seconds are NaN if it has no answer; work also if the solver counts none."""
 
     case: int
     ratio: float
@@ -65,10 +65,10 @@ Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
 
 
 def place(results: Results, case: int) -> tuple[str, float]:
-    """The family of a case and its ratio. ResultError for a scene that is not named as the experiment says."""
+    """The family of a case and its ratio, from its scene's name. ResultError for any other name."""
     cases, scene = results.cases, str(results.cases.scene[case])
     if scene.endswith("_away") and scene in FAMILIES:
-        return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # away from rounding, 10^k again
+        return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
     if scene == "surface_concentric":
         return scene, 1 / float(cases.tolerance[case])
     found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
@@ -95,7 +95,7 @@ def collect(results: Results) -> Curves:
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Work or seconds of each row, divided by those of the least ratio."""
+    """Work or seconds of each row, divided by those of the first."""
     values = [float(getattr(row, what)) for row in rows]
     return [value / values[0] for value in values]
 
@@ -105,9 +105,20 @@ def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
     return max(known, key=lambda pair: pair[0]) if known else (math.nan, None)
 
 
+def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
+    """Of each claim and each solver that counts its work."""
+    found = []
+    for claim in dict.fromkeys(family.claim for family in FAMILIES.values() if family.claim):
+        for label, title in titles.items():
+            own = {key: rows for key, rows in curves.items() if key[1] == label and FAMILIES[key[0]].claim == claim}
+            if any(not math.isnan(row.work) for rows in own.values() for row in rows):
+                found.append(verdict(claim, title, own))
+    return found
+
+
 def verdict(claim: str, title: str, curves: Curves) -> Verdict:
-    """Of one solver over the families of a claim. Counts are exact, so one ratio above MOST refutes it. So does a case
-    that did not end, or ended wrong, where that of the least ratio has an answer.
+    """Of one solver over the families of a claim. Counts are exact, so one ratio above MOST refutes the claim. So does a
+    case without an answer, if the case of ratio 1 has one.
     """
     text = f"{claim} of {title} at every ratio up to 1e12 is at most {MOST:g} times that of ratio 1"
     known = {family: rows for (family, _), rows in curves.items() if rows[0].ratio == 1 and not math.isnan(rows[0].work)}
@@ -120,7 +131,8 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
         factor, worst, family = max(((*largest(rows, "work"), family) for family, rows in known.items()),
                                     key=lambda found: found[0])
         assert worst is not None
-        evidence.insert(0, f"largest {tables.number(factor)} times, {FAMILIES[family].title} at ratio {power(worst.ratio)}")
+        evidence.insert(0, f"in {len(known)} kinds of scene, largest {tables.number(factor)} times, "
+                        f"{FAMILIES[family].title} at ratio {power(worst.ratio)}")
     outcome = verdicts.FAILS if lost or factor > MOST else verdicts.UNTESTED if unknown else verdicts.HOLDS
     return Verdict(text, outcome, "; ".join(evidence))
 
@@ -152,11 +164,7 @@ def make(results: Results, out: Path) -> list[Path]:
             if rows := curves.get((key, label)):
                 table.rows.append([family.title, titles[label], *table_cells(rows)])
                 records += [record(results, key, row, rows) for row in rows]
-    for claim in dict.fromkeys(family.claim for family in FAMILIES.values() if family.claim):
-        for _, label in labels:
-            own = {key: rows for key, rows in curves.items() if key[1] == label and FAMILIES[key[0]].claim == claim}
-            if any(not math.isnan(row.work) for rows in own.values() for row in rows):
-                table.notes.append(verdict(claim, titles[label], own).line())
+    table.notes += [one.line() for one in verdicts_of(curves, titles)]
     answers = {label: [row.work for (_, name), rows in curves.items() if name == label for row in rows
                        if row.status in ANSWERED] for _, label in labels}
     silent = [titles[label] for label, work in answers.items() if work and all(map(math.isnan, work))]

@@ -11,7 +11,7 @@ namespace {
 
 struct Property {
     std::string type, name;
-    std::string count_type;  // of a list, else empty
+    std::string count_type;  // for a list, else empty
 };
 
 struct Element {
@@ -70,7 +70,7 @@ Header parse(const std::string& name, const std::string& bytes) {
                 if (!type.empty() && !sizes.contains(type)) refuse(number, "unknown type '" + type + "'");
             header.elements.back().properties.push_back(property);
         } else if (keyword == "end_header") {
-            return header;  // other words are comments, which some writers do not mark
+            return header;  // other words are comments that some writers do not mark
         }
     }
     throw InputError(name + ": has no end_header line: truncated, or no PLY file");
@@ -85,7 +85,7 @@ Mended mend_ply(const std::string& name, const std::string& bytes) {
         throw InputError(fmt::format("{}: unknown PLY format '{}'", name, header.format));
 
     Mended mended;
-    std::uint64_t least_bytes = 0;  // that the announced counts take
+    std::uint64_t least_bytes = 0;  // at least these bytes for the counts in the header
     bool vertices = false;
     for (Element& element : header.elements) {
         if (element.name == "tristrips" && element.count > 0)

@@ -1,4 +1,5 @@
-// Re-checks what solvers report, by code that shares nothing with them: no kernel, no tree, no rounding rule of theirs.
+// Re-checks what solvers report. For points and meshes it shares no kernel, no tree and no rounding rule with the solvers; for
+// surfaces, verify_surface.h says what is shared.
 //
 // Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B) >= d(p, B) - e, so `lower` holds if
 // every element of B is at least lower + e away from p. Each element is tried with a separating plane in interval

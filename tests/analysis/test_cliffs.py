@@ -42,9 +42,9 @@ def test_work_is_relative_to_ratio_1(make: Make) -> None:
 def test_verdicts_come_from_the_data(make: Make) -> None:
     _, _, text = make(synthetic.cliffs())
     claim = "at every ratio up to 1e12 is at most 4 times that of ratio 1."
-    assert f"closest point work of scan (ours) {claim} Here it holds (largest 3.00 times, points, two clusters" in text
-    assert (f"closest point work of Guthe 2005 {claim} Here it does not hold (largest 100 times, mesh, stray triangle in B "
-            "at ratio 1e12; 1 timeout)") in text
+    assert f"closest point work of scan (ours) {claim} Here it holds (in 4 kinds of scene, largest 3.00 times, points, two clusters" in text
+    assert (f"closest point work of Guthe 2005 {claim} Here it does not hold (in 4 kinds of scene, largest 100 times, "
+            "mesh, stray triangle in B at ratio 1e12; 1 timeout)") in text
     assert f"work on a needle triangle of Guthe 2005 {claim} Here it holds" in text
     assert "work of CGAL" not in text and "No counts, time alone: CGAL." in text
 
