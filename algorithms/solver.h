@@ -66,12 +66,16 @@ struct Witness {
 // Per-element fields and the like, by name; filled only where a query asks for them.
 using Extras = std::map<std::string, std::vector<double>>;
 
+// What a solver reports of itself in words, by name, such as the algorithm that it chose.
+using Facts = std::map<std::string, std::string>;
+
 struct Result {
     Status status = Status::stalled;
     Bounds bounds;  // lower <= h(A posed, B) <= upper, whatever the status
     Witness witness;
     Counters counters;
     Extras extras;
+    Facts facts = {};
     std::string note =
         {};  // one line, why the status is not `converged`, where the solver knows more than the status says
     // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.

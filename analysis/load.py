@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parent.parent / "results" / "reference"
 
 Texts = npt.NDArray[Any]  # of str
@@ -45,6 +45,8 @@ class Models:
     source: Texts
     licence: Texts
     note: Texts
+    polynomial: Texts  # of an algebraic surface, empty for other models
+    box: Floats  # likewise: from, to in x, y and z; NaN for other models
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class Cases:
     scene: Texts
     source: Texts
     target: Texts
+    exact: Floats
     scene_note: Texts
     source_elements: Ints
     target_elements: Ints
@@ -83,10 +86,12 @@ class Cases:
     solve_seconds: Floats
     reported_seconds: Floats
     peak_bytes: Ints
+    clock: Texts
     trace_begin: Ints
     trace_end: Ints
     from_trace: Ints
     extras: Texts
+    facts: Texts
     lower_check: Texts
     upper_check: Texts
     build: Texts
@@ -110,6 +115,7 @@ class Repeats:
 @dataclass(frozen=True)
 class Preparation:
     case: Ints
+    round: Ints
     name: Texts
     seconds: Floats
     bytes: Ints
@@ -166,6 +172,10 @@ class Results:
         """Numbers that the solver reports of itself, by name."""
         return {name: float(value) for name, value in json.loads(self.cases.extras[case] or "{}").items()}
 
+    def facts(self, case: int) -> dict[str, str]:
+        """What the solver reports of itself in words, by name."""
+        return {name: str(text) for name, text in json.loads(self.cases.facts[case] or "{}").items()}
+
     @cached_property
     def _repeats_by_case(self) -> tuple[Ints, Ints]:
         order = np.argsort(self.repeats.case, kind="stable")
@@ -192,7 +202,7 @@ class Results:
         return {number: float(np.median(values)) for number, values in times.items()}
 
     def cpu_seconds(self, case: int) -> Floats:
-        """CPU time of the solving thread, by repeat; empty where it does not apply."""
+        """CPU time of the process and its children, by repeat; empty where it does not apply."""
         return _known(self.repeats.cpu_seconds[self.repeats_of(case)])
 
     def prepare_seconds(self, case: int) -> float:
@@ -291,7 +301,7 @@ def _attribute(value: Any) -> Any:
 
 
 def load(path: Path) -> Results:
-    """Opens a result file read-only and reads it whole. Throws ResultError for a missing, foreign or newer one."""
+    """Opens a result file read-only and reads it whole. Throws ResultError for a missing or foreign one, or one of another schema."""
     stem = path.stem
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
@@ -303,6 +313,9 @@ def load(path: Path) -> Results:
                 raise ResultError(f"{path}: schema version {meta['schema_version']} is newer than {SCHEMA_VERSION}, "
                                   f"the newest that analysis/load.py reads: use the analysis/ of hausbench "
                                   f"{meta.get('hausbench_version', 'that wrote it')}")
+            if int(meta["schema_version"]) < SCHEMA_VERSION:
+                raise ResultError(f"{path}: schema version {meta['schema_version']} is older than {SCHEMA_VERSION}, "
+                                  f"which analysis/load.py reads: measure again with 'make {stem} RUN_ARGS=--fresh'")
             results = Results(path, meta, _columns(Models, file, "models"), _columns(Cases, file, "cases"),
                               _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
                               _columns(Trace, file, "trace"), _columns(Ledger, file, "ledger"))

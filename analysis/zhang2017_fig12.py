@@ -17,7 +17,6 @@ from analysis.verdicts import never
 
 STEM = "zhang2017_fig12"
 SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
-CHOSEN: Final = {0.0: "NOHD", 1.0: "EARLYBREAK", 2.0: "OHD"}
 MOST = 6000  # points drawn of a set
 
 
@@ -50,7 +49,7 @@ def make(results: Results, out: Path) -> list[Path]:
             f"{theirs[0]:,} / {theirs[1]:,}",
             f"{low:.9g}" if known else style.STATUS_WORDS.get(status, status),
             tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
-            tables.number(told.get("alpha", math.nan)), CHOSEN.get(told.get("chosen", math.nan), tables.NOTHING),
+            tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
             *[str(column[row]) if known else ""
               for column in (cases.witness_source_element, cases.witness_target_element)]])
         records.append({"scene": scene, "status": status, "source_elements": sizes[0], "target_elements": sizes[1],
@@ -58,7 +57,7 @@ def make(results: Results, out: Path) -> list[Path]:
                         **{f"witness_{side}_{axis}": float(points[row][i]) for side, points in
                            (("source", cases.witness_source), ("target", cases.witness_target))
                            for i, axis in enumerate("xyz")},
-                        **told})
+                        **told, **results.facts(row)})
     table.notes = [never("the pairs have as many points as the paper's", unlike, len(scenes), "pairs differ").line(),
                    "α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. "
                    "Witnesses: number of the point. In the picture: the source A, the target B, and the line between "

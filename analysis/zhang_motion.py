@@ -138,7 +138,7 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
                                     "label": label, "status": str(results.cases.status[row]), "n": t.n,
                                     "median_seconds": t.value, "low_seconds": t.low, "high_seconds": t.high,
                                     "prepare_seconds": results.prepare_seconds(row), "distance": pose.distance,
-                                    **results.extras(row)})
+                                    **results.extras(row), **results.facts(row)})
     reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],

@@ -49,11 +49,6 @@ bool any_unsound(const ResultFile& result) {
 
 namespace {
 
-std::string name_of(const Case& c) {
-    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance,
-                       c.tolerance_of);
-}
-
 bool was_run(const Outcome& o) {
     return (o.status != "skipped" && o.status != "not_built") || !o.solver_status.empty();
 }
@@ -183,8 +178,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         }
         if (b.from_trace) continue;  // its times are those of the row it was read off
         std::vector<double> before, after;
-        for (const Repeat& r : a.repeats) before.push_back(r.wall_seconds);
-        for (const Repeat& r : b.repeats) after.push_back(r.wall_seconds);
+        const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h
+        for (const Repeat& r : a.repeats) before.push_back(cpu ? r.cpu_seconds : r.wall_seconds);
+        for (const Repeat& r : b.repeats) after.push_back(cpu ? r.cpu_seconds : r.wall_seconds);
         if (before.empty() || after.empty()) {
             ++untimed;
             continue;
@@ -196,8 +192,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                               : !separated(ratio)       ? "not separated"
                               : ratio.value > 1         ? "slower"
                                                         : "faster";
-        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {}\n", name_of(row.asked),
-                             ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence, verdict);
+        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {:<4}  {}\n",
+                             name_of(row.asked), ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence,
+                             cpu ? "CPU" : "wall", verdict);
     }
     if (matched == 0)
         throw InputError("the two results have no case in common: compare results of the same experiment and profile");
@@ -211,7 +208,8 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
     text +=
         fmt::format(
-            "time of the second / time of the first, median of paired repeats [interval] ({} cases without times)\n",
+            "time of the second / time of the first, median of paired repeats [interval], CPU or wall time ({} cases "
+            "without times)\n",
             untimed) +
         table;
     if (!all.empty()) {

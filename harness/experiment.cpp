@@ -233,6 +233,12 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     scene.target = reader.text("target");
     scene.note = reader.text("note", "");
     if (const toml::node* motion = reader.find("motion")) scene.motion = read_motion(file, reader, *motion);
+    if (const toml::node* exact = reader.find("exact")) {
+        scene.exact = reader.number(*exact, "exact");
+        if (scene.exact < 0) reader.fail(*exact, fmt::format("'exact' must not be below 0, as {} is", scene.exact));
+        if (moves(scene.motion))
+            reader.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's 'motion'");
+    }
     return scene;
 }
 
@@ -258,7 +264,18 @@ SolverPlan read_solver(const Reader& reader) {
 }
 
 const std::vector<std::string> root_keys = {"title", "paper",  "tolerances", "of",    "repeats", "rounds",
-                                            "trace", "limits", "profile",    "scene", "solver"};
+                                            "trace", "limits", "profile",    "scene", "solver",  "expected_unsound"};
+
+// Labels of all solvers of the file count, whatever their profile.
+std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
+    const auto expected = root.texts("expected_unsound");
+    for (const std::string& label : expected) {
+        if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
+        root.fail(*root.find("expected_unsound"), fmt::format("'expected_unsound' names no solver of this file: '{}'{}",
+                                                              label, nearest_hint(label, labels)));
+    }
+    return expected;
+}
 
 Limits read_limits(const fs::path& file, const Reader& root) {
     Limits limits;
@@ -327,6 +344,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
 
     const auto profiles = profiles_of(table);
     std::set<std::string> names, names_of_all;  // of scenes: in this profile, in any
+    std::vector<std::string> labels;            // of solvers, in any profile
     for (const char* kind : {"scene", "solver"}) {
         const toml::node* node = root.find(kind);
         const toml::array* array = node ? node->as_array() : nullptr;
@@ -335,7 +353,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
-                              {"name", "source", "target", "note", "motion", "profiles"});
+                              {"name", "source", "target", "note", "exact", "motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 if (!wanted(reader, profile, profiles)) continue;
                 experiment.scenes.push_back(read_scene(file, reader));
@@ -346,6 +364,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
                               {"name", "label", "parameters", "tolerances", "scenes", "profiles"});
+                labels.push_back(reader.text("label", reader.text("name")));
                 if (!wanted(reader, profile, profiles)) continue;
                 SolverPlan solver = read_solver(reader);
                 if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
@@ -364,6 +383,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             }
         }
     }
+    experiment.expected_unsound = read_expected_unsound(root, labels);
     return experiment;
 }
 

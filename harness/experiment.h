@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Limits {
 struct ScenePlan {
     std::string name, source, target;  // models of datasets/manifest.toml
     std::string note;
+    double exact = std::numeric_limits<double>::quiet_NaN();  // h(A,B), where it is known
     Motion motion = Static{};
 };
 
@@ -42,6 +44,7 @@ struct Experiment {
     int rounds = 1;               // fresh processes; the order of solvers is turned round after each (ABBA)
     bool trace = false;           // coarser tolerances are read off the trace of the finest where a solver traces
     Limits limits;
+    std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
 };
 
 // Throws InputError naming file, line and key for anything unknown (with the nearest known name), missing or out of range:

@@ -1,6 +1,7 @@
 #include "explain.h"
 
 #include "error.h"
+#include "lookup.h"
 #include "machine.h"
 #include "registry.h"
 #include "result_file.h"
@@ -21,7 +22,7 @@ namespace {
 
 constexpr double start_seconds = 0.02;         // of a worker, loading a middling shape included
 constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
-constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, a rough guess
+constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
 
 double expected_work(const Case& c) {
     const double a = double(c.source_elements), b = double(c.target_elements);
@@ -58,11 +59,7 @@ public:
         const auto others = solvers_.find(asked.solver);
         const double work = expected_work(asked);
         if (others == solvers_.end()) return {0, work * seconds_per_distance, work, false};
-        // The case of that solver whose work was nearest, scaled.
-        const Known& near =
-            *std::min_element(others->second.begin(), others->second.end(), [&](const Known& x, const Known& y) {
-                return std::abs(std::log(x.work / work)) < std::abs(std::log(y.work / work));
-            });
+        const Known& near = others->second.nearest(work);  // scaled to this case
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
     }
 
@@ -75,11 +72,11 @@ private:
         Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds,
                     expected_work(row.asked), true};
         cases_[row.asked.identity] = known;
-        if (known.work > 0) solvers_[row.asked.solver].push_back(known);
+        if (known.work > 0) solvers_[row.asked.solver].add(known.work, known);
     }
 
     std::map<std::string, Known> cases_;
-    std::map<std::string, std::vector<Known>> solvers_;
+    std::map<std::string, NearestByWork<Known>> solvers_;
 };
 
 struct JobEstimate {

@@ -62,10 +62,15 @@ int run(const RunArguments& arguments) {
     std::string counts;
     for (const auto& [status, count] : summary.statuses)
         counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
-    fmt::print("{}: {}\n", summary.file.string(), counts);
-    if (!summary.interrupted) return 0;
-    fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
-    return 130;
+    const auto expected = summary.unsound_expected;
+    fmt::print("{}: {}{}\n", summary.file.string(), counts,
+               expected ? fmt::format(" ({} of the unsound as expected)", expected) : "");
+    for (const std::string& row : summary.unsound) fmt::print(stderr, "hausbench: unsound: {}\n", row);
+    if (summary.interrupted) {
+        fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
+        return 130;
+    }
+    return summary.unsound.empty() ? 0 : 1;
 }
 
 ParameterMap parse_parameters(const std::vector<std::string>& texts) {
@@ -134,7 +139,10 @@ int dispatch(int argc, char** argv) {
     };
 
     RunArguments run_arguments;
-    auto* run_verb = app.add_subcommand("run", "run an experiment and write its results; resumes an interrupted run");
+    auto* run_verb = app.add_subcommand(
+        "run",
+        "run an experiment and write its results; resumes an interrupted run; exit code 1 if a row is unsound that the "
+        "experiment does not expect to be");
     run_verb->add_option("experiment", run_arguments.file, "experiment file (.toml)")->required();
     run_verb->add_option("--profile", run_arguments.profile, "quick: minutes; paper: the papers' full sizes")
         ->capture_default_str();
@@ -320,6 +328,6 @@ int main(int argc, char** argv) {
         return 4;
     } catch (const std::exception& error) {
         fmt::print(stderr, "hausbench: internal error: {}\n", error.what());
-        return 1;
+        return 3;
     }
 }

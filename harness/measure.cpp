@@ -26,14 +26,18 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
                                       ? query.tolerance.value
                                       : std::numeric_limits<double>::quiet_NaN();
+    SolverMemory memory;
     const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options), std::move(scene),
                           {false, 1, query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0});
+    memory.prepared();
+    memory.next_answer();
     Trace untraced;
     const auto begin = std::chrono::steady_clock::now();
     Result result = session.solve(query, untraced);
     result.note = one_line(result.note);
     measured.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     measured.prepare_seconds += session.prepare_seconds();
+    measured.peak_bytes = std::max(measured.peak_bytes, memory.peak_bytes(result.outside_bytes));
     if (first) {
         measured.result = result;
         return;
@@ -102,8 +106,6 @@ Measured measure(const MeasureRequest& request) {
             "{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
             request.source.string()));
     }
-    const std::int64_t before = resident_now();
-    reset_resident_peak();
     if (request.symmetric)
         one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
     else
@@ -112,7 +114,6 @@ Measured measure(const MeasureRequest& request) {
         one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured,
                       false);
     }
-    measured.peak_bytes = std::max<std::int64_t>(0, resident_peak() - before);
     return measured;
 }
 
@@ -176,8 +177,9 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1],
                             p[2], q[0], q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");
     }
-    text += fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {:.1f} MB\n", m.prepare_seconds,
-                        m.solve_seconds, double(m.peak_bytes) / 1e6);
+    text +=
+        fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds, m.solve_seconds,
+                    m.peak_bytes < 0 ? "unknown" : fmt::format("{:.1f} MB", double(m.peak_bytes) / 1e6));
     return text;
 }
 

@@ -1,5 +1,8 @@
 #include "memory.h"
 
+#include <malloc.h>
+
+#include <algorithm>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -23,5 +26,23 @@ std::int64_t resident_now() { return from_status("VmRSS:"); }
 std::int64_t resident_peak() { return from_status("VmHWM:"); }
 
 bool reset_resident_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
+
+SolverMemory::SolverMemory() {
+    ::malloc_trim(0);
+    before_ = resident_now();
+    known_ = reset_resident_peak() && before_ >= 0;
+}
+
+void SolverMemory::prepared() { preparing_ = resident_peak(); }
+
+void SolverMemory::next_answer() {
+    ::malloc_trim(0);
+    known_ = reset_resident_peak() && known_;
+}
+
+std::int64_t SolverMemory::peak_bytes(std::int64_t outside_bytes) const {
+    if (outside_bytes >= 0) return outside_bytes;
+    return known_ ? std::max<std::int64_t>(0, std::max(preparing_, resident_peak()) - before_) : -1;
+}
 
 }  // namespace hausbench

@@ -147,6 +147,7 @@ private:
                 asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
                 asked.scene = scene.name;
                 asked.note = scene.note;
+                asked.exact = scene.exact;
                 asked.source = scene.source;
                 asked.target = scene.target;
                 if (source) {
@@ -170,7 +171,7 @@ private:
                 if (!decided.status.empty()) {
                     plan_.decided[row] = decided;
                 } else if (t > 0 && reads_trace) {
-                    plan_.traced[row] = {finest, entry->info.exact};
+                    plan_.read_off(row, {finest, entry->info.exact});
                 } else {
                     if (t == 0) finest = row;
                     job.cases.push_back(row);
@@ -233,11 +234,21 @@ private:
 
 std::vector<double> Plan::marks(std::size_t row) const {
     std::vector<double> gaps;
-    for (const auto& [coarse, from] : traced) {
-        if (from.of == row && !from.exact) gaps.push_back(cases[coarse].resolved_tolerance().value);
-    }
+    for (const std::size_t coarse : readers_.of(row)) gaps.push_back(cases[coarse].resolved_tolerance().value);
     std::sort(gaps.rbegin(), gaps.rend());
     return gaps;
+}
+
+void Plan::read_off(std::size_t row, const FromTrace& from) {
+    traced[row] = from;
+    if (!from.exact) readers_.add(from.of, row);
+}
+
+bool unsound_expected(const Case& asked, const Experiment& experiment) {
+    if (asked.certified == 1) return false;
+    const auto& labels = experiment.expected_unsound;
+    return std::find(labels.begin(), labels.end(), asked.label) != labels.end() ||
+           !find_solver(asked.solver).info.known_wrong.empty();
 }
 
 Shard parse_shard(const std::string& text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "catalogue.h"
+#include "lookup.h"
 #include "record.h"
 
 #include <filesystem>
@@ -47,15 +48,24 @@ struct Plan {
     Experiment experiment;
     std::vector<Case> cases;                  // every case asked for
     std::map<std::size_t, Outcome> decided;   // rows that need no run: not built, skipped, failed before it began
-    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run
+    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run: add them by read_off()
     std::vector<Job> jobs;
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
 
+    void read_off(std::size_t row, const FromTrace& from);
+
     // Gaps (absolute lengths, the largest first) that the trace of this row must hold.
     std::vector<double> marks(std::size_t row) const;
+
+private:
+    RowsReadOff<> readers_;
 };
+
+// Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
+// or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
+bool unsound_expected(const Case& asked, const Experiment& experiment);
 
 struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;

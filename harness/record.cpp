@@ -2,6 +2,8 @@
 
 #include "hash.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -71,6 +73,11 @@ std::string identify(const Case& asked) {
     return hash.hex();
 }
 
+std::string name_of(const Case& c) {
+    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}", c.label, c.scene, c.pose_index, c.tolerance,
+                       c.tolerance_of);
+}
+
 std::string row_status(Status status) {
     switch (status) {
         case Status::converged:
@@ -109,7 +116,7 @@ json to_json(const Outcome& o) {
     json counters = json::object();
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
     json preparation = json::array(), repeats = json::array(), trace = json::array();
-    for (const auto& p : o.preparation) preparation.push_back({p.name, number(p.seconds), p.bytes});
+    for (const auto& p : o.preparation) preparation.push_back({p.round, p.name, number(p.seconds), p.bytes});
     for (const auto& r : o.repeats)
         repeats.push_back({r.round, number(r.wall_seconds), number(r.cpu_seconds), r.iterations});
     for (const auto& s : o.trace) trace.push_back({number(s.seconds), number(s.lower), number(s.upper)});
@@ -123,11 +130,13 @@ json to_json(const Outcome& o) {
               o.witness.target_element}},
             {"counters", counters},
             {"extras", extras_json(o.extras)},
+            {"facts", o.facts},
             {"prepare_seconds", number(o.prepare_seconds)},
             {"prepare_bytes", o.prepare_bytes},
             {"solve_seconds", number(o.solve_seconds)},
             {"reported_seconds", number(o.reported_seconds)},
             {"peak_bytes", o.peak_bytes},
+            {"clock", o.clock},
             {"preparation", preparation},
             {"repeats", repeats},
             {"repeats_asked", o.repeats_asked},
@@ -148,14 +157,16 @@ Outcome outcome_from_json(const json& j) {
     for (const CounterField& field : counter_fields)
         o.counters.*field.member = j.at("counters").at(std::string(field.name));
     o.extras = extras_of(j.at("extras"));
+    o.facts = j.at("facts").get<Facts>();
     o.prepare_seconds = number(j.at("prepare_seconds"));
     o.prepare_bytes = j.at("prepare_bytes");
     o.solve_seconds = number(j.at("solve_seconds"));
     o.reported_seconds = number(j.at("reported_seconds"));
     o.peak_bytes = j.at("peak_bytes");
-    for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), number(p.at(1)), p.at(2)});
+    o.clock = j.at("clock");
+    for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), p.at(1), number(p.at(2)), p.at(3)});
     for (const json& r : j.at("repeats")) o.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
-    o.repeats_asked = j.value("repeats_asked", int(o.repeats.size()));  // journals of earlier versions do not say
+    o.repeats_asked = j.at("repeats_asked");
     for (const json& s : j.at("trace")) o.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
     o.from_trace = j.at("from_trace");
     o.build = j.at("build");

@@ -27,6 +27,7 @@ struct Case {
     double tolerance = 0;
     std::string tolerance_of;
     Limits limits;
+    double exact = std::numeric_limits<double>::quiet_NaN();  // the true distance, where the experiment gives it
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
     Tolerance resolved_tolerance() const;  // relative to the diagonal becomes absolute: here and nowhere else
@@ -34,10 +35,20 @@ struct Case {
 
 std::string identify(const Case& asked);
 
+// For people: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
+std::string name_of(const Case& asked);
+
 struct Repeat {
     int round = 0;
-    double wall_seconds = 0, cpu_seconds = 0;  // per solve
+    double wall_seconds = 0, cpu_seconds = 0;  // per solve, see timing.h
     std::int64_t iterations = 1;
+};
+
+struct Preparation {
+    int round = 0;
+    std::string name;
+    double seconds = 0;
+    std::int64_t bytes = 0;
 };
 
 // What became of it.
@@ -50,12 +61,14 @@ struct Outcome {
                     Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), -1, -1};
     Counters counters;
     std::map<std::string, double> extras;  // what the solver reports of itself, where that is a single number
+    Facts facts;                           // and in words
     double prepare_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t prepare_bytes = -1;
     double solve_seconds = std::numeric_limits<double>::quiet_NaN();
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t peak_bytes = -1;
-    std::vector<PreparationTime> preparation;
+    std::string clock;  // "cpu" or "wall": which is the time of the case, see timing.h; empty where there was no answer
+    std::vector<Preparation> preparation;
     std::vector<Repeat> repeats;
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
     std::vector<TraceSample> trace;

@@ -1,9 +1,6 @@
 #include "result_file.h"
 
 #include "machine.h"
-#include "surface_file.h"
-
-#include <fmt/format.h>
 
 namespace hausbench {
 
@@ -34,29 +31,26 @@ void describe_run(ResultFile& result, const Experiment& experiment, const std::s
     result.integers = {{"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}};
 }
 
-namespace {
-
-// The equation of a surface is what it is.
-std::string note_of(const ModelInfo& model) {
-    if (!model.surface) return model.note;
-    return describe(*model.surface) + (model.note.empty() ? "" : "; " + model.note);
-}
-
-}  // namespace
-
 ModelRecord record_of(const ModelRow& model) {
     const ResolvedModel& r = model.resolved;
-    return {model.info->name,
-            r.content_hash,
-            std::string(to_string(r.kind)),
-            r.report.precision,
-            model.info->source,
-            model.info->licence,
-            note_of(*model.info),
-            r.elements,
-            r.vertices,
-            r.report.unreferenced.value_or(-1),
-            r.diagonal};
+    ModelRecord record{model.info->name,
+                       r.content_hash,
+                       std::string(to_string(r.kind)),
+                       r.report.precision,
+                       model.info->source,
+                       model.info->licence,
+                       model.info->note,
+                       "",
+                       r.elements,
+                       r.vertices,
+                       r.report.unreferenced.value_or(-1),
+                       r.diagonal,
+                       no_box};
+    if (const auto& surface = model.info->surface) {
+        record.polynomial = surface->polynomial;
+        for (std::size_t i = 0; i < 6; ++i) record.box[i] = surface->box(Eigen::Index(i % 2), Eigen::Index(i / 2));
+    }
+    return record;
 }
 
 }  // namespace hausbench

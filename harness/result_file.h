@@ -3,21 +3,27 @@
 
 #include "plan.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace hausbench {
 
-inline constexpr int result_schema = 1;
+inline constexpr int result_schema = 2;
 
-// One row of /models.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
+
+// One row of /models. The polynomial and the box are those of an algebraic surface.
 struct ModelRecord {
-    std::string name, sha256, kind, precision, source, licence, note;
+    std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
     double diagonal = 0;
+    std::array<double, 6> box = no_box;  // of an algebraic surface: from, to in x, y and z
 };
 
 // Everything in a result file.
@@ -38,7 +44,7 @@ ModelRecord record_of(const ModelRow& model);
 // Whole or not at all: by a temporary file and rename. Throws InputError where it cannot be written.
 void write_result(const std::filesystem::path& file, const ResultFile& result);
 
-// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of a newer schema.
+// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of another schema.
 ResultFile read_result(const std::filesystem::path& file);
 
 }  // namespace hausbench

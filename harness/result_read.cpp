@@ -108,6 +108,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.texts("options"), [](Row& r, Text v) { r.asked.options = options_of(v); });
     each(c.texts("scene"), [](Row& r, Text v) { r.asked.scene = v; });
     each(c.texts("scene_note"), [](Row& r, Text v) { r.asked.note = v; });
+    each(c.reals("exact"), [](Row& r, double v) { r.asked.exact = v; });
     each(c.texts("source"), [](Row& r, Text v) { r.asked.source = v; });
     each(c.texts("target"), [](Row& r, Text v) { r.asked.target = v; });
     each(c.integers("source_elements"), [](Row& r, auto v) { r.asked.source_elements = v; });
@@ -141,9 +142,11 @@ std::vector<Row> read_cases(const h5::File& file) {
     each(c.reals("solve_seconds"), [](Row& r, double v) { r.outcome.solve_seconds = v; });
     each(c.reals("reported_seconds"), [](Row& r, double v) { r.outcome.reported_seconds = v; });
     each(c.integers("peak_bytes"), [](Row& r, auto v) { r.outcome.peak_bytes = v; });
+    each(c.texts("clock"), [](Row& r, Text v) { r.outcome.clock = v; });
     each(c.integers("from_trace"), [](Row& r, auto v) { r.outcome.from_trace = v != 0; });
     each(c.texts("lower_check"), [](Row& r, Text v) { r.check.lower = verdict_of(v); });
     each(c.texts("extras"), [](Row& r, Text v) { r.outcome.extras = extras_of(nlohmann::json::parse(v)); });
+    each(c.texts("facts"), [](Row& r, Text v) { r.outcome.facts = nlohmann::json::parse(v).get<Facts>(); });
     each(c.texts("upper_check"), [](Row& r, Text v) { r.check.upper = verdict_of(v); });
     each(c.texts("build"), [](Row& r, Text v) { r.outcome.build = v; });
     each(c.texts("machine"), [](Row& r, Text v) { r.outcome.machine = v; });
@@ -171,9 +174,10 @@ void read_details(const h5::File& file, std::vector<Row>& rows) {
     const Reading p(file, "preparation", part_of.size());
     const auto names = p.texts("name");
     const auto seconds = p.reals("seconds");
-    const auto bytes = p.integers_as<std::size_t>("bytes");
+    const auto bytes = p.integers("bytes");
+    const auto part_rounds = p.integers_as<int>("round");
     for (std::size_t i = 0; i < part_of.size(); ++i)
-        row(part_of[i]).preparation.push_back({names[i], seconds[i], bytes[i]});
+        row(part_of[i]).preparation.push_back({part_rounds[i], names[i], seconds[i], bytes[i]});
 
     const auto at = file.read_doubles("trace/seconds");
     const Reading t(file, "trace", at.size()), c(file, "cases", rows.size());
@@ -203,7 +207,11 @@ std::vector<ModelRecord> read_models(const h5::File& file) {
         for (std::size_t i = 0; i < n; ++i) models[i].*member = column[i];
     }
     const auto diagonals = c.reals("diagonal");
-    for (std::size_t i = 0; i < n; ++i) models[i].diagonal = diagonals[i];
+    const auto boxes = c.reals("box", 6);
+    for (std::size_t i = 0; i < n; ++i) {
+        models[i].diagonal = diagonals[i];
+        for (std::size_t k = 0; k < 6; ++k) models[i].box[k] = boxes[6 * i + k];
+    }
     return models;
 }
 
@@ -230,9 +238,10 @@ ResultFile read_trusting(const fs::path& file) {
         throw InputError(
             fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
     }
-    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema > result_schema) {
-        throw InputError(fmt::format("{}: has schema version {}, this program knows {}: use a newer hausbench",
-                                     file.string(), schema, result_schema));
+    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema != result_schema) {
+        throw InputError(
+            fmt::format("{}: has schema version {}, this program reads {}: {}", file.string(), schema, result_schema,
+                        schema > result_schema ? "use a newer hausbench" : "run its experiment again with --fresh"));
     }
     ResultFile result;
     for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);

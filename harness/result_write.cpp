@@ -63,6 +63,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.text("options", [](const Row& r) { return options_json(r.asked.options).dump(); });
     c.text("scene", [](const Row& r) { return r.asked.scene; });
     c.text("scene_note", [](const Row& r) { return r.asked.note; });
+    c.real("exact", [](const Row& r) { return r.asked.exact; });
     c.text("source", [](const Row& r) { return r.asked.source; });
     c.text("target", [](const Row& r) { return r.asked.target; });
     c.integer("source_elements", [](const Row& r) { return r.asked.source_elements; });
@@ -96,9 +97,11 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     c.real("solve_seconds", [](const Row& r) { return r.outcome.solve_seconds; });
     c.real("reported_seconds", [](const Row& r) { return r.outcome.reported_seconds; });
     c.integer("peak_bytes", [](const Row& r) { return r.outcome.peak_bytes; });
+    c.text("clock", [](const Row& r) { return r.outcome.clock; });
     c.integer("from_trace", [](const Row& r) { return r.outcome.from_trace; });
     c.text("lower_check", [](const Row& r) { return std::string(to_string(r.check.lower)); });
     c.text("extras", [](const Row& r) { return extras_json(r.outcome.extras).dump(); });
+    c.text("facts", [](const Row& r) { return nlohmann::json(r.outcome.facts).dump(); });
     c.text("upper_check", [](const Row& r) { return std::string(to_string(r.check.upper)); });
     c.text("build", [](const Row& r) { return r.outcome.build; });
     c.text("machine", [](const Row& r) { return r.outcome.machine; });
@@ -111,7 +114,8 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
 
 // The tables with several rows a case, each with the number of its case.
 void write_details(h5::File& file, const std::vector<Row>& rows) {
-    std::vector<std::int64_t> repeat_case, repeat_number, round, iterations, part_case, part_bytes, begins, ends;
+    std::vector<std::int64_t> repeat_case, repeat_number, round, iterations, part_case, part_round, part_bytes, begins,
+        ends;
     std::vector<double> wall, cpu, part_seconds, trace_seconds, trace_lower, trace_upper;
     std::vector<std::string> part_name;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -125,11 +129,12 @@ void write_details(h5::File& file, const std::vector<Row>& rows) {
             cpu.push_back(r.cpu_seconds);
             iterations.push_back(r.iterations);
         }
-        for (const PreparationTime& p : o.preparation) {
+        for (const Preparation& p : o.preparation) {
             part_case.push_back(std::int64_t(i));
+            part_round.push_back(p.round);
             part_name.push_back(p.name);
             part_seconds.push_back(p.seconds);
-            part_bytes.push_back(std::int64_t(p.bytes));
+            part_bytes.push_back(p.bytes);
         }
         begins.push_back(std::int64_t(trace_seconds.size()));
         for (const TraceSample& s : o.trace) {
@@ -148,6 +153,7 @@ void write_details(h5::File& file, const std::vector<Row>& rows) {
     file.write("repeats/cpu_seconds", cpu);
     file.write("repeats/iterations", iterations);
     file.write("preparation/case", part_case);
+    file.write("preparation/round", part_round);
     file.write("preparation/name", part_name);
     file.write("preparation/seconds", part_seconds);
     file.write("preparation/bytes", part_bytes);
@@ -168,9 +174,13 @@ void write_models(h5::File& file, const std::vector<ModelRecord>& models) {
         for (const ModelRecord& model : models) column.push_back(model.*member);
         file.write(fmt::format("models/{}", name), column);
     }
-    std::vector<double> diagonals;
-    for (const ModelRecord& model : models) diagonals.push_back(model.diagonal);
+    std::vector<double> diagonals, boxes;
+    for (const ModelRecord& model : models) {
+        diagonals.push_back(model.diagonal);
+        boxes.insert(boxes.end(), model.box.begin(), model.box.end());
+    }
     file.write("models/diagonal", diagonals);
+    file.write("models/box", boxes, 6);
 }
 
 void write_ledger(h5::File& file, const std::vector<LedgerEntry>& ledger) {

@@ -5,6 +5,7 @@
 #include "machine.h"
 #include "progress.h"
 #include "result_file.h"
+#include "rounds.h"
 #include "shape_file.h"
 #include "supervise.h"
 #include "verify.h"
@@ -151,17 +152,10 @@ private:
         for (std::size_t row : rows) {
             const Case& asked = plan_.cases[row];
             const auto marks = plan_.marks(row);
-            order.items.push_back({row, asked.pose, asked.resolved_tolerance(), round == 0 && traces(row), marks});
+            const bool traced = round == 0 && plan_.experiment.trace && !marks.empty();
+            order.items.push_back({row, asked.pose, asked.resolved_tolerance(), traced, marks});
         }
         return order;
-    }
-
-    bool traces(std::size_t row) const {
-        if (!plan_.experiment.trace) return false;
-        for (const auto& [coarse, from] : plan_.traced) {
-            if (from.of == row && !from.exact) return true;
-        }
-        return false;
     }
 
     void note_left_out(const Job& job, const json& left_out) {
@@ -180,57 +174,22 @@ private:
             outcome.machine = this_machine().id;
             return outcome;
         }
-        const Outcome* first = kept(row, 0);
-        if (!first) {
+        if (!kept(row, 0)) {
             Outcome outcome;
             outcome.reason = "not run: the sweep was interrupted; run it again to resume";
             return outcome;
         }
-        Outcome outcome = *first;
-        std::vector<const Outcome*> rounds{first};
-        for (int round = 1; round < plan_.experiment.rounds; ++round) {
-            const Outcome* next = kept(row, round);
-            if (!next) continue;
-            if (std::isfinite(next->prepare_seconds)) rounds.push_back(next);
-            outcome.repeats.insert(outcome.repeats.end(), next->repeats.begin(), next->repeats.end());
-            if (next->status != outcome.status || next->bounds.lower != outcome.bounds.lower ||
-                next->bounds.upper != outcome.bounds.upper) {
-                outcome.status = "failed";
-                outcome.reason = fmt::format("round {} gave {} [{}, {}]: the solver is not deterministic", round,
-                                             next->status, next->bounds.lower, next->bounds.upper);
-            }
+        std::map<int, const Outcome*> rounds;
+        for (int round = 0; round < plan_.experiment.rounds; ++round) {
+            if (const Outcome* outcome = kept(row, round)) rounds[round] = outcome;
         }
-        // Each round prepared once: the round in the middle stands for them all.
-        const auto middle = rounds.begin() + std::ptrdiff_t(rounds.size() - 1) / 2;
-        std::nth_element(rounds.begin(), middle, rounds.end(),
-                         [](const Outcome* a, const Outcome* b) { return a->prepare_seconds < b->prepare_seconds; });
-        outcome.prepare_seconds = (*middle)->prepare_seconds;
-        outcome.preparation = (*middle)->preparation;
-        return outcome;
+        return gather_rounds(rounds);
     }
 
     Outcome read_off(std::size_t row, const FromTrace& from) const {
-        Outcome outcome = gather(from.of);
-        outcome.from_trace = true;
-        if (from.exact) {
-            const double gap = plan_.cases[row].resolved_tolerance().gap(outcome.bounds.lower);
-            if (outcome.status == "floor" && outcome.bounds.gap() <= gap)
-                outcome.status = "ok", outcome.reason.clear(), outcome.solver_status = "converged";
-            return outcome;
-        }
-        const double gap = plan_.cases[row].resolved_tolerance().value;
-        outcome.repeats.clear();
-        for (const TraceSample& sample : outcome.trace) {
-            if (!(sample.upper - sample.lower <= gap)) continue;
-            outcome.bounds = {sample.lower, sample.upper};
-            outcome.solve_seconds = sample.seconds;
-            outcome.status = "ok";
-            outcome.reason.clear();
-            outcome.solver_status = to_string(Status::converged);
-            break;
-        }
-        outcome.trace.clear();
-        return outcome;
+        const Outcome fine = gather(from.of);
+        const double gap = plan_.cases[row].resolved_tolerance().gap(fine.bounds.lower);
+        return from.exact ? read_off_exact(fine, gap) : read_off_trace(fine, gap);
     }
 
     // Each row read off another run would have cost its first answer and its timed repeats.
@@ -296,7 +255,14 @@ private:
                 return nullptr;
             },
             [] { return interrupted != 0; });
-        for (const Row& row : result.rows) ++summary.statuses[row.outcome.status];
+        for (const Row& row : result.rows) {
+            ++summary.statuses[row.outcome.status];
+            if (row.outcome.status != "unsound") continue;
+            if (unsound_expected(row.asked, plan_.experiment))
+                ++summary.unsound_expected;
+            else
+                summary.unsound.push_back(fmt::format("{}: {}", name_of(row.asked), row.outcome.reason));
+        }
         for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
         result.ledger = plan_.ledger;
         result.ledger.insert(result.ledger.end(), ledger_.begin(), ledger_.end());

@@ -4,7 +4,9 @@
 #include "plan.h"
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 namespace hausbench {
 
@@ -19,6 +21,8 @@ struct RunOptions {
 struct RunSummary {
     std::filesystem::path file;
     std::map<std::string, std::size_t> statuses;  // how many rows of each
+    std::vector<std::string> unsound;             // a line for each row that should not be
+    std::size_t unsound_expected = 0;             // how many were, see plan.h
     bool interrupted = false;
 };
 

@@ -1,14 +1,41 @@
-// One timed repeat, driven by Google Benchmark, one repetition a call (it reports only after all of them).
+// Wall and CPU time of a solve, and one timed repeat, driven by Google Benchmark, one repetition a call (it reports only after
+// all of them).
+//
+// Which of the two is *the* time of a case (column `clock`): CPU time where one thread works at a time, because other work on
+// the machine disturbs it least; wall time where several do, because CPU time then is their sum. CPU time is that of the
+// process and of its children that ended: an outside program works in a child while this thread waits. It holds what the
+// harness spends itself, such as reading what a child prints; that is some microseconds each millisecond of waiting.
 #pragma once
 
 #include "session.h"
 
+#include <chrono>
 #include <cstdint>
 
 namespace hausbench {
 
+struct Spent {
+    double wall_seconds, cpu_seconds;  // CPU: all threads of the process, and children that ended
+    bool several_threads;  // another thread of the process worked, or CPU time says that several worked at once
+};
+
+// More CPU time than wall time: by a tenth, since waiting for a child takes some CPU time of our own meanwhile. Of children
+// nothing else is known: several threads of an outside program that hardly ever work at once count as one.
+inline bool several_at_once(double wall_seconds, double cpu_seconds) { return cpu_seconds > 1.1 * wall_seconds; }
+
+// Runs from its making.
+class Stopwatch {
+public:
+    Stopwatch();
+    Spent spent() const;
+
+private:
+    std::chrono::steady_clock::time_point wall_;
+    double thread_, process_, children_;
+};
+
 struct Timing {
-    double wall_seconds, cpu_seconds;  // per solve; the CPU time of this thread
+    double wall_seconds, cpu_seconds;  // per solve
 };
 
 Timing time_once(const Session& session, const Query& query, std::int64_t iterations);

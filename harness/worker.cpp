@@ -16,7 +16,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <iostream>
 #include <iterator>
 
@@ -47,10 +46,10 @@ public:
     int run() {
         const SolverEntry& entry = find_solver(order_.solver);
         Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
-        memory_before_ = resident_now();
-        reset_resident_peak();
+        memory_.emplace();
         session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene),
                          order_.queries, order_.leave);
+        memory_->prepared();
         json structures = json::array(), left_out = json::array();
         for (const PreparationTime& p : session_->preparation())
             structures.push_back({p.name, number(p.seconds), p.bytes});
@@ -81,9 +80,9 @@ private:
         query.tolerance = item.tolerance;
         query.time_limit = order_.limits.case_seconds;
 
-        const bool peak_known = reset_resident_peak();
+        memory_->next_answer();
         Trace untraced;
-        const auto begin = std::chrono::steady_clock::now();
+        const Stopwatch watch;
         Result result;
         Outcome outcome;
         try {
@@ -98,7 +97,7 @@ private:
             give_up(item, "failed", "the solver threw something that is not a std::exception");
             return;
         }
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        const Spent spent = watch.spent();
         outcome.status = row_status(result.status);
         outcome.solver_status = to_string(result.status);
         if (outcome.status != "ok")
@@ -109,18 +108,15 @@ private:
         for (const auto& [name, values] : result.extras) {
             if (values.size() == 1) outcome.extras[name] = values.front();
         }
-        outcome.prepare_seconds = session_->prepare_seconds();
-        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
-        outcome.preparation = session_->preparation();
-        outcome.solve_seconds = seconds.count();
+        for (const auto& [name, text] : result.facts) outcome.facts[one_line(name)] = one_line(text);
+        add_preparation(outcome);
+        outcome.solve_seconds = spent.wall_seconds;
+        outcome.clock = spent.several_threads ? "wall" : "cpu";
         outcome.reported_seconds = result.reported_seconds;
-        if (result.outside_bytes >= 0)
-            outcome.peak_bytes = result.outside_bytes;
-        else if (peak_known)
-            outcome.peak_bytes = std::max<std::int64_t>(0, resident_peak() - memory_before_);
+        outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
 
-        if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, seconds.count());
+        if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, spent.wall_seconds);
         if (item.trace) trace(item, query, result);
         send({{"event", "end"}, {"row", item.row}});
     }
@@ -130,11 +126,16 @@ private:
         Outcome outcome;
         outcome.status = status;
         outcome.reason = one_line(reason);
-        outcome.prepare_seconds = session_->prepare_seconds();
-        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
-        outcome.preparation = session_->preparation();
+        add_preparation(outcome);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
         send({{"event", "end"}, {"row", item.row}});
+    }
+
+    void add_preparation(Outcome& outcome) const {
+        outcome.prepare_seconds = session_->prepare_seconds();
+        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
+        for (const PreparationTime& p : session_->preparation())
+            outcome.preparation.push_back({order_.round, p.name, p.seconds, std::int64_t(p.bytes)});
     }
 
     std::string reason(Status status) const {
@@ -181,7 +182,7 @@ private:
 
     WorkOrder order_;
     int events_;
-    std::int64_t memory_before_ = 0;
+    std::optional<SolverMemory> memory_;
     std::optional<Session> session_;
 };
 

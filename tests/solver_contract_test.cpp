@@ -151,6 +151,7 @@ void expect_same_answer(const Result& a, const Result& b, const std::string& whe
     EXPECT_EQ(a.witness.source_element, b.witness.source_element) << where;
     EXPECT_EQ(a.witness.target_element, b.witness.target_element) << where;
     EXPECT_EQ(a.extras, b.extras) << where;
+    EXPECT_EQ(a.facts, b.facts) << where;
 }
 
 // `external` is nothing without a program: tests/program/test_external.py gives it some.

@@ -5,7 +5,7 @@
 // min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three. Nested boxes have alpha = 1
 // however large h is, so the volume of the intersection over that of the union (`iou`) is reported beside it.
 //
-// Extras: `chosen` (0 NOHD, 1 EARLYBREAK, 2 OHD), `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
+// Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
 // chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
 #include "kernel/posed_box.h"
 #include "points/exact.h"
@@ -22,6 +22,7 @@ SolverEntry ohd_solver();
 namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
+constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
 
 struct Overlap {
     bool meet = true;
@@ -90,7 +91,7 @@ public:
         // A pose where none was announced: any that is ready is exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, trace);
-        result.extras["chosen"] = {static_cast<double>(chosen)};
+        result.facts["chosen"] = names[chosen];
         result.extras["alpha"] = {overlap.alpha};
         result.extras["iou"] = {overlap.iou};
         return result;

@@ -23,28 +23,29 @@ COUNTERS = ("point_distances", "point_triangle_distances", "node_visits", "close
 TEXT = h5py.string_dtype("utf-8")
 
 META: dict[str, Any] = {
-    "schema_version": 1, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "",
+    "schema_version": 2, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "",
     "started": "2026-01-01T00:00:00Z", "finished": "2026-01-01T00:01:00Z", "commit": "0123456789abcdef", "dirty": 0,
     "build": "b1", "compiler": "g++ 12.2.0", "flags": "-O3", "libraries": "{}", "machine": "m1", "cpu": "Test CPU",
     "cores": 2, "caches": "", "memory_bytes": 8 * 2**30, "kernel": "6.1.0", "system": "Debian 12",
     "hausbench_version": "0.1.0"}
 
 CASE: dict[str, Any] = {
-    "identity": "", "solver": "", "label": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "",
+    "identity": "", "solver": "", "label": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
     "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "pose_index": 0,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "tolerance": 0.0, "tolerance_of": "diagonal",
     "tolerance_absolute": 0.0, "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
     "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3,
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
-    "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "trace_begin": 0, "trace_end": 0, "from_trace": 0,
-    "extras": "{}", "lower_check": "holds", "upper_check": "not checked",
+    "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0,
+    "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked",
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
-                         "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": ""}
+                         "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
+                         "polynomial": "", "box": [NAN] * 6}
 REPEAT: dict[str, Any] = {"case": 0, "repeat": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
-PREPARATION: dict[str, Any] = {"case": 0, "name": "", "seconds": NAN, "bytes": -1}
+PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
 LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
 

@@ -83,7 +83,7 @@ def motion(stem: str) -> ResultFile:
         for solver, time in times.items():
             common: dict[str, Any] = {"pose_index": index, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, x, 0, 0],
                                       "lower": abs(x), "upper": abs(x), "source": "A", "target": "B"}
-            extras = f'{{"alpha": {alpha}, "chosen": 1.0}}' if solver == "adaptive" else "{}"
+            extras = f'{{"alpha": {alpha}}}' if solver == "adaptive" else "{}"
             if (solver, index) == ("nohd", 10):
                 file.case(solver, "ring", extras=extras, **without_bounds("timeout", "10 s passed", common))
             else:
@@ -107,7 +107,7 @@ def fig12() -> ResultFile:
     file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754,
               lower=0.25,
               upper=0.25, source_diagonal=2.0, witness_source=[0.0, 0.0, 0.0], witness_target=[0.0, 0.25, 0.0],
-              witness_source_element=7, witness_target_element=9, extras='{"chosen": 2.0, "alpha": 0.75}',
+              witness_source_element=7, witness_target_element=9, extras='{"alpha": 0.75}', facts='{"chosen": "ohd"}',
               scene_note="oranges")
     file.case("adaptive", "b_cow_hippo", **without_bounds("timeout", "10 s passed", {"source_elements": 5}))
     return file

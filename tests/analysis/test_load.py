@@ -127,9 +127,16 @@ def test_missing_file(tmp_path: Path) -> None:
 
 
 def test_newer_schema(tmp_path: Path) -> None:
-    file = ResultFile("newer", meta={"schema_version": 2})
+    file = ResultFile("newer", meta={"schema_version": 3})
     file.case("naive", "x")
-    with pytest.raises(load.ResultError, match=r"newer\.h5: schema version 2 is newer than 1"):
+    with pytest.raises(load.ResultError, match=r"newer\.h5: schema version 3 is newer than 2"):
+        load.load(file.write(tmp_path))
+
+
+def test_older_schema(tmp_path: Path) -> None:
+    file = ResultFile("older", meta={"schema_version": 1})
+    file.case("naive", "x")
+    with pytest.raises(load.ResultError, match=r"older\.h5: schema version 1 is older than 2.*make older RUN_ARGS=--fresh"):
         load.load(file.write(tmp_path))
 
 

@@ -13,6 +13,7 @@ from synthetic import ResultFile, spread
 from analysis import command, shou2014_convergence, shou2014_example, surfaces_gallery
 from analysis.load import load
 
+BOX = 3 * [-2.0, 2.0]
 DIRECTIONS = (("first to second", 0.64, 0.85), ("second to first", 0.73, 0.90))
 
 
@@ -63,13 +64,12 @@ def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:
 
 def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
     file = ResultFile("surfaces_gallery")
-    box = "[-2, 2] x [-2, 2] x [-2, 2]"
     for solver, low, high, status in (("interval_subdivision", 0.6, 0.7, "unsound"), ("surface_enclosure", 0.49, 0.51, "ok")):
-        file.case(solver, "spheres", spread(0.1, 1), lower=low, upper=high, status=status, scene_note="h = 0.5; constant",
+        file.case(solver, "spheres", spread(0.1, 1), lower=low, upper=high, status=status, exact=0.5, scene_note="constant",
                   prepare_seconds=0.0, certified=int(solver == "surface_enclosure"), witness_source=[1.0, 0, 0],
                   witness_target=[1.5, 0, 0])
-    file.models[0]["note"] = f"x^2 + y^2 + z^2 - 1 = 0 in {box}; a ball"
-    file.models[1]["note"] = f"x^2 + y^2 + z^2 - 9/4 = 0 in {box}"
+    file.models[0] |= {"polynomial": "x^2 + y^2 + z^2 - 1", "box": BOX}
+    file.models[1] |= {"polynomial": "x^2 + y^2 + z^2 - 9/4", "box": BOX}
     file.write(tmp_path)
     assert command.main(file.stem, surfaces_gallery.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     held = {r["solver"]: r["holds"] for r in records(tmp_path, file.stem)}
@@ -78,12 +78,10 @@ def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
 
 
 def test_kept_voxels_cover_the_surface() -> None:
-    surface = surfaces_gallery.SurfaceText("(x - 1/2)^2*2 + y^2 - -z^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]")
+    surface = surfaces_gallery.Surface("(x - 1/2)^2*2 + y^2 - -z^2 - 1", np.array(BOX))
     kept = surface.kept(16)
     angles = np.random.default_rng(5).uniform(0, 2 * np.pi, (500, 2))
     points = np.stack([0.5 + np.sqrt(0.5) * np.cos(angles[:, 0]), np.sin(angles[:, 0]) * np.cos(angles[:, 1]),
                        np.sin(angles[:, 0]) * np.sin(angles[:, 1])])
     assert kept[tuple(np.floor((points + 2) * 4).astype(int))].all()
     assert not kept[0, 0, 0] and not kept[10, 8, 8]  # a corner, and the middle of the body
-    with pytest.raises(ValueError, match="not the note"):
-        surfaces_gallery.SurfaceText("a mesh")

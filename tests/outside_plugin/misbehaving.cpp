@@ -14,6 +14,7 @@
 using namespace hausbench;
 
 SolverEntry vertex_only_solver();  // vertex_only.cpp
+SolverEntry spending_solver();     // spending.cpp
 
 namespace {
 
@@ -167,7 +168,7 @@ SolverEntry stops_early() {
 
 }  // namespace
 
-HAUSBENCH_PLUGIN(vertex_only_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
+HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
                                            "wide", "wide, no cutoff"}),

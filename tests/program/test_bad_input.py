@@ -72,6 +72,10 @@ BAD_EXPERIMENTS = {
     "[[scene]]\nname = 'spheres'\nsource = 'sphere1'\ntarget = 'sphere1'": ("two scenes named 'spheres'", "rename"),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'spin' }": ("unknown motion", "static"),
     "tolerances = [": ("tiny.toml:", ""),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = -1": ("'exact'", "below 0"),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 'one'": ("'exact'", "number"),
+    "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nexact = 1\nmotion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 2 }":
+        ("'exact'", "one pose"),
     "limits = { memory_mb = 1e15 }": ("'memory_mb'", "at most"),
     "limits = { case_seconds = 1e15 }": ("'case_seconds'", "at most"),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nprofiles = ['papr']": ("unknown profile 'papr'", "paper"),

@@ -123,8 +123,11 @@ def label(solver: str, how: str) -> str:
     return f"{solver} {how}".strip()
 
 
+WRONG = [label(*deed) for deed, (status, _) in DEEDS.items() if status == "unsound"]
+
+
 def sweep() -> str:
-    text = HEAD
+    text = f"expected_unsound = {json.dumps(WRONG)}\n{HEAD}"
     for solver, how in DEEDS:
         text += f'\n[[solver]]\nname = "{solver}"\nlabel = "{label(solver, how)}"\n'
         if how:
@@ -242,6 +245,27 @@ def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program,
         left_open = measured(*pair)
         assert left_open["upper"] - left_open["lower"] > 0.1
         assert (left_open["status"], left_open["note"]) == ("time_limit", "stopped early")
+
+
+def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "wrong.toml"
+    body = HEAD + '\n[[solver]]\nname = "lies"\nlabel = "liar"\n'
+    experiment.write_text(body)
+    for _ in range(2):  # also when nothing is left to run
+        done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+        assert done.returncode == 1, done.stderr
+        named = [line for line in done.stderr.splitlines() if "unsound" in line]
+        assert len(named) == 1 and "liar on moved, pose 1" in named[0] and "below the verified lower bound" in named[0]
+        assert [row["status"] for row in rows_of(tmp_path / "wrong.h5")["liar"]] == ["ok", "unsound", "ok", "ok"]
+    experiment.write_text('expected_unsound = ["liar"]\n' + body)
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0 and "1 unsound" in done.stdout and "as expected" in done.stdout and "unsound" not in done.stderr
+    # Nothing fails where what was expected never happens; a label that there is not is an error.
+    experiment.write_text('expected_unsound = ["guthe"]\n' + HEAD)
+    assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
+    experiment.write_text('expected_unsound = ["lair"]\n' + body)
+    line = hausbench.fails("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert "wrong.toml:1" in line and "'lair'" in line and "did you mean 'liar'" in line
 
 
 RESUMED = HEAD + '\n[[solver]]\nname = "vertex_only"\n'

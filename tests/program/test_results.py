@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import random
 import resource
 import shutil
@@ -282,10 +283,64 @@ def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_p
     one, two = run(hausbench, experiment, tmp_path / "one"), run(hausbench, experiment, tmp_path / "two")
     with h5py.File(two, "r+") as f:
         f["meta"].attrs["machine"] = "0" * 64
-        f["repeats/wall_seconds"][:] *= 10
+        f["repeats/cpu_seconds"][:] *= 10
     done = hausbench("compare", one, two)
     assert done.returncode == 0 and "machines differ" in done.stdout and "builds differ" not in done.stdout
     assert "answers: all the same" in done.stdout
     assert "too few pairs" in done.stdout and "slower" not in done.stdout  # two pairs are 50 % confidence
+    ratio = next(line for line in done.stdout.splitlines() if "too few pairs" in line)
+    assert " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2  # one thread: its CPU time is what counts
+    with h5py.File(two, "r+") as f:
+        f["cases/clock"][0] = "wall"
+    assert " wall " in next(line for line in hausbench("compare", one, two).stdout.splitlines() if "too few pairs" in line)
     experiment.write_text(experiment.read_text().replace("1e-3", "1e-2"))
     assert "no case in common" in hausbench.fails("compare", one, run(hausbench, experiment, tmp_path / "other"))
+
+
+FACTS = """\
+title = "what an experiment, a model and a solver tell"
+tolerances = [10.0]
+of = "absolute"
+repeats = 1
+
+[[scene]]
+name = "balls"
+source = "surface_ball"
+target = "surface_ball_large"
+exact = 0.5
+[[scene]]
+name = "clouds"
+source = "gaussian_1k_a"
+target = "gaussian_1k_b"
+[[scene]]
+name = "turned"
+source = "gaussian_1k_a"
+target = "gaussian_1k_b"
+motion = { kind = "rotation", axis = [0, 0, 1], degrees = 90, steps = 2 }
+
+[[solver]]
+name = "adaptive"
+[[solver]]
+name = "surface_enclosure"
+"""
+
+
+def test_facts_are_columns_and_survive_resume_and_merge(hausbench: Program, tmp_path: Path) -> None:
+    experiment = tmp_path / "facts.toml"
+    experiment.write_text(FACTS)
+    for i in (1, 2, 3):
+        assert hausbench("run", experiment, "--results", tmp_path / "parts", "--shard", f"{i}/3").returncode == 0
+    whole, merged = run(hausbench, experiment, tmp_path), tmp_path / "merged.h5"
+    resumed = run(hausbench, experiment, tmp_path)
+    assert hausbench("merge", merged, *sorted((tmp_path / "parts").glob("*.h5"))).returncode == 0
+    for file in (whole, resumed, merged):
+        models = {name: (text, list(box)) for name, text, box in
+                  zip(texts(file, "models/name"), texts(file, "models/polynomial"), numbers(file, "models/box"))}
+        assert models["surface_ball"] == ("x^2 + y^2 + z^2 - 1", 3 * [-2.0, 2.0])
+        assert models["gaussian_1k_a"][0] == "" and np.isnan(models["gaussian_1k_a"][1]).all()
+        assert not any("=" in note for note in texts(file, "models/note"))
+        for scene, solver, status, exact, facts in zip(*(texts(file, f"cases/{name}") for name in ("scene", "solver", "status")),
+                                                       numbers(file, "cases/exact"), texts(file, "cases/facts")):
+            assert exact == 0.5 if scene == "balls" else np.isnan(exact)
+            assert json.loads(facts) == ({"chosen": "ohd"} if (solver, status) == ("adaptive", "ok") else {}), (scene, solver)
+        assert sum(status == "ok" for status in texts(file, "cases/status")) == 4

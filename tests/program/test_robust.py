@@ -120,14 +120,20 @@ def test_results_that_are_not(hausbench: Program, experiment: Path, tmp_path: Pa
     shutil.copy(good, tmp_path / "newer.h5")
     with h5py.File(tmp_path / "newer.h5", "r+") as f:
         f["meta"].attrs["schema_version"] = 99
+    shutil.copy(good, tmp_path / "older.h5")
+    with h5py.File(tmp_path / "older.h5", "r+") as f:
+        f["meta"].attrs["schema_version"] = 1
+        del f["cases/clock"], f["cases/exact"], f["cases/facts"], f["models/box"], f["models/polynomial"], f["preparation/round"]
     shutil.copy(good, tmp_path / "ragged.h5")
     with h5py.File(tmp_path / "ragged.h5", "r+") as f:
         del f["cases/lower"]
         f["cases/lower"] = [1.0, 2.0]
-    for name in (*cases, "foreign.h5", "newer.h5", "ragged.h5", "absent.h5"):
+    for name in (*cases, "foreign.h5", "newer.h5", "older.h5", "ragged.h5", "absent.h5"):
         verbs: list[list[str | Path]] = [["verify", name], ["compare", name, good], ["merge", "out.h5", name, good]]
         for verb in verbs:
             assert name in hausbench.fails(*verb)
+    line = hausbench.fails("verify", "older.h5")
+    assert "schema version 1" in line and "run its experiment again with --fresh" in line
     assert "folder" in hausbench.fails("verify", tmp_path)
     assert not (tmp_path / "out.h5").exists()
 

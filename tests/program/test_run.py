@@ -70,7 +70,7 @@ def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
     gap, tolerance = upper - lower, numbers(file, "cases/tolerance_absolute")
     assert from_trace.any() and np.all(gap[from_trace & answered] <= tolerance[from_trace & answered])
     with h5py.File(file, "r") as f:
-        assert f["meta"].attrs["schema_version"] == 1
+        assert f["meta"].attrs["schema_version"] == 2
         assert f["meta"].attrs["experiment_toml"] == (ROOT / "experiments" / "smoke.toml").read_text()
         assert len(f["repeats/wall_seconds"]) > 0 and np.all(f["repeats/wall_seconds"][:] > 0)
         assert len(f["ledger/reason"]) > 0
@@ -126,7 +126,8 @@ def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment
 
 
 def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    experiment.write_text(experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
+    # The rows that promise nothing may be wrong in the last digits.
+    experiment.write_text('expected_unsound = ["guthe"]\n' + experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
     file = run(hausbench, experiment, tmp_path)
     for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
         assert certified == (json.loads(options) == {"kernel": "robust", "certify": True})
