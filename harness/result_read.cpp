@@ -174,10 +174,10 @@ void read_details(const h5::File& file, std::vector<Row>& rows) {
     const Reading p(file, "preparation", part_of.size());
     const auto names = p.texts("name");
     const auto seconds = p.reals("seconds");
-    const auto bytes = p.integers("bytes");
+    const auto bytes = p.integers_as<std::size_t>("bytes");
     const auto part_rounds = p.integers_as<int>("round");
     for (std::size_t i = 0; i < part_of.size(); ++i)
-        row(part_of[i]).preparation.push_back({part_rounds[i], names[i], seconds[i], bytes[i]});
+        row(part_of[i]).preparation.push_back({part_rounds[i], names[i], seconds[i], std::int64_t(bytes[i])});
 
     const auto at = file.read_doubles("trace/seconds");
     const Reading t(file, "trace", at.size()), c(file, "cases", rows.size());
