@@ -1,7 +1,9 @@
 """Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
 
-Times are CPU times of the solving thread, which other work on the machine disturbs least, and the time to prepare. These
-solvers have one thread.
+A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
+file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to solving round by
+round. The unit of every interval is the round, a fresh process. Of several seeds it is the seed, which has processes of its
+own, by the median of its rounds: rounds alone would show how times vary, but not how seeds do.
 """
 
 from __future__ import annotations
@@ -9,36 +11,24 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
 from analysis import style, tables
-from analysis.load import Floats, ResultError, Results
-from analysis.statistics import NO_DATA, Estimate, median, paired_ratio, ratio_by_round, ratio_of_medians
+from analysis.load import ResultError, Results
+from analysis.statistics import (
+    NO_DATA,
+    Estimate,
+    median,
+    ratio_by_round,
+    ratio_of_counts,
+    ratio_of_medians,
+)
 
-
-def pooled(runs: list[Floats]) -> Floats:
-    """The repeats of one row; of several seeds, the median of each: repeats of one seed are no independent times, and
-    an interval over all of them would be too narrow.
-    """
-    return runs[0] if len(runs) == 1 else np.array([np.median(run) for run in runs if len(run)])
-
-
-def solve_seconds(results: Results, case: int) -> Floats:
-    """By repeat: CPU time where the row has it, else wall time."""
-    cpu = results.cpu_seconds(case)
-    return cpu if len(cpu) else results.wall_seconds(case)
-
-
-def by_round(results: Results, cases: Sequence[int], prepare: float | None = None) -> dict[int, float]:
-    """Median of preparing and solving over the repeats of each round; `prepare` replaces what the rows say of it."""
-    times: dict[int, list[float]] = {}
-    for case in cases:
-        before = results.prepare_seconds(case) if prepare is None else prepare
-        rows = results.repeats_of(case)
-        for row, seconds in zip(rows, solve_seconds(results, case)):
-            times.setdefault(int(results.repeats.round[row]), []).append(float(seconds) + before)
-    return {number: float(np.median(values)) for number, values in times.items()}
+DISTANCES: Final = ("point_distances", "point_triangle_distances")
+WORK: Final = (*DISTANCES, "bound_tests", "node_visits")
+MEASURES: Final = {"distances": DISTANCES, "distances, bounds and nodes": WORK}
 
 
 class Cell:
@@ -51,18 +41,50 @@ class Cell:
         if len(asked) > 1:
             raise ResultError(f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
                               "more than their seed: give each variant a label of its own in the experiment")
+        self.results, self.cases, self.rows = results, rows, len(rows)
         self.failures = Counter(str(cases.status[r]) for r in rows if cases.status[r] != "ok")
-        self.cases, self.rows = rows, len(rows)
         # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
         ok = not self.failures
-        self.seconds = (pooled([solve_seconds(results, r) + results.prepare_seconds(r) for r in rows]) if ok
-                        else np.empty(0))
-        self.wall = pooled([results.total_seconds(r) for r in rows]) if ok else np.empty(0)
+        self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
+        self.time: Estimate = median(list(self.times.values()))
+        self.wall = median(list(self._by_unit([results.total_by_round(r, "wall") for r in rows]).values())) if ok else NO_DATA
         self.prepare = float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
-        self.time: Estimate = median(self.seconds)
         self.interval = results.reference_of(first)
         self.counters = {name: int(np.median(column[rows])) for name, column in cases.counters.items()} if ok else {}
         self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
+
+    def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
+        """Of one row its rounds, of several seeds their medians."""
+        if len(runs) == 1:
+            return runs[0]
+        return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
+
+    def _seeds(self) -> list[int]:
+        return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
+
+    def share_preparation(self, other: Cell) -> None:
+        """Where both are prepared with one structure: both get the shorter of its two times, round by round."""
+        before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
+        for cell in (self, other):
+            solve = self.results.solve_by_round(cell.cases[0])
+            usual = min(self.prepare, other.prepare)
+            cell.times = {number: seconds + min((found[number] for found in before if number in found), default=usual)
+                          for number, seconds in solve.items()}
+            cell.time = median(list(cell.times.values()))
+        self.prepare = other.prepare = min(self.prepare, other.prepare)
+
+    def counted(self, names: Sequence[str]) -> dict[int, float]:
+        """Work by seed, or the one count of a solver without seeds; empty where a row failed or nothing is counted."""
+        counters = self.results.cases.counters
+        if self.failures or not any(name in counters for name in names):
+            return {}
+        return {seed: float(sum(int(counters[name][row]) for name in names if name in counters))
+                for seed, row in zip(self._seeds(), self.cases)}
+
+    def count(self, names: Sequence[str]) -> float:
+        """The median over seeds; NaN where nothing is counted."""
+        found = list(self.counted(names).values())
+        return float(np.median(found)) if found and min(found) > 0 else np.nan
 
     def text(self, scale: float) -> str:
         return self.failure_text() if self.failures else tables.estimate(self.time, scale)
@@ -76,15 +98,48 @@ class Cell:
         return ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items()) or "ok"
 
 
-def compare(results: Results, slow: Cell, fast: Cell) -> Estimate:
-    """Of several seeds each, paired by seed; of one row each, paired by round, where there are enough of them. Else of
-    times measured apart. (Rounds alone would show how times vary, but not how seeds do.)
-    """
+def compare(slow: Cell, fast: Cell) -> Estimate:
+    """The ratio of times: paired by round, or by seed where both have several; of times measured apart otherwise."""
     if slow.failures or fast.failures:
         return NO_DATA
-    if slow.rows > 1 or fast.rows > 1:
-        if slow.rows == fast.rows >= 6:
-            return paired_ratio(slow.seconds, fast.seconds)
-        return ratio_of_medians(slow.seconds, fast.seconds)
-    paired = ratio_by_round(by_round(results, slow.cases), by_round(results, fast.cases))
-    return paired if paired.n else ratio_of_medians(slow.seconds, fast.seconds)
+    if (slow.rows > 1) == (fast.rows > 1) and slow.times.keys() & fast.times.keys():
+        return ratio_by_round(slow.times, fast.times)
+    return ratio_of_medians(list(slow.times.values()), list(fast.times.values()))
+
+
+def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
+    """The ratio of counted work, which is exact but for seeds."""
+    return ratio_of_counts(slow.counted(names), fast.counted(names))
+
+
+def clocks(results: Results) -> dict[str, list[str]]:
+    """Labels by the clock of their rows with answers."""
+    found: dict[str, list[str]] = {}
+    for row in range(len(results.cases)):
+        if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
+            titles = found.setdefault(results.clock_of(row), [])
+            title = style.look(str(results.cases.solver[row]), str(results.cases.label[row])).title
+            if title not in titles:
+                titles.append(title)
+    return found
+
+
+def clock_word(results: Results) -> str:
+    """For captions and axes: 'CPU time', 'wall time', or 'time' where a table shows both."""
+    found = clocks(results)
+    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
+
+
+def clock_title(results: Results) -> str:
+    """The same, to begin a sentence."""
+    word = clock_word(results)
+    return word[0].upper() + word[1:]
+
+
+def clock_note(results: Results) -> str:
+    found = clocks(results)
+    cpu = "process CPU time, children included"
+    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or only a first "
+            "answer was timed" if len(found) > 1 else
+            "Times are wall time" if "wall" in found else f"Times are {cpu}")
+    return f"{what}; preparing is wall time."

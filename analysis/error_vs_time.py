@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables
+from analysis.cells import clock_note
 from analysis.load import Results, machine_line
 from analysis.statistics import Estimate, median
 
@@ -35,9 +36,9 @@ def make(results: Results, out: Path) -> list[Path]:
             if rows:
                 table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
                                    *finest(results, rows, times)])
-    table.notes = left_out(results, panels, labels) + [
-        tables.coverage_note(times.values()) + " Gap: upper less lower bound. Error: the farthest that the lower "
-        "bound, which a witness shows, may be from the true distance, as far as all solvers together know it. "
+    table.notes = left_out(results, panels, labels) + unknown(results, panels) + [
+        tables.coverage_note(times.values()) + " " + clock_note(results) + " Gap: upper less lower bound. Error: the farthest that the lower "
+        "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
     figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
@@ -75,6 +76,12 @@ def relative(results: Results, case: int) -> tuple[float, float]:
     """Gap and error, relative to the diagonal of A."""
     size = float(results.cases.source_diagonal[case])
     return results.gap(case) / size, results.error(case) / size
+
+
+def unknown(results: Results, panels: list[Panel]) -> list[str]:
+    """Where an error cannot be told, because no certified solver has an answer."""
+    names = [panel_title(results, panel, panels) for panel in panels if np.isnan(results.reference(*panel)).any()]
+    return [f"Error unknown, for no certified solver has an answer: {', '.join(names)}."] if names else []
 
 
 def distances(results: Results, case: int) -> int:
@@ -151,7 +158,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
                   bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
     key = ", ".join(f"{letter} {style.STATUS_WORDS[status]}" for status, letter in style.STATUS_LETTERS.items()
                     if status in statuses)
-    notes = ["Thin lines: one traced run. Bars: interval of the median. Open markers: bounds that hold, but the "
+    notes = ["Thin lines: one traced run, wall time. Bars: interval of the median. Open markers: bounds that hold, but the "
              "tolerance was not reached."]
     if key:
         notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")

@@ -15,6 +15,8 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from analysis.statistics import by_round
+
 SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parent.parent / "results" / "reference"
 
@@ -176,42 +178,68 @@ class Results:
         """What the solver reports of itself in words, by name."""
         return {name: str(text) for name, text in json.loads(self.cases.facts[case] or "{}").items()}
 
+    def _by_case(self, column: Ints) -> tuple[Ints, Ints]:
+        order = np.argsort(column, kind="stable")
+        return order, np.searchsorted(column[order], np.arange(len(self.cases) + 1))
+
     @cached_property
     def _repeats_by_case(self) -> tuple[Ints, Ints]:
-        order = np.argsort(self.repeats.case, kind="stable")
-        return order, np.searchsorted(self.repeats.case[order], np.arange(len(self.cases) + 1))
+        return self._by_case(self.repeats.case)
+
+    @cached_property
+    def _preparation_by_case(self) -> tuple[Ints, Ints]:
+        return self._by_case(self.preparation.case)
 
     def repeats_of(self, case: int) -> Ints:
         """Rows of /repeats."""
         order, begin = self._repeats_by_case
         return order[begin[case]:begin[case + 1]]
 
-    def wall_seconds(self, case: int) -> Floats:
-        """Wall time of each timed repeat of solving; where none was timed, of the first answer alone."""
+    def clock_of(self, case: int) -> str:
+        """Which time stands for this case: "cpu" of the process, children included, where one thread works at a time,
+        else "wall". Where nothing was timed but the first answer, "wall".
+        """
+        timed = ~np.isnan(self.repeats.cpu_seconds[self.repeats_of(case)])
+        return "cpu" if self.cases.clock[case] == "cpu" and len(timed) and timed.all() else "wall"
+
+    def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
+        """Time of solving, by the clock of the case or the one named: the median over the repeats of each round, which
+        is a fresh process. Where none was timed, of the first answer alone.
+        """
         rows = self.repeats_of(case)
-        times = self.repeats.wall_seconds[rows] if len(rows) else self.cases.solve_seconds[case:case + 1]
-        return _known(times)
+        seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
+        known = rows[~np.isnan(seconds[rows])]
+        if len(rows):
+            return by_round(self.repeats.round[known], seconds[known])
+        first = float(self.cases.solve_seconds[case])
+        return {} if np.isnan(first) else {0: first}
 
-    def total_by_round(self, cases: Iterable[int]) -> dict[int, float]:
-        """Median of preparing and solving over the repeats of each round: fresh processes, solvers taking turns."""
-        times: dict[int, list[float]] = {}
-        for case in cases:
-            for row in self.repeats_of(case):
-                total = float(self.repeats.wall_seconds[row]) + self.prepare_seconds(case)
-                times.setdefault(int(self.repeats.round[row]), []).append(total)
-        return {number: float(np.median(values)) for number, values in times.items()}
+    def prepare_by_round(self, case: int) -> dict[int, float]:
+        """Wall time to build all structures, by round; empty where there are none."""
+        found: dict[int, float] = {}
+        order, begin = self._preparation_by_case
+        for row in order[begin[case]:begin[case + 1]]:
+            number = int(self.preparation.round[row])
+            found[number] = found.get(number, 0.0) + float(np.nan_to_num(self.preparation.seconds[row]))
+        return found
 
-    def cpu_seconds(self, case: int) -> Floats:
-        """CPU time of the process and its children, by repeat; empty where it does not apply."""
-        return _known(self.repeats.cpu_seconds[self.repeats_of(case)])
+    def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
+        """Preparing and solving, by round; a round without preparation of its own has the median of the others."""
+        before, usual = self.prepare_by_round(case), self.prepare_seconds(case)
+        return {number: seconds + before.get(number, usual)
+                for number, seconds in self.solve_by_round(case, clock).items()}
 
-    def prepare_seconds(self, case: int) -> float:
-        """Of all structures together, 0 where there were none. Measured once a case."""
-        return float(np.nan_to_num(self.cases.prepare_seconds[case]))
+    def wall_seconds(self, case: int) -> Floats:
+        """Wall time of solving, one number a round."""
+        return np.array(list(self.solve_by_round(case, "wall").values()))
 
     def total_seconds(self, case: int) -> Floats:
-        """Preparing and solving, by repeat of solving."""
-        return self.wall_seconds(case) + self.prepare_seconds(case)
+        """Preparing and solving by the clock of the case, one number a round."""
+        return np.array(list(self.total_by_round(case).values()))
+
+    def prepare_seconds(self, case: int) -> float:
+        """Of all structures together, the median over the rounds; 0 where there were none."""
+        return float(np.nan_to_num(self.cases.prepare_seconds[case]))
 
     def trace_of(self, case: int) -> Trace:
         part = slice(int(self.cases.trace_begin[case]), int(self.cases.trace_end[case]))
@@ -225,7 +253,9 @@ class Results:
     @cached_property
     def _references(self) -> dict[tuple[str, str, bytes], Interval]:
         found: dict[tuple[str, str, bytes], Interval] = {}
-        for case in filter(self.is_bounded, range(len(self.cases))):
+        for case in range(len(self.cases)):
+            if self.cases.certified[case] != 1 or not self.is_bounded(case):
+                continue
             key, old = self._pair(case), Interval(-np.inf, np.inf)
             old = found.get(key, old)
             found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
@@ -237,9 +267,9 @@ class Results:
         return self.cases.source[case], self.cases.target[case], pose.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """What is known of the true distance of this case's source, target and pose: [greatest lower, least upper] of
-        every row with bounds, whatever its solver. Where bounds of uncertified solvers contradict each other by
-        rounding, the interval between the two. NaN where no row has bounds.
+        """What is proven of the true distance of this case's source, target and pose: [greatest lower, least upper] of
+        all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
+        (which `verify` reports) give the interval between the two.
         """
         return self._references.get(self._pair(case), Interval(np.nan, np.nan))
 
@@ -248,7 +278,8 @@ class Results:
         return self.reference_of(int(rows[0])) if len(rows) else Interval(np.nan, np.nan)
 
     def error(self, case: int, lower: float | None = None) -> float:
-        """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference.
+        """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference, and
+        NaN where no certified solver has an answer.
 
         The answer is the lower bound, because that is what a witness shows and what programs report; how good the upper
         bound is, the gap says. So the gap is what a solver has proved, and the error what it has found. Exact answers
@@ -260,11 +291,6 @@ class Results:
 
     def gap(self, case: int) -> float:
         return float(self.cases.upper[case] - self.cases.lower[case])
-
-
-def _known(values: Floats) -> Floats:
-    known: Floats = values[~np.isnan(values)]
-    return known
 
 
 Columns = TypeVar("Columns", Models, Cases, Repeats, Preparation, Trace, Ledger)

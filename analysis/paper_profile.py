@@ -3,6 +3,7 @@
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
 writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md.
+README's table of winners is written again from both.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from analysis import winners
 from analysis.load import REFERENCE, ResultError, Results, load, machine_line
 
 
@@ -73,6 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     path.write_text(text, encoding="utf-8")
     print(path)
+    if chosen.out == REFERENCE and path.name in winners.SOURCES:
+        return winners.main()
     return 0
 
 

@@ -9,8 +9,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import scipy.stats
 
 from analysis import command, style, tables
+from analysis.cells import clock_note
 from analysis.load import Results, machine_line
 from analysis.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
@@ -46,17 +48,13 @@ def title_of(solver: str, label: str) -> str:
 
 
 def ratio(results: Results, other: Cell, ours: Cell) -> Estimate:
-    """How many times as long the other takes; paired by round where both were timed by rounds, and enough of them."""
+    """How many times as long the other takes; paired by round where both have rounds."""
     if not other.reported:
-        paired = ratio_by_round(results.total_by_round([other.row]), results.total_by_round([ours.row]))
+        paired = ratio_by_round(results.total_by_round(other.row), results.total_by_round(ours.row))
         if paired.n:
             return paired
     return ratio_of_medians(results.total_seconds(other.row) if not other.reported else [other.time.value],
                             results.total_seconds(ours.row))
-
-
-def geometric_mean(ratios: list[float]) -> float:
-    return math.exp(math.fsum(map(math.log, ratios)) / len(ratios)) if ratios else math.nan
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -80,7 +78,7 @@ def make(results: Results, out: Path) -> list[Path]:
             ratios.append(speedup.value)
         table.rules.add(len(table.rows))
         table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else tables.NOTHING for cell in own],
-                           tables.estimate(speedup)])
+                           tables.ratio(speedup)])
         table.rows.append(["", "MiB", *[tables.number(cell.mebibytes) if cell else tables.NOTHING for cell in own], ""])
         first = int(results.rows(scene=scene)[0])
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
@@ -93,14 +91,14 @@ def make(results: Results, out: Path) -> list[Path]:
                     "prepare_seconds": results.prepare_seconds(cell.row) if not cell.reported else math.nan,
                     "peak_bytes": int(cases.peak_bytes[cell.row]), "lower": float(cases.lower[cell.row]),
                     "upper": float(cases.upper[cell.row]), "best_other_over_ours": speedup.value})
-    mean, least = geometric_mean(ratios), min(ratios, default=math.nan)
+    mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(ratios, default=math.nan)
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", *[""] * len(labels), tables.number(mean)])
     table.notes += [
         f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of "
         f"{len(scenes)} workloads. Solvers that did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are "
         "left out of it: they took longer.",
-        tables.coverage_note(cell.time for cell in cells.values() if not cell.reported)
+        tables.coverage_note(cell.time for cell in cells.values() if not cell.reported) + " " + clock_note(results)
         + " SciPy: the best of up to three, by its own clock, without starting Python and reading files; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]

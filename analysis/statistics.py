@@ -1,19 +1,24 @@
 """Medians and ratios with intervals that assume nothing about the distribution of times.
 
-Pure functions. An interval runs between order statistics, so its coverage follows from the binomial distribution alone
-(David and Nagaraja, Order Statistics, section 7.1). Few repeats cannot give 95 %: the interval is then the whole range,
-and `coverage` says what it is worth.
+Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` makes one number of
+them before anything else is worked out. An interval runs between order statistics, so its coverage follows from the
+binomial distribution alone (David and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can:
+with fewer the interval is the whole range, `coverage` says what it is worth, and nothing counts as separated.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import scipy.stats
 
 Floats = npt.NDArray[np.float64]
+
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,7 @@ class Estimate:
     """A median or a ratio, with the interval that covers the true one with probability `coverage` or more.
 
     n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage is 0.
+    p_above and p_below are of ratios alone: one-sided p-values against "the true ratio is at most 1" and "at least 1".
     """
 
     value: float
@@ -28,6 +34,8 @@ class Estimate:
     high: float
     n: int
     coverage: float
+    p_above: float = 1.0
+    p_below: float = 1.0
 
     @property
     def has_interval(self) -> bool:
@@ -35,35 +43,36 @@ class Estimate:
 
     @property
     def separated(self) -> bool:
-        """For a ratio: the interval leaves out 1. Without an interval nothing is separated."""
-        return self.has_interval and not self.low <= 1.0 <= self.high
-
-    def shifted(self, by: float) -> Estimate:
-        return Estimate(self.value + by, self.low + by, self.high + by, self.n, self.coverage)
+        """For a ratio: an interval of 95 % or more leaves out 1. A narrower promise separates nothing."""
+        return self.has_interval and self.coverage >= CONFIDENCE and not self.low <= 1.0 <= self.high
 
 
 NO_DATA = Estimate(math.nan, math.nan, math.nan, 0, 0.0)
 
 
+def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]:
+    """One number a round: the median of its repeats."""
+    found: dict[int, list[float]] = {}
+    for number, value in zip(rounds, values, strict=True):
+        found.setdefault(int(number), []).append(float(value))
+    return {number: float(np.median(repeats)) for number, repeats in found.items()}
+
+
 def order_statistic_rank(n: int, confidence: float) -> int:
     """The largest k for which [x_(k), x_(n+1-k)] (1-based) covers the median with `confidence`, or 0 if none does."""
-    k, tail, term = 0, 0.0, 0.5**n
-    for i in range(n // 2):
-        tail += term  # P(Binomial(n, 1/2) <= i)
-        if 2 * tail > 1 - confidence:
-            break
-        k = i + 1
-        term *= (n - i) / (i + 1)
-    return k
+    below = scipy.stats.binom.cdf(np.arange((n + 1) // 2), n, 0.5)  # P(Binomial(n, 1/2) <= 0, 1, ...)
+    return int(np.searchsorted(2 * below, 1 - confidence, side="right"))
 
 
 def coverage_of_rank(n: int, k: int) -> float:
     """The probability that [x_(k), x_(n+1-k)] covers the median of a continuous distribution."""
-    return float(1 - 2 * sum(math.comb(n, i) for i in range(k)) / 2**n)
+    return float(1 - 2 * scipy.stats.binom.cdf(k - 1, n, 0.5))
 
 
-def median(values: npt.ArrayLike, confidence: float = 0.95) -> Estimate:
-    """The sample median and its order-statistic interval. NaNs are the caller's mistake: ValueError. O(n log n)."""
+def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+    """The sample median and its order-statistic interval. The values are independent: one a round, or one a seed that
+    has processes of its own. NaNs are the caller's mistake: ValueError. O(n log n).
+    """
     x = np.sort(np.asarray(values, dtype=np.float64).ravel())
     n = len(x)
     if n == 0:
@@ -77,11 +86,11 @@ def median(values: npt.ArrayLike, confidence: float = 0.95) -> Estimate:
     return Estimate(middle, float(x[k - 1]), float(x[n - k]), n, coverage_of_rank(n, k))
 
 
-def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = 0.95) -> Estimate:
-    """median(numerator) / median(denominator) of positive times measured apart.
+def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+    """median(numerator) / median(denominator) of positive times that cannot be paired.
 
     Each median gets an interval of half the error; the ratio of their ends covers by Bonferroni. Conservative, and the
-    same on every machine (no resampling).
+    same on every machine (no resampling). Needs seven values on either side for 95 %.
     """
     half = 1 - (1 - confidence) / 2
     a, b = median(numerator, half), median(denominator, half)
@@ -90,19 +99,28 @@ def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confi
     if not a.has_interval or not b.has_interval or b.low <= 0:
         return Estimate(a.value / b.value, math.nan, math.nan, min(a.n, b.n), 0.0)
     return Estimate(a.value / b.value, a.low / b.high, a.high / b.low, min(a.n, b.n),
-                    max(0.0, a.coverage + b.coverage - 1))
+                    max(0.0, a.coverage + b.coverage - 1), _chance(numerator, denominator), _chance(denominator, numerator))
 
 
-def ratio_by_round(numerator: dict[int, float], denominator: dict[int, float],
-                   confidence: float = 0.95) -> Estimate:
-    """Of times by round, measured side by side; NO_DATA where too few rounds are shared for the confidence."""
-    rounds = sorted(numerator.keys() & denominator.keys())
-    if order_statistic_rank(len(rounds), confidence) == 0:
-        return NO_DATA
-    return paired_ratio([numerator[i] for i in rounds], [denominator[i] for i in rounds], confidence)
+def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
+    """One-sided p-value against median(greater) <= median(less): the least error at which the intervals above part."""
+    a, b = np.sort(np.asarray(greater, dtype=np.float64)), np.sort(np.asarray(less, dtype=np.float64))
+    tails = [scipy.stats.binom.cdf(np.arange((len(x) + 1) // 2), len(x), 0.5) for x in (a, b)]
+    for tail in np.unique(np.concatenate(tails)):
+        k, m = (int(np.searchsorted(known, tail, side="right")) for known in tails)
+        if k and m and a[k - 1] > b[len(b) - m]:
+            return min(1.0, 2 * float(tail))
+    return 1.0
 
 
-def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = 0.95) -> Estimate:
+def ratio_by_round(numerator: Mapping[int, float], denominator: Mapping[int, float],
+                   confidence: float = CONFIDENCE) -> Estimate:
+    """Of times by round (or by seed), measured side by side; NO_DATA where no round is shared."""
+    shared = sorted(numerator.keys() & denominator.keys())
+    return paired_ratio([numerator[i] for i in shared], [denominator[i] for i in shared], confidence)
+
+
+def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
     """The median of the ratios of pairs that were measured side by side (interleaved), with its sign-test interval."""
     a, b = np.asarray(numerator, dtype=np.float64), np.asarray(denominator, dtype=np.float64)
     if a.shape != b.shape:
@@ -110,4 +128,39 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
     if (a <= 0).any() or (b <= 0).any():
         raise ValueError("a paired time is not positive")
     logs = median(np.log(a) - np.log(b), confidence)
-    return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage)
+    if logs.n == 0:
+        return NO_DATA
+    # Ties count against either direction, so both p-values stay on the safe side.
+    p_above, p_below = (float(scipy.stats.binomtest(int(count), logs.n, alternative="greater").pvalue)
+                        for count in ((a > b).sum(), (a < b).sum()))
+    return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below)
+
+
+def exact(ratio: float) -> Estimate:
+    """A ratio that is known without any error, such as one of counted work."""
+    if math.isnan(ratio):
+        return NO_DATA
+    return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0)
+
+
+def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float]) -> Estimate:
+    """Of counted work by seed. A solver without seeds has one count, which is exact; seeds that both have are paired."""
+    if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
+        return NO_DATA  # 0: a peer, which counts nothing
+    if len(numerator) == 1 and len(denominator) == 1:
+        return exact(next(iter(numerator.values())) / next(iter(denominator.values())))
+    if len(numerator) == 1:
+        numerator = dict.fromkeys(denominator, next(iter(numerator.values())))
+    if len(denominator) == 1:
+        denominator = dict.fromkeys(numerator, next(iter(denominator.values())))
+    return ratio_by_round(numerator, denominator)
+
+
+def simes(chances: Iterable[float]) -> float:
+    """The p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n p_(k) / k.
+
+    Exact for independent p-values and conservative for positively dependent ones (Sarkar 1998). Ratios of different
+    scenes come from different processes.
+    """
+    p = np.sort(np.fromiter(chances, dtype=np.float64))
+    return float(min(1.0, (len(p) * p / np.arange(1, len(p) + 1)).min())) if len(p) else 1.0

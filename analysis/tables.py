@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis.statistics import Estimate
+from analysis.statistics import CONFIDENCE, Estimate
 
 NOTHING = "—"  # this number was not measured, or is unknown
 Record = dict[str, object]
@@ -53,16 +53,17 @@ def estimate(x: Estimate, scale: float = 1.0) -> str:
     """'2.10 [2.05, 2.31]'; without the interval if there is only one repeat."""
     if x.n == 0:
         return NOTHING
-    if not x.has_interval:
+    if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
         return number(x.value * scale)
     return f"{number(x.value * scale)} [{number(x.low * scale)}, {number(x.high * scale)}]"
 
 
 def ratio(x: Estimate) -> str:
-    """A ratio of times: as above, marked where its interval contains 1 (or there is none)."""
+    """A ratio of times: as above, marked where its interval contains 1, or n is too small for one of 95 %."""
     if x.n == 0:
         return NOTHING
-    return estimate(x) if x.separated else f"{estimate(x)} (not separated)"
+    few = f", n = {x.n}" if x.coverage < CONFIDENCE else ""
+    return estimate(x) if x.separated else f"{estimate(x)} (not separated{few})"
 
 
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
@@ -72,7 +73,7 @@ def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
 
 
 def coverage_note(estimates: Iterable[Estimate]) -> str:
-    """What the brackets mean, and how many repeats stand behind them."""
+    """What the brackets mean, and how many rounds stand behind them."""
     known = [x for x in estimates if x.n]
     if not known:
         return "No times."
@@ -81,7 +82,8 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
     if counts[-1] == 1:
         return f"Single times ({n}): no interval."
     percent = "95 %" if least >= 0.95 else f"95 % where n allows, at least {math.floor(least * 100)} %"
-    return f"Medians of {n} repeats, with order-statistic intervals in brackets ({percent})."
+    return (f"Medians of {n} rounds (fresh processes; repeats within one count once), with order-statistic intervals in "
+            f"brackets ({percent}).")
 
 
 def tex_escape(text: str) -> str:

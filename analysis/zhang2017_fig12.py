@@ -13,7 +13,7 @@ import numpy as np
 from analysis import command, style, tables
 from analysis.load import Floats, Results, machine_line, paper_numbers
 from analysis.points import points_of, posed
-from analysis.verdicts import never
+from analysis.verdicts import all_of
 
 STEM = "zhang2017_fig12"
 SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
@@ -58,7 +58,7 @@ def make(results: Results, out: Path) -> list[Path]:
                            (("source", cases.witness_source), ("target", cases.witness_target))
                            for i, axis in enumerate("xyz")},
                         **told, **results.facts(row)})
-    table.notes = [never("the pairs have as many points as the paper's", unlike, len(scenes), "pairs differ").line(),
+    table.notes = [all_of("the pairs have as many points as the paper's", unlike, len(scenes), len(papers), "pairs").line(),
                    "α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. "
                    "Witnesses: number of the point. In the picture: the source A, the target B, and the line between "
                    f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "

@@ -11,7 +11,7 @@ import numpy as np
 from analysis import command, zhang_sweep
 from analysis.cells import Cell
 from analysis.load import Results
-from analysis.verdicts import Verdict, everywhere, least_among
+from analysis.verdicts import Verdict
 
 STEM = "zhang2017_fig9"
 BEST = 1 / 80  # "the high efficiency is obtained when lambda is set as 1/80"
@@ -23,15 +23,10 @@ def text_of(value: float) -> str:
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
-    found = []
-    for scene in sweep.scenes:
-        ratios = [(text_of(value), sweep.ratio(scene, value, BEST)) for value in sweep.timed(scene) if value != BEST]
-        found.append(least_among(f"{scene} points: OHD is fastest at lambda = 1/80", ratios,
-                                 text_of(sweep.best(scene)) if sweep.timed(scene) else "", [text_of(BEST)]))
+    found = [sweep.least(f"{scene} points: OHD is fastest at lambda = 1/80", scene, [BEST]) for scene in sweep.scenes]
     for claim, value in (("a much larger lambda makes OHD slower", max(sweep.values, default=math.nan)),
                          ("a much smaller lambda makes OHD slower", min(sweep.values, default=math.nan))):
-        found.append(everywhere(f"{claim} ({text_of(value)} against 1/80)",
-                                [sweep.ratio(scene, value, BEST) for scene in sweep.scenes]))
+        found.append(sweep.everywhere(f"{claim} ({text_of(value)} against 1/80)", value, BEST))
     return found
 
 
@@ -43,7 +38,7 @@ def culled(results: Results, cell: Cell) -> float:
 
 SPEC = zhang_sweep.Spec(
     STEM, "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
-    "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, ("culled, %", culled),
+    "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, (("culled, %", culled),),
     "Each n is a seed of the sample, by its median. The line marks the 1/100 that the paper recommends.")
 
 

@@ -12,9 +12,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import style, tables
-from analysis.cells import Cell, by_round
+from analysis.cells import MEASURES, WORK, Cell, clock_note, clock_word, compare, compare_work
 from analysis.load import Results, machine_line, paper_numbers
-from analysis.statistics import NO_DATA, Estimate, median, paired_ratio, ratio_of_medians
+from analysis.statistics import NO_DATA, Estimate
 from analysis.verdicts import Verdict, everywhere, rising
 
 
@@ -44,20 +44,12 @@ class Pair:
         self.n, self.m = int(cases.source_elements[first]), int(cases.target_elements[first])
         slow, fast = self.cells.get(spec.without), self.cells.get(spec.with_it)
         both = [cell for cell in (slow, fast) if cell and not cell.failures]
-        self.prepare = min((cell.prepare for cell in both), default=math.nan)
-        for cell in both:
-            cell.seconds = cell.seconds - cell.prepare + self.prepare
-            cell.time = median(cell.seconds)
-        self.ratio, self.work = NO_DATA, math.nan
+        self.ratio = NO_DATA
+        self.counted = dict.fromkeys(MEASURES, NO_DATA)
         if slow and fast and len(both) == 2:
-            rounds = [by_round(results, cell.cases, self.prepare) for cell in (slow, fast)]
-            shared = sorted(rounds[0].keys() & rounds[1].keys())
-            pair = [[times[i] for i in shared] for times in rounds]
-            self.ratio = (paired_ratio(pair[0], pair[1]) if len(shared) >= 6 else
-                          ratio_of_medians(slow.seconds, fast.seconds))
-            done = [sum(cell.counters[name] for name in ("bound_tests", "point_distances", "node_visits"))
-                    for cell in (slow, fast)]
-            self.work = done[0] / done[1] if done[1] else math.nan
+            slow.share_preparation(fast)
+            self.ratio = compare(slow, fast)
+            self.counted = {what: compare_work(slow, fast, names) for what, names in MEASURES.items()}
 
     def time(self, label: str) -> Estimate:
         return self.cells[label].time if label in self.cells else NO_DATA
@@ -75,9 +67,9 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
     titles = [style.look(label).title if label in style.LOOKS else label.replace("_", " ") for label in shown]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
-        spec.caption + f" Time to prepare and solve, {unit}, here (CPU time) and as printed.",
+        spec.caption + f" Time to prepare and solve, {unit}, here ({clock_word(results)}) and as printed.",
         ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
-         "here: ratio", "work, ratio", *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
+         "here: ratio", *[f"{what}: ratio" for what in MEASURES], *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
     records: list[tables.Record] = []
     for pair, extra in zip(pairs, extras):
         paper = papers.get(pair.number, {})
@@ -85,7 +77,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
         table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
                            *[tables.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
                            tables.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
-                           tables.ratio(pair.ratio), tables.number(pair.work),
+                           tables.ratio(pair.ratio), *[tables.estimate(x) for x in pair.counted.values()],
                            *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
         for label, cell in pair.cells.items():
             records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
@@ -94,26 +86,48 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                             "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
                             "paper_seconds": float(paper.get(label, math.nan)), "ratio": pair.ratio.value,
                             "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
+                            **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
                             **{header: value for header, _, value in extra}, **cell.counters})
     verdicts = verdicts_of(spec, pairs)
     table.notes = [*[verdict.line() for verdict in verdicts],
                    f"Ratio: without / with {spec.part}; paired by rounds in which the solvers took turns. The "
                    "structure that both are prepared with is the same, so both are given the shorter of its two "
-                   "times. Work: distances, bounds and nodes that a solver counts; the same on every machine.",
-                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values()), *spec.notes,
+                   "times in each round. Distances, bounds and nodes are counted by the solver, and the same on every "
+                   "machine.", what_it_saves(spec, pairs),
+                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values()),
+                   clock_note(results), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    return tables.save(table, records, out, spec.stem) + style.save(draw(spec, pairs, papers, shown), out, spec.stem,
-                                                                     table.caption)
+    return tables.save(table, records, out, spec.stem) + style.save(
+        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption)
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
+    gains = everywhere(spec.gains, [pair.ratio for pair in pairs])
+    counted = {what: everywhere(spec.gains, [pair.counted[what] for pair in pairs]) for what in MEASURES}
+    claim = "time increases with the numbers of points"
     timed = [pair for pair in pairs if pair.time(spec.with_it).n]
-    return [everywhere(spec.gains, [pair.ratio for pair in pairs]),
-            rising("time increases with the numbers of points", [float(pair.n + pair.m) for pair in timed],
-                   [pair.time(spec.with_it).value for pair in timed])]
+    sizes = [float(pair.n + pair.m) for pair in timed]
+    grown = {what: rising(claim, sizes, [pair.cells[spec.with_it].count(names) for pair in timed])
+             for what, names in MEASURES.items()}
+    return [gains.with_counts(counted),
+            rising(claim, sizes, [pair.time(spec.with_it).value for pair in timed]).with_counts(grown)]
 
 
-def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str]) -> Any:
+def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
+    """Of the work, and of the time: medians over the pairs."""
+    known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
+    if not known:
+        return f"What {spec.part} saves in work is not known from these rows."
+    work, time = ([1 - 1 / x for x in values] for values in
+                  ([pair.counted["distances, bounds and nodes"].value for pair in known],
+                   [pair.ratio.value for pair in known]))
+    cost = [1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known]
+    return (f"Over these pairs, {spec.part} saves {tables.number(100 * float(np.median(work)), 2)} % of the distances, "
+            f"bounds and nodes, and this machine makes {tables.number(100 * float(np.median(time)), 2)} % less time of it "
+            f"(medians); one of them costs {tables.number(float(np.median(cost)), 2)} ns, preparation included.")
+
+
+def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:
     """Times by size, and the ratio that the table is about; filled = here, open = the paper."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
@@ -135,7 +149,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
         if sizes:
             left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
                       **{**style.open_marker(looks_like), "linestyle": "-"})
-    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel="CPU time to prepare and solve (s)")
+    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} to prepare and solve (s)")
     style.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:

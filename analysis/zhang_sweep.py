@@ -12,10 +12,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import style, tables
-from analysis.cells import Cell, compare
+from analysis.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
 from analysis.load import Results, machine_line
 from analysis.statistics import NO_DATA, Estimate
-from analysis.verdicts import Verdict
+from analysis.verdicts import Verdict, everywhere, least_among
 
 # Of pairs, from light to dark; markers tell them apart as well.
 PAIR_LOOKS = [("#56B4E9", "o"), ("#009E73", "^"), ("#D55E00", "s"), ("#882255", "D"), ("#000000", "v")]
@@ -30,7 +30,7 @@ class Spec:
     text_of: Callable[[float], str]
     recommended: float  # by the paper; marked in the figure
     verdicts: Callable[[Sweep], list[Verdict]]
-    counter: tuple[str, Callable[[Results, Cell], float]]  # one more column: header, value
+    columns: tuple[tuple[str, Callable[[Results, Cell], float]], ...]  # more of them: header, value
     note: str
 
 
@@ -59,16 +59,41 @@ class Sweep:
         """The value with the least median time; NaN where there is none."""
         return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
 
-    def ratio(self, scene: str, slow: float, fast: float) -> Estimate:
+    def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
+        """Of times, or of what is named in MEASURES."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
-        return compare(self.results, self.cells[scene, slow], self.cells[scene, fast])
+        pair = self.cells[scene, slow], self.cells[scene, fast]
+        return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
+
+    def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
+        """A claim that one value is slower than another on every pair; in time, and in counted work."""
+        found = {what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes])
+                 for what in ("", *MEASURES)}
+        return found.pop("").with_counts(found)
+
+    def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
+        """A claim that the least time is at one of these values; in time, and in counted work."""
+        timed, found = self.timed(scene), dict[str, Verdict]()
+        among = [value for value in among if value in timed]
+        texts = [self.spec.text_of(value) for value in among]
+        for what in ("", *MEASURES):
+            rivals = [(self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
+                      for value in timed if value not in among]
+            known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
+            best = min(timed, key=lambda v: self.measure(scene, v, what), default=math.nan)
+            found[what] = least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
+        return found.pop("").with_counts(found)
+
+    def measure(self, scene: str, value: float, what: str) -> float:
+        cell = self.cells[scene, value]
+        return cell.count(MEASURES[what]) if what else cell.time.value
 
 
 def make(spec: Spec, results: Results, out: Path) -> list[Path]:
     sweep = Sweep(spec, results)
-    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", "prepare and solve, CPU ms", "times the least",
-                                        spec.counter[0]], left=1)
+    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"prepare and solve, {clock_word(results)}, ms",
+                                        "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
     records: list[tables.Record] = []
     for scene in sweep.scenes:
         table.rules.add(len(table.rows))
@@ -77,18 +102,19 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
             cell = sweep.cells.get((scene, value))
             if not cell:
                 continue
-            more = spec.counter[1](results, cell) if not cell.failures else math.nan
+            more = [cell.count(names) for names in MEASURES.values()]
+            more += [column(results, cell) if not cell.failures else math.nan for _, column in spec.columns]
             least = sweep.time(scene, best).value if not math.isnan(best) else math.nan
             table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
                                tables.number(cell.time.value / least) + (" (least)" if value == best else ""),
-                               tables.number(more)])
+                               *map(tables.number, more)])
             records.append({"scene": scene, spec.parameter: value, "status": cell.status(), "n": cell.time.n,
                             "median_seconds": cell.time.value, "low_seconds": cell.time.low,
                             "high_seconds": cell.time.high, "prepare_seconds": cell.prepare,
                             "peak_bytes": cell.peak, **cell.counters})
     table.notes = [*[verdict.line() for verdict in spec.verdicts(sweep)],
                    tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
-                   + " Each comparison of a verdict has its own 95 %.",
+                   + " " + clock_note(results),
                    f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption)
 
@@ -113,7 +139,7 @@ def draw(sweep: Sweep) -> Any:
                 ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]
-    for ax, label in zip(axes, ("CPU time to prepare and solve (s)", "time / least time of the pair")):
+    for ax, label in zip(axes, (f"{clock_word(sweep.results)} to prepare and solve (s)", "time / least time of the pair")):
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:

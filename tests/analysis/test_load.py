@@ -73,20 +73,37 @@ def test_rows_and_order(small: load.Results) -> None:
     assert small.in_order("scene") == ["x", "y", "z"]
 
 
-def test_repeats_are_grouped_by_case(small: load.Results) -> None:
-    assert small.wall_seconds(0).tolist() == [3.0, 1.0, 2.0]
-    assert small.total_seconds(0).tolist() == [3.5, 1.5, 2.5]
-    assert small.cpu_seconds(0) == pytest.approx([2.7, 0.9, 1.8])
-    assert small.wall_seconds(2).tolist() == []
-
-
-def test_rounds(tmp_path: Path) -> None:
-    file = ResultFile("rounds")
-    file.case("naive", "x", [1.0, 3.0, 2.0, 7.0, 9.0, 8.0], rounds=2, prepare_seconds=0.5, lower=1.0, upper=1.0)
-    file.case("naive", "x", [100.0, 10.0], rounds=2, lower=1.0, upper=1.0)
+def test_each_round_gives_one_number(tmp_path: Path) -> None:
+    file = ResultFile("rounds")  # CPU time is 0.9 of the wall time
+    file.case("naive", "x", [1.0, 3.0, 2.0, 7.0, 9.0, 8.0], rounds=2, prepare=[0.5, 0.25], lower=1.0, upper=1.0)
+    file.case("naive", "y", [10.0, 30.0], rounds=1, clock="wall", lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
-    assert results.total_by_round([0]) == {0: 2.5, 1: 8.5}
-    assert results.total_by_round([0, 1]) == {0: 3.0, 1: 9.0}  # of 1.5, 2.5, 3.5, 100 and of 7.5, 8.5, 9.5, 10
+    assert results.solve_by_round(0) == pytest.approx({0: 1.8, 1: 7.2})
+    assert results.solve_by_round(0, "wall") == {0: 2.0, 1: 8.0} and results.wall_seconds(0).tolist() == [2.0, 8.0]
+    assert results.prepare_by_round(0) == {0: 0.5, 1: 0.25} and results.prepare_by_round(1) == {}
+    assert results.total_by_round(0) == pytest.approx({0: 2.3, 1: 7.45})
+    assert results.total_seconds(1).tolist() == [20.0]  # several threads: wall time
+
+
+def test_clock(tmp_path: Path) -> None:
+    """CPU time only where the result says so and has it."""
+    file = ResultFile("clocks")
+    for clock in ("cpu", "wall", "", "cpu", "cpu"):
+        file.case("naive", "x", [1.0], clock=clock, lower=1.0, upper=1.0)
+    file.repeats[3]["cpu_seconds"] = np.nan
+    file.repeats = [row for row in file.repeats if row["case"] != 4]
+    results = load.load(file.write(tmp_path))
+    assert [results.clock_of(case) for case in range(5)] == ["cpu", "wall", "wall", "wall", "wall"]
+    assert [results.solve_by_round(case)[0] for case in range(5)] == [0.9, 1.0, 1.0, 1.0, 1.0]
+
+
+def test_structures_of_a_round_are_added(tmp_path: Path) -> None:
+    file = ResultFile("parts")
+    file.case("naive", "x", [1.0, 1.0], prepare_seconds=0.5, lower=1.0, upper=1.0)
+    file.preparation = [{"case": 0, "round": 1, "name": name, "seconds": 0.25} for name in ("tree", "grid", "order")]
+    results = load.load(file.write(tmp_path))
+    # Round 0 has no rows: the median over the rounds stands for it.
+    assert results.total_by_round(0, "wall") == {0: 1.5, 1: 1.75}
 
 
 def test_without_repeats_the_first_answer_counts(tmp_path: Path) -> None:
@@ -104,6 +121,16 @@ def test_reference_is_the_tightest_of_all_rows_with_bounds(small: load.Results) 
     assert small.reference("y") == (0.625, 0.75)
     assert small.reference("y", 1) == (5.0, 6.0)
     assert np.isnan(small.reference("z")).all() and np.isnan(small.reference("nowhere")).all()
+
+
+def test_only_certified_rows_make_a_reference(tmp_path: Path) -> None:
+    file = ResultFile("certified")
+    file.case("guthe", "x", [1.0], lower=1.0, upper=2.0)
+    file.case("cgal", "x", [1.0], lower=1.5, upper=1.5, certified=0)
+    file.case("external", "y", [1.0], lower=1.5, upper=1.5, certified=0)
+    results = load.load(file.write(tmp_path))
+    assert results.reference("x") == (1.0, 2.0) and results.error(1) == 0.5
+    assert np.isnan(results.reference("y")).all() and np.isnan(results.error(2))
 
 
 def test_error_and_gap(small: load.Results) -> None:

@@ -39,7 +39,7 @@ def test_example_joins_both_directions(tmp_path: Path) -> None:
     first, second = records(tmp_path, file.stem)
     assert (float(first["lower"]), float(first["upper"])) == (0.73, 0.90)
     assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
-    assert float(first["distance_seconds"]) == pytest.approx(4.0) and second["box_distances"] == "10"
+    assert float(first["distance_seconds"]) == pytest.approx(3.6) and second["box_distances"] == "10"
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
     assert "| 1000 |" in text and "789694" in text and "0.81295637135" in text
 

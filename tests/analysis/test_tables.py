@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from analysis import tables
-from analysis.statistics import NO_DATA, Estimate, median
+from analysis.statistics import NO_DATA, Estimate, exact, median
 
 
 @pytest.mark.parametrize(("x", "text"), [
@@ -22,6 +22,8 @@ def test_estimate_and_ratio() -> None:
     clear, open_ = Estimate(2.0, 1.5, 2.5, 9, 0.96), Estimate(1.1, 0.9, 1.3, 9, 0.96)
     assert tables.estimate(clear) == "2.00 [1.50, 2.50]" == tables.ratio(clear)
     assert tables.ratio(open_) == "1.10 [0.900, 1.30] (not separated)"
+    assert tables.ratio(Estimate(2.0, 1.5, 2.5, 2, 0.5)) == "2.00 [1.50, 2.50] (not separated, n = 2)"
+    assert tables.ratio(exact(2.0)) == "2.00" and tables.ratio(exact(1.0)) == "1.00 (not separated)"
     assert tables.estimate(median([0.5]), 1e3) == "500"
     assert tables.estimate(NO_DATA) == tables.ratio(NO_DATA) == "—"
 
@@ -33,7 +35,7 @@ def test_unit() -> None:
 
 def test_coverage_note() -> None:
     nine = tables.coverage_note([median(range(9))])
-    assert "n = 9 repeats" in nine and "(95 %)" in nine
+    assert "n = 9 rounds" in nine and "(95 %)" in nine
     assert "at least 75 %" in tables.coverage_note([median(range(9)), median(range(3))])
     assert "no interval" in tables.coverage_note([median([1.0])])
 

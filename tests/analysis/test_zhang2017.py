@@ -12,57 +12,13 @@ import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis import points, verdicts, zhang2017_fig12, zhang2017_steps
-from analysis.statistics import NO_DATA, Estimate
+from analysis import cells, load, points, zhang2017_as_printed, zhang2017_fig12, zhang2017_steps
+from analysis.zhang_motion import Motion
 
 
 @pytest.fixture()
 def make(tmp_path: Path) -> Make:
     return stem_runner(tmp_path)
-
-
-def ratio(value: float, low: float, high: float) -> Estimate:
-    return Estimate(value, low, high, 7, 0.98)
-
-
-FASTER, SLOWER, LEVEL = ratio(2.0, 1.5, 2.5), ratio(0.5, 0.4, 0.6), ratio(1.1, 0.9, 1.3)
-
-
-@pytest.mark.parametrize(("ratios", "outcome"), [
-    ([FASTER, FASTER], verdicts.HOLDS), ([FASTER, LEVEL], verdicts.OPEN), ([FASTER, LEVEL, SLOWER], verdicts.FAILS),
-    ([FASTER, NO_DATA], verdicts.HOLDS), ([NO_DATA], verdicts.UNTESTED),
-    ([ratio(2.0, math.nan, math.nan)], verdicts.OPEN)])
-def test_verdict_of_many_ratios(ratios: list[Estimate], outcome: str) -> None:
-    assert verdicts.everywhere("x", ratios).outcome == outcome
-
-
-def test_verdicts_of_one_ratio_and_of_counts() -> None:
-    assert [verdicts.above_one("x", r).outcome for r in (FASTER, LEVEL, SLOWER, NO_DATA)] == \
-        [verdicts.HOLDS, verdicts.OPEN, verdicts.FAILS, verdicts.UNTESTED]
-    assert [verdicts.never("x", wrong, of, "cases").outcome for wrong, of in ((0, 9), (1, 9), (0, 0))] == \
-        [verdicts.HOLDS, verdicts.FAILS, verdicts.UNTESTED]
-
-
-def test_kendall_counts_permutations() -> None:
-    for x, y, tau, chance in (([1, 2, 3], [1, 2, 3], 1.0, 2 / 6), ([1, 2, 3, 4], [4, 3, 2, 1], -1.0, 2 / 24),
-                              ([1, 2, 3, 4], [1, 2, 4, 3], 2 / 3, 8 / 24),  # one inversion: 1 + 3 permutations a side
-                              ([1, 2, 3, 4], [1, 1, 1, 1], 0.0, 1.0)):
-        found = verdicts.kendall(x, y)
-        assert found[0] == pytest.approx(tau) and found[1] == pytest.approx(chance)
-
-
-def test_verdict_of_growth() -> None:
-    up = [1.0, 2, 3, 4, 5, 6]
-    assert verdicts.rising("x", up, up).outcome == verdicts.HOLDS
-    assert verdicts.rising("x", up, up[::-1]).outcome == verdicts.FAILS
-    assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == verdicts.OPEN  # p = 0.056 for 3 inversions
-
-
-def test_verdict_of_the_least() -> None:
-    def of(*ratios: Estimate) -> str:
-        return verdicts.least_among("x", [(str(i), r) for i, r in enumerate(ratios)], "5", ["5", "6"]).outcome
-    assert of(FASTER, FASTER) == verdicts.HOLDS and of(FASTER, LEVEL) == verdicts.OPEN
-    assert of(FASTER, LEVEL, SLOWER) == verdicts.FAILS and of() == verdicts.UNTESTED
 
 
 def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
@@ -71,11 +27,15 @@ def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
     first = rows["1"][0]
     assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's, in ms
     # Ratios of (solve + 1 ms), not of the 0.5 s that one preparation took by accident.
-    assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("work, ratio")] == "2.00"
+    assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("distances: ratio")] == "2.00"
+    assert first[header.index("distances, bounds and nodes: ratio")] == "2.00"
     assert first[header.index("here: with")] == "3.06 [3.00, 3.12]"
     assert rows["4"][0][header.index("here: ratio")] == "1.10 [0.900, 1.10] (not separated)"
     assert rows["5"][0][header.index("here: without")] == "timeout" and rows["5"][0][header.index("here: ratio")] == "—"
     assert "Claim: early breaking makes NOHD faster. Here: not separated (above 1 for 3 of 4 pairs" in text
+    assert "ratio 1.10 to 2.00). Counted in distances it holds (above 1 for 4 of 4 pairs" in text
+    assert "early breaking saves 50 % of the distances, bounds and nodes, and this machine makes 42 % less time of it" in text
+    assert "Times are process CPU time, children included; preparing is wall time." in text
     assert "Claim: time increases with the numbers of points. Here it holds" in text and "Test CPU" in text
     record = next(r for r in records if (r["pair"], r["label"]) == ("2", "nohd"))
     assert float(record["paper_seconds"]) == 0.09993 and float(record["ratio"]) == pytest.approx(2.0)
@@ -91,18 +51,20 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
 
 def test_fig8_finds_the_best_depth(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.fig8())
-    assert "3K points: NOHD is fastest at depth 5 or 6. Here it holds (least at depth 5)" in text
-    assert "9K points: NOHD is fastest at depth 5 or 6. Here it does not hold (least at depth 2; faster than 5" in text
-    assert "a smaller depth than 5 makes NOHD slower. Here it holds (above 1 for 2 of 2 pairs, ratio 2.00" in text
-    cells = {row[0]: row[1:] for row in rows["9K"]}
-    assert cells["9"][1] == "timeout" and cells["2"][2] == "1.00 (least)" and cells["5"][2:] == ["2.00", "507"]
+    assert "3K points: NOHD is fastest at depth 5 or 6. Here it holds (least at 5). Counted in distances it is not" in text
+    assert "9K points: NOHD is fastest at depth 5 or 6. Here it does not hold (least at 2; faster than 5 and 6: 2)" in text
+    claim = next(line for line in text.splitlines() if "a smaller depth than 5 makes NOHD slower" in line)
+    assert "Here it holds (above 1 for 2 of 2 pairs, ratio 2.00" in claim
+    assert "in distances, bounds and nodes it does not hold (above 1 for 0 of 2 pairs, below 1 for 2" in claim
+    of = {row[0]: row[1:] for row in rows["9K"]}
+    assert of["9"][1] == "timeout" and of["2"][2] == "1.00 (least)" and of["5"][2:] == ["2.00", "7.00", "507"]
     assert next(r for r in records if (r["scene"], r["depth"]) == ("9K", "9.0"))["status"] == "timeout 1 of 1"
 
 
 def test_fig9_pools_seeds(make: Make) -> None:
     _, rows, text = make(synthetic_zhang.fig9())
     assert [row[0] for row in rows["4K"]] == ["1/400", "1/100", "1/80", "1/2"]
-    assert rows["4K"][3][4] == "40.0"  # culled, %
+    assert rows["4K"][3][-1] == "40.0"  # culled, %
     assert "lambda = 1/80. Here: not separated (least at 1/100; not separated from it: 1/400, 1/100)" in text
     assert "a much larger lambda makes OHD slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
 
@@ -121,6 +83,10 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
                            ("where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD", "holds (at 8 of 8 poses"),
                            ("where α > 0.33, OHD takes less time than EARLYBREAK", "holds (at 7 of 7 poses")):
         assert f"Claim: ring: {claim}. Here it {verdict}" in text
+    claim = next(line for line in text.splitlines() if "boxes are apart, NOHD takes less" in line)
+    assert "Counted in distances it holds (median of EARLYBREAK / NOHD 10.0)" in claim
+    assert "in distances, bounds and nodes it does not hold (median of EARLYBREAK / NOHD 0.909)" in claim
+    assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0"
     assert "NOHD: built once and used for all 21 poses, 2500 ms saved" in text
     assert sum(r["status"] == "timeout" for r in records) == 1
 
@@ -154,7 +120,8 @@ def test_steps_expected_and_counted(make: Make, program: None) -> None:
     _, rows, text = make(synthetic_zhang.steps())
     assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "5.00", "1.20", "3.00", "2.00"]
     assert rows["4"][4][2] == "3.00 [3.00, 3.00]"
-    assert "4: c of Eq. 7 is a constant. Here: not separated (c from 0.833 to 1.67" in text
+    # All eight seeds agree: from 5/6 to 5/3.
+    assert "4: c of Eq. 7 is a constant. Here it does not hold (from 0.833 to 1.67, a factor of 2.00 [2.00, 2.00]" in text
 
 
 def test_expectations_where_no_point_is_near() -> None:
@@ -167,7 +134,7 @@ def test_expectations_where_no_point_is_near() -> None:
 def test_steps_without_a_program(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HAUSBENCH_PROGRAM", "/nowhere")
     _, rows, text = make(synthetic_zhang.steps())
-    assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", *4 * ["—"]] and "not tested (fewer than three poses)" in text
+    assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", *4 * ["—"]] and "not tested (fewer than three places)" in text
 
 
 def test_points_are_those_asked_for(program: None) -> None:
@@ -181,7 +148,7 @@ def test_fig12_names_the_pairs(make: Make, program: None) -> None:
     _, rows, text = make(synthetic_zhang.fig12())
     assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.25", "0.125", "0.750", "OHD",
                                     "7", "9"]
-    assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (1 of 2 pairs differ)" in text
+    assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (not so for 1 of 2 pairs out of 6)" in text
 
 
 def test_fig12_view_keeps_the_witness_at_its_length() -> None:
@@ -193,13 +160,119 @@ def test_fig12_view_keeps_the_witness_at_its_length() -> None:
 
 def test_as_printed_counts_wrong_answers(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.as_printed())
-    cells = {row[0]: row[1:] for row in rows["clouds"]}
-    assert cells["OHD as printed"] == ["3", "3", "8", "1", "12.5", "2.2 to 47", "0.9000"]
-    assert cells["NOHD as printed"][2:5] == ["3", "3", "100"] and cells["NOHD as printed"][-1] == "1.500"
-    assert cells["OHD"][3] == "0" and cells["OHD"][-1] == "—"
+    of = {row[0]: row[1:] for row in rows["clouds"]}
+    assert of["OHD as printed"][:5] == ["3", "3", "8", "1", "12.5"] and of["OHD as printed"][-1] == "0.9000"
+    # Three blocks of poses, all wrong: 0.025^(1/3).
+    assert of["NOHD as printed"][2:6] == ["3", "3", "100", "29 to 100"] and of["NOHD as printed"][-1] == "1.500"
+    assert of["OHD"][3] == "0" and of["OHD"][-1] == "—" and of["OHD"][5] == "0 to 71"
     assert "OHD as printed computes the exact distance. Here it does not hold (1 of 8 answers are wrong)" in text
-    assert "cells of diagonal AHD computes the exact distance. Here it holds (0 of 3 answers are wrong)" in text
+    assert "diagonal AHD computes the exact distance. Here: not separated (0 of 3 answers are wrong; the rate" in text
+    assert "sqrt 3 times that apart) (its wrong answers here: 1 too small)" in text
+    assert "without cmin = 0 (its wrong answers here: 3 too large)" in text
     assert sum(r["status"] == "unsound" for r in records) == 4
+
+
+def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
+    """No answer is wrong, no certified solver is there, and one block of poses is no sample."""
+    file = ResultFile("zhang2017_as_printed")
+    for solver in ("ohd_as_printed", "nohd_as_printed"):
+        file.case(solver, "clouds", [0.1], lower=2.0, upper=2.0, certified=0)
+    _, rows, text = make(file)
+    assert [row[6] for row in rows["clouds"][1:]] == ["—", "—"]
+    assert text.count("(no wrong answer here)") == 2 and "too small" not in text and "too large" not in text
+    assert "Here: not separated (0 of 1 answers are wrong; the rate is below 95 %" in text
+
+
+def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
+    """Twenty answers at five neighbouring poses are one trial, not twenty."""
+    file = ResultFile("zhang2017_as_printed")
+    for pose in range(50):
+        for seed in range(4):
+            wrong = pose < 5
+            file.case("ohd_as_printed", "clouds", [0.1], pose_index=pose, options={"seed": seed}, lower=1.0, upper=1.0,
+                      status="unsound" if wrong else "ok", certified=0)
+    results = load.load(file.write(tmp_path))
+    rows = list(range(200))
+    assert [len(block) for block in zhang2017_as_printed.blocks(results, rows)] == [20] * 10
+    low, high = zhang2017_as_printed.share_interval(results, rows)
+    assert low == 0 and 0.2 <= high <= 0.4  # of ten blocks one; as 200 answers it would be 0.06 to 0.15
+
+
+def test_preparation_widens_the_interval(tmp_path: Path) -> None:
+    """Solving takes the same time in every round, preparing does not."""
+    file = ResultFile("spread", cpu=1.0)
+    file.case("kdtree", "x", [x for x in [1.0] * 6 for _ in range(3)], rounds=6, prepare=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+              lower=1.0, upper=1.0)
+    cell = cells.Cell(load.load(file.write(tmp_path)), [0])
+    assert (cell.time.low, cell.time.high, cell.time.n) == (1.1, 1.6, 6) and cell.time.value == pytest.approx(1.35)
+
+
+def test_rounds_are_few_however_many_the_repeats(tmp_path: Path) -> None:
+    file = ResultFile("rounds", cpu=1.0)
+    for factor in (2.0, 1.0):
+        file.case("kdtree", "x", [factor * (1 + 0.001 * i) for i in range(30)], rounds=2, lower=1.0, upper=1.0)
+    results = load.load(file.write(tmp_path))
+    found = cells.compare(cells.Cell(results, [0]), cells.Cell(results, [1]))
+    assert found.n == 2 and not found.separated and found.value == pytest.approx(2.0)
+
+
+def test_clocks_are_named(tmp_path: Path) -> None:
+    file = ResultFile("clocks")
+    file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
+    results = load.load(file.write(tmp_path))
+    assert cells.clock_word(results) == "CPU time"
+    file.case("cgal", "x", [1.0], lower=1.0, upper=1.0, clock="wall")
+    results = load.load(file.write(tmp_path))
+    assert cells.clock_word(results) == "time" and "but wall time for CGAL, where several" in cells.clock_note(results)
+
+
+def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:
+    """Of EARLYBREAK: rows are poses from x = -1 to 1, columns rounds; the least distance is in the middle."""
+    file, half = ResultFile("zhang2017_fig10", cpu=1.0), len(times) // 2
+    for i, seconds in enumerate(times):
+        x = (i - half) / half
+        file.case("earlybreak", "ring", seconds, pose_index=i, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, x, 0, 0], lower=abs(x),
+                  upper=abs(x), source="A", target="B", counters={"point_distances": work[i] if work else 1000 - abs(i - half)})
+    return Motion(load.load(file.write(folder)), "ring")
+
+
+@pytest.mark.parametrize(("level", "rounds", "outcome"), [
+    ([1, 1, 2, 1, 1], 6, "holds"), ([3, 1, 2, 1, 1], 6, "does not hold"), ([1, 1, 2, 1, 1], 5, "not separated"),
+    ([1, 1, 1, 1, 1], 6, "not separated")])
+def test_a_peak_can_come_out_three_ways(level: list[int], rounds: int, outcome: str, tmp_path: Path) -> None:
+    times = [[y * (1 + 0.01 * ((7 * i + 3 * j) % 5)) for j in range(rounds)] for i, y in enumerate(level)]
+    found = motion_of(times, tmp_path, [1000 * y - i for i, y in enumerate(level)]).peak("earlybreak")
+    assert found.outcome == outcome
+
+
+def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
+    """Noise alone seldom makes a peak there, and seldom one elsewhere, however many poses there are."""
+    rng, outcomes = np.random.default_rng(4), []
+    for _ in range(15):
+        outcomes.append(motion_of(np.exp(0.01 * rng.standard_normal((21, 6))).tolist(), tmp_path).peak("earlybreak").outcome)
+    assert outcomes.count("not separated") >= 13
+
+
+def test_who_refutes_a_peak_is_not_chosen_by_its_times(tmp_path: Path) -> None:
+    """The first pose is the slowest in every round. Of many poses one is by chance; the one of most work is not slower."""
+    times = [[y] * 6 for y in (2.1, 1.0, 1.0, 2.0, 1.0, 1.0, 1.0)]
+    assert motion_of(times, tmp_path, [10, 10, 10, 20, 10, 10, 15]).peak("earlybreak").outcome == "not separated"
+    assert motion_of(times, tmp_path, [15, 10, 10, 20, 10, 10, 10]).peak("earlybreak").outcome == "does not hold"
+
+
+def test_poses_are_no_independent_trials(tmp_path: Path) -> None:
+    """One slow process makes every pose slow: a sign test over poses would tell equal solvers apart."""
+    file, rng = ResultFile("zhang2017_fig10", cpu=1.0), np.random.default_rng(8)
+    process = {label: np.exp(0.01 * rng.standard_normal(3)) for label in ("earlybreak", "nohd")}
+    for i in range(40):
+        for label, speed in process.items():
+            file.case(label, "ring", list(speed), pose_index=i, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, i, 0, 0], lower=1.0,
+                      upper=1.0, source="A", target="B")
+        file.case("adaptive", "ring", [1.0], pose_index=i, pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, i, 0, 0], lower=1.0, upper=1.0,
+                  source="A", target="B", extras='{"alpha": -1.0}')
+    motion = Motion(load.load(file.write(tmp_path)), "ring")
+    found = motion.ratio("apart", "earlybreak", "nohd")
+    assert found.n == 3 and not found.separated
 
 
 def test_memory_grows(make: Make) -> None:
@@ -210,3 +283,13 @@ def test_memory_grows(make: Make) -> None:
     assert rows["similar"][0][header.index("INC")] == "2.00" and rows["similar"][0][-2:] == ["105", "1.00"]
     assert rows["similar"][0][header.index("scan (ours)")] == "crashed"
     assert "Here it holds (1M points each: INC 2000 MiB, next k-d tree (nanoflann) 8.00 MiB)" in text
+
+
+@pytest.mark.parametrize(("inc", "other", "outcome"), [
+    (100.0, 80.0, "holds"), (100.0, 120.0, "does not hold"), (100.0, 97.0, "not separated"), (1.5, 0.7, "not separated")])
+def test_memory_is_told_apart_only_beyond_what_runs_differ_by(inc: float, other: float, outcome: str, make: Make) -> None:
+    file = ResultFile("zhang2017_memory")
+    for solver, peak in (("inc", inc), ("kdtree", other)):
+        file.case(solver, "similar, 1M", [0.1], peak_bytes=int(peak * 2**20), lower=1.0, upper=1.0)
+    _, _, text = make(file)
+    assert f"INC needs more memory than any other solver. Here{' it' if outcome != 'not separated' else ':'} {outcome}" in text

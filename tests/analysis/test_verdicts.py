@@ -1,0 +1,149 @@
+"""Each verdict comes out every way that it can, and errs no more often than it says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from analysis import verdicts
+from analysis.statistics import NO_DATA, Estimate, exact, paired_ratio
+from analysis.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
+
+
+def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:
+    """Of so many rounds that say `factor`, but for the odd ones, which say 1 / factor."""
+    return paired_ratio([factor] * (rounds - odd) + [1 / factor] * odd, [1.0] * rounds)
+
+
+FASTER, SLOWER, LEVEL, FEW = ratio(2.0), ratio(0.5), ratio(1.1, odd=4), ratio(2.0, rounds=2)
+
+
+@pytest.mark.parametrize(("ratios", "outcome"), [
+    ([FASTER, FASTER], HOLDS), ([FASTER, LEVEL], OPEN), ([FASTER, LEVEL, SLOWER], FAILS), ([FASTER, NO_DATA], HOLDS),
+    ([NO_DATA], UNTESTED), ([], UNTESTED), ([FEW, FEW], OPEN),
+    ([exact(2.0), exact(1.5)], HOLDS), ([exact(2.0), exact(1.0)], OPEN), ([exact(2.0), exact(0.5)], FAILS),
+    # Six rounds: one ratio of six below 1 may be chance, two are not (2 tails of 1/64, 6 / 2 of them).
+    ([ratio(2.0, 6)] * 5 + [ratio(0.5, 6)], OPEN), ([ratio(2.0, 6)] * 4 + [ratio(0.5, 6)] * 2, FAILS)])
+def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
+    assert verdicts.everywhere("x", ratios).outcome == outcome
+
+
+def rate(outcome: str, verdict: Callable[[np.random.Generator], verdicts.Verdict], trials: int = 150) -> float:
+    rng = np.random.default_rng(11)
+    return sum(verdict(rng).outcome == outcome for _ in range(trials)) / trials
+
+
+def noisy(rng: np.random.Generator, truth: float, rounds: int) -> Estimate:
+    return paired_ratio(truth * np.exp(0.02 * rng.standard_normal(rounds)), [1.0] * rounds)
+
+
+@pytest.mark.parametrize(("pairs", "rounds"), [(6, 6), (15, 10)])
+def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
+    """Where all ratios are 1, "one is below" comes out in 5 % of cases at most (and 1.7 % more for 150 trials), and not in
+    as many as a test for each would give; where one of them is 1 and the others 2, "all are above" does.
+    """
+    def level(rng: np.random.Generator) -> list[Estimate]:
+        return [noisy(rng, 1.0, rounds) for _ in range(pairs)]
+    assert rate(FAILS, lambda rng: verdicts.everywhere("x", level(rng))) <= 0.067
+    each = rate(FAILS, lambda rng: verdicts.Verdict("x", FAILS if any(x.separated and x.high < 1 for x in level(rng)) else OPEN,
+                                                    ""))
+    assert each > 0.08
+    assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 1.0, rounds)] + [noisy(rng, 2.0, rounds)] * 5)) <= 0.067
+    # And it finds what is there.
+    assert rate(FAILS, lambda rng: verdicts.everywhere("x", level(rng)[2:] + [noisy(rng, 0.5, rounds)] * 2)) == 1
+    assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 2.0, rounds) for _ in range(pairs)]), 20) == 1
+
+
+def test_above_one() -> None:
+    assert [verdicts.above_one("x", r).outcome for r in (FASTER, LEVEL, SLOWER, NO_DATA, FEW)] == \
+        [HOLDS, OPEN, FAILS, UNTESTED, OPEN]
+
+
+def test_never_is_never_proven() -> None:
+    assert [verdicts.never("x", wrong, of, "cases").outcome for wrong, of in ((0, 28), (0, 29), (1, 10**6), (0, 0))] == \
+        [OPEN, NOT_REFUTED, FAILS, UNTESTED]
+    # 1 - 0.05^(1/150) = 2.0 %; of ten independent ones, 26 %.
+    assert verdicts.never("x", 0, 150, "answers are wrong").evidence == "0 of 150 answers are wrong; the rate is below 2.0 % at 95 %"
+    few = verdicts.never("x", 0, 150, "answers are wrong", 10)
+    assert few.outcome == OPEN and few.evidence.endswith("below 26 % at 95 %, from 10 independent trials")
+    assert verdicts.never("x", 0, 99, "cases").line().startswith("Claim: x. Here: not refuted (0 of 99 cases; the rate is below")
+
+
+def test_all_of_a_known_number() -> None:
+    assert [verdicts.all_of("x", unlike, seen, 6, "pairs").outcome for unlike, seen in ((0, 6), (1, 2), (0, 5), (0, 0))] == \
+        [HOLDS, FAILS, OPEN, UNTESTED]
+
+
+def test_rising() -> None:
+    up = [1.0, 2, 3, 4, 5, 6]
+    assert verdicts.rising("x", up, up).outcome == HOLDS and verdicts.rising("x", up, up[::-1]).outcome == FAILS
+    assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == OPEN  # p = 0.056 for 3 inversions
+    assert verdicts.rising("x", [1.0], [1.0]).outcome == UNTESTED and verdicts.rising("x", up, [1.0] * 6).outcome == OPEN
+    # A tie is no pair in order: 0.0167 if it were.
+    assert verdicts.rising("x", up[:5], [1.0, 1, 2, 3, 4]).evidence == "Kendall's tau 0.95 over 5, p = 0.023"
+
+
+def test_rising_by_run() -> None:
+    x = [1.0, 2, 3, 4]
+    assert verdicts.rising_by_run("x", [(x, x)] * 6).outcome == HOLDS
+    assert verdicts.rising_by_run("x", [(x, x[::-1])] * 6).outcome == FAILS
+    assert verdicts.rising_by_run("x", [(x, x)] * 5 + [(x, x[::-1])]).outcome == OPEN
+    assert verdicts.rising_by_run("x", [(x, x)] * 5).outcome == OPEN and verdicts.rising_by_run("x", []).outcome == UNTESTED
+    # One smooth run is one trial, however many neighbours it visits.
+    long = [float(i) for i in range(100)]
+    assert verdicts.rising_by_run("x", [(long, long)]).outcome == OPEN
+
+
+def test_constant() -> None:
+    def of(*levels: float, runs: int = 12, spread: float = 0.0) -> str:
+        return verdicts.constant("x", [[y * (1 + spread * i) for i in range(runs)] for y in levels], 1.25).outcome
+    assert of(1.0, 1.1, 1.2) == HOLDS and of(1.0, 1.1, 1.5) == FAILS
+    assert of(1.0, 1.1, 1.2, spread=0.02) == OPEN and of(1.0, 1.0, 1.0, runs=4) == OPEN
+    assert of(1.0, 1.1) == UNTESTED
+
+
+def test_constant_errs_seldom() -> None:
+    """Twenty places with one constant and 10 % of noise: the greatest and the least differ by more than the factor in
+    most trials, and that must not refute it.
+    """
+    def noise(rng: np.random.Generator) -> verdicts.Verdict:
+        return verdicts.constant("x", np.exp(0.1 * rng.standard_normal((20, 10))).tolist(), 1.05)
+    assert rate(FAILS, noise) <= 0.067 and rate(HOLDS, noise) == 0
+
+
+def test_greatest() -> None:
+    def of(ratios: list[Estimate], rival: Estimate) -> str:
+        return verdicts.greatest("x", ratios, rival, "").outcome
+    assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
+    assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
+    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves: no proof
+
+
+def test_least_among() -> None:
+    def of(*rivals: tuple[Estimate, ...], among: int = 2) -> str:
+        return verdicts.least_among("x", [(str(i), r) for i, r in enumerate(rivals)], "5", ["5", "6", "7"][:among]).outcome
+    assert of((FASTER, SLOWER), (FASTER, LEVEL)) == HOLDS
+    assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # no one setting beats both
+    assert of((SLOWER, SLOWER), (FASTER, FASTER)) == FAILS and of((SLOWER, FASTER)) == HOLDS and of() == UNTESTED
+    # One-sided 2^-6 times four rivals is above 5 %.
+    six = [(ratio(0.5, 6),)] + [(ratio(2.0, 6),)] * 3
+    assert of(*six[:3], among=1) == FAILS and of(*six, among=1) == OPEN
+
+
+def test_least_among_errs_seldom() -> None:
+    """Nine rivals that take as long as the setting, all compared with the same times of it."""
+    def level(rng: np.random.Generator) -> verdicts.Verdict:
+        own, others = np.exp(0.02 * rng.standard_normal(10)), np.exp(0.02 * rng.standard_normal((9, 10)))
+        return verdicts.least_among("x", [(str(i), [paired_ratio(x, own)]) for i, x in enumerate(others)], "", ["5"])
+    assert rate(FAILS, level) <= 0.067 and rate(HOLDS, level) <= 0.067
+
+
+def test_line_with_counts() -> None:
+    found = verdicts.above_one("a is faster", FASTER).with_counts({
+        "distances": verdicts.above_one("a is faster", exact(0.5)), "bounds": verdicts.above_one("a is faster", NO_DATA)})
+    assert found.line() == ("Claim: a is faster. Here it holds (ratio 2.00 [2.00, 2.00]). Counted in distances it does not hold "
+                            "(ratio 0.500); in bounds it is not tested (no ratio).")
+    assert math.isnan(NO_DATA.value)

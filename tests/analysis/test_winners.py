@@ -1,0 +1,70 @@
+"""README's table of winners: it is what the kept tables give, and it follows them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis import winners
+
+TABLE3 = """## zhang2017_table3
+
+**Times.**
+
+| scene |  | \\|A\\| / \\|B\\| | EARLYBREAK | scan (ours) | k-d tree (nanoflann) | EARLYBREAK / framework |
+|---|---|---:|---:|---:|---:|---:|
+| (a) pears | here | 1 / 1 | 8.00 [7.00, 9.00] | 2.00 [1.50, 2.50] | 4.00 [3.00, 5.00] | 9.00 |
+|  | distances |  | 1 | 2 | 3 | — |
+|  | paper | 1 / 1 | 0.1 | — | — | — |
+| (b) cow | here | 1 / 1 | 1.00 [0.900, 1.10] | timeout | 3.00 [2.90, 3.10] | 9.00 |
+| (c) cups | here | 1 / 1 | 1.00 [0.900, 1.10] | 1.05 [1.00, 1.10] | 3.00 [2.90, 3.10] | 9.00 |
+
+- Claim: the framework takes less time than INC. Here it does not hold (above 1 for 0 of 3 pairs). Counted in distances it holds (1).
+"""
+
+
+def kept(folder: Path, text: str = TABLE3) -> Path:
+    (folder / "zhang2017_paper_profile.md").write_text(text, encoding="utf-8")
+    (folder / "points_speed.md").write_text("## points_speed\n", encoding="utf-8")
+    return folder
+
+
+def test_readme_is_what_the_kept_tables_give() -> None:
+    readme = winners.README.read_text(encoding="utf-8")
+    assert winners.rewritten(readme, winners.table()) == readme, "run python3 -m analysis.winners"
+    assert "| `scan` |" in winners.table()
+
+
+def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
+    """(a) is scan's, two times over the tree; (b) EARLYBREAK's, for scan timed out; on (c) the two are level."""
+    lines = winners.table(kept(tmp_path)).splitlines()
+    assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times over the next best | — |" in lines
+    assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best | — |" in lines
+    assert "| `adaptive` | nowhere | the framework takes less time than INC: does not hold |" in lines
+
+
+def test_the_table_follows_the_data(tmp_path: Path) -> None:
+    text = TABLE3.replace("2.00 [1.50, 2.50]", "2.00 [1.50, 3.50]").replace("does not hold (above", "holds (above")
+    lines = winners.table(kept(tmp_path, text)).splitlines()
+    assert "| `scan` | nowhere | — |" in lines
+    assert "| `adaptive` | nowhere | the framework takes less time than INC: holds |" in lines
+
+
+def test_scenes_of_one_claim_are_gathered(tmp_path: Path) -> None:
+    text = TABLE3 + "".join(f"- Claim: {scene}: where α > 0.33, OHD takes less time than EARLYBREAK. Here{how} (x).\n" for scene, how in
+                            (("torus", " it holds"), ("gears", ": not separated"), ("wheel", " it holds")))
+    text += "- Claim: torus: where the boxes are apart, NOHD takes less time than EARLYBREAK. Here it holds (x).\n"
+    lines = winners.table(kept(tmp_path, text)).splitlines()
+    assert ("| `ohd` | nowhere | where α > 0.33, OHD takes less time than EARLYBREAK: holds (torus; wheel), not separated "
+            "(gears) |") in lines
+    assert "| `nohd` | nowhere | where the boxes are apart, NOHD takes less time than EARLYBREAK: holds |" in lines
+
+
+def test_marks_are_needed(tmp_path: Path) -> None:
+    (tmp_path / "README.md").write_text(f"a\n{winners.BEGIN}\noutdated\n{winners.END}\nb\n", encoding="utf-8")
+    winners.write(kept(tmp_path), tmp_path / "README.md")
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert text.startswith(f"a\n{winners.BEGIN}\n| solver |") and text.endswith(f"|\n{winners.END}\nb\n") and "outdated" not in text
+    with pytest.raises(ValueError, match="marks"):
+        winners.rewritten("no marks", "x")
