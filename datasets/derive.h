@@ -18,6 +18,7 @@ namespace hausbench {
 //            operation that takes one
 // scale      factor, about the origin
 // normalise  box centred at the origin, diagonal 1
+// outlier    x, y, z: a point set gets one more point, the last
 // translate  x, y, z: fractions of the diagonal
 // rotate     x, y, z: the axis; t: tangent of half the angle; about the origin (rational, so that no libm is needed)
 const std::vector<Recipe>& operations();
