@@ -1,7 +1,8 @@
-// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 to 5, line by line.
+// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 to 5.
 //
 // The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points before, even infinity. nohd.cpp
-// has the correction. Here the queue is drained, as printed. O(|A| |B|) time. Budget: cells taken from the queue.
+// has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
+// drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
@@ -46,6 +47,7 @@ public:
         queue.push({infinity, root_of(*tree_)});
         for (std::uint64_t taken = 0; !queue.empty(); ++taken) {
             const Entry head = queue.top();
+            if (head.squared_upper <= max_lb) break;
             const Status stopped = taken >= query.budget ? Status::budget
                                    : deadline.passed()   ? Status::time_limit
                                                          : Status::converged;
@@ -56,7 +58,6 @@ public:
             queue.pop();
             const PointOctree::Node& node = tree_->nodes()[static_cast<std::size_t>(head.cell.node)];
             if (head.cell.depth < depth_) {
-                if (head.squared_upper < max_lb) continue;
                 for_each_part(*tree_, head.cell, [&](const Cursor& part) {
                     const Box box = posed_box(part.cell, query.pose, around);
                     const auto [upper, lower, flag] = cube_to_points(box, b, max_lb, counters);

@@ -268,7 +268,7 @@ PARAMETERS: dict[str, list[set[str]]] = {
     "uniform_points": [{"count", "seed"}], "box_points": [{"count", "seed", "x", "y", "z"}],
     "curve_points": [{"count", "seed"}], "shell_points": [{"count", "seed", "radius", "x", "y", "z"}],
     "cluster_points": [{"count", "seed", "clusters", "layout", "spread", "sigma", "shrink"}], "outlier": [{"x", "y", "z"}],
-    "surface": [{"polynomial", "box"}],
+    "rotate": [{"x", "y", "z", "t"}], "surface": [{"polynomial", "box"}],
     "gear": [{"teeth", "steps", "rings", "layers", "outer", "root", "bore", "height"}],
 }
 
