@@ -27,10 +27,11 @@ Box dense_part(const Points& points, const Box& box) {
             sample[static_cast<std::size_t>(i)] = points(points.rows() * i / count, k);
         const auto low = sample.begin() + count / 16, high = sample.end() - 1 - count / 16;
         std::nth_element(sample.begin(), low, sample.end());
+        const double least = *low;
         std::nth_element(low, high, sample.end());
-        const double width = *high - *low;
+        const double width = *high - least;
         if (box.high[k] - box.low[k] <= 8 * width) continue;
-        part.low[k] = std::max(part.low[k], *low - width);
+        part.low[k] = std::max(part.low[k], least - width);
         part.high[k] = std::min(part.high[k], *high + width);
     }
     return part.low == part.high ? box : part;
