@@ -7,14 +7,14 @@
 namespace hausbench {
 
 // One line a solver: its function, defined in its own file.
-SolverEntry naive_solver();       // points/naive.cpp
-SolverEntry earlybreak_solver();  // points/earlybreak.cpp
-SolverEntry inc_solver();         // points/inc.cpp
-SolverEntry nohd_solver();        // points/nohd.cpp
-SolverEntry ohd_solver();         // points/ohd.cpp
-SolverEntry adaptive_solver();    // points/adaptive.cpp
-SolverEntry nohd_as_printed_solver();
-SolverEntry ohd_as_printed_solver();
+SolverEntry naive_solver();                 // points/naive.cpp
+SolverEntry earlybreak_solver();            // points/earlybreak.cpp
+SolverEntry inc_solver();                   // points/inc.cpp
+SolverEntry nohd_solver();                  // points/nohd.cpp
+SolverEntry ohd_solver();                   // points/ohd.cpp
+SolverEntry adaptive_solver();              // points/adaptive.cpp
+SolverEntry nohd_as_printed_solver();       // points/nohd_as_printed.cpp
+SolverEntry ohd_as_printed_solver();        // points/ohd_as_printed.cpp
 SolverEntry scan_solver();                  // points/scan.cpp
 SolverEntry guthe_solver();                 // meshes/guthe.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp

@@ -213,6 +213,7 @@ const std::vector<Recipe>& operations() {
         {"subdivide", {{"levels", true, 0, 8}}},
         {"scale", {{"factor", false, 1e-100, 1e100}}},
         {"normalise", {}},
+        {"outlier", {x, y, z}},
         {"translate", {x, y, z}},
         {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}},
         {"stray", {{"distance", false, 0, 1e100}}},
@@ -270,7 +271,11 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
         points *= real("factor");
     else if (operation == "normalise")
         normalise(points);
-    else if (operation == "translate")
+    else if (operation == "outlier") {
+        if (as_mesh) throw InputError("outlier takes a point set, but its origin is a mesh");
+        points.conservativeResize(points.rows() + 1, 3);
+        points.row(points.rows() - 1) << real("x"), real("y"), real("z");
+    } else if (operation == "translate")
         points.rowwise() += diagonal(points) * Eigen::RowVector3d(real("x"), real("y"), real("z"));
     else if (operation == "rotate")
         points = posed(points, {rotation({real("x"), real("y"), real("z")}, real("t")), Vec3::Zero()});

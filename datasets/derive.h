@@ -18,6 +18,7 @@ namespace hausbench {
 //            operation takes a surface
 // scale      factor, about the origin
 // normalise  box centred at the origin, diagonal 1
+// outlier    x, y, z: a point set gets one more point, the last
 // translate  x, y, z: fractions of the diagonal
 // rotate     x, y, z: the axis; t: tangent of half the angle; about the origin (rational, so that no libm is needed)
 // stray      distance: the last element once more, that far along (2, 1, 2); a scan with one stray triangle or point

@@ -2,7 +2,7 @@
 
 #include "derive.h"
 #include "error.h"
-#include "random.h"
+#include "point_recipes.h"
 
 #include <fmt/format.h>
 
@@ -202,58 +202,54 @@ TriangleMesh needle(double ratio) {
     return builder.mesh();
 }
 
-PointSet gaussian_points(Index count, std::uint64_t seed, double sigma, const Vec3& centre) {
-    const Random random(seed);
-    PointSet set{Points(count, 3)};
-    std::uint64_t counter = 0;
-    for (Index i = 0; i < count; ++i)
-        for (int k = 0; k < 3; ++k) {
-            double sum = 0;
-            for (int j = 0; j < 12; ++j) sum += random.uniform(counter++);
-            set.points(i, k) = centre(k) + sigma * (sum - 6);
-        }
-    return set;
-}
-
-PointSet uniform_points(Index count, std::uint64_t seed) {
-    const Random random(seed);
-    PointSet set{Points(count, 3)};
-    for (Index i = 0; i < count; ++i)
-        for (int k = 0; k < 3; ++k)
-            set.points(i, k) = random.uniform(3 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(k));
-    return set;
-}
-
 }  // namespace
 
 const std::vector<Recipe>& recipes() {
     static const NumberSpec count{"count", true, 1, 1e8}, seed{"seed", true, 0, 0x1p53};
-    static const std::vector<Recipe> list = {{"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
-                                             {"cube", {{"subdivisions", true, 1, 4096}}},
-                                             {"torus",
-                                              {{"rings", true, 3, 16384},
-                                               {"sides", true, 3, 16384},
-                                               {"major", false, 1e-100, 1e100},
-                                               {"minor", false, 1e-100, 1e100}}},
-                                             {"gear",
-                                              {{"teeth", true, 3, 4096},
-                                               {"steps", true, 4, 4096},
-                                               {"rings", true, 1, 4096},
-                                               {"layers", true, 1, 4096},
-                                               {"outer", false, 1e-100, 1e100},
-                                               {"root", false, 1e-100, 1e100},
-                                               {"bore", false, 1e-100, 1e100},
-                                               {"height", false, 1e-100, 1e100}}},
-                                             {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
-                                             {"needle", {{"ratio", false, 1e-100, 1e100}}},
-                                             {"gaussian_points",
-                                              {count,
-                                               seed,
-                                               {"sigma", false, 0, 1e100},
-                                               {"x", false, -1e100, 1e100},
-                                               {"y", false, -1e100, 1e100},
-                                               {"z", false, -1e100, 1e100}}},
-                                             {"uniform_points", {count, seed}}};
+    static const std::vector<Recipe> list = {
+        {"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
+        {"cube", {{"subdivisions", true, 1, 4096}}},
+        {"torus",
+         {{"rings", true, 3, 16384},
+          {"sides", true, 3, 16384},
+          {"major", false, 1e-100, 1e100},
+          {"minor", false, 1e-100, 1e100}}},
+        {"gear",
+         {{"teeth", true, 3, 4096},
+          {"steps", true, 4, 4096},
+          {"rings", true, 1, 4096},
+          {"layers", true, 1, 4096},
+          {"outer", false, 1e-100, 1e100},
+          {"root", false, 1e-100, 1e100},
+          {"bore", false, 1e-100, 1e100},
+          {"height", false, 1e-100, 1e100}}},
+        {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
+        {"needle", {{"ratio", false, 1e-100, 1e100}}},
+        {"gaussian_points",
+         {count,
+          seed,
+          {"sigma", false, 0, 1e100},
+          {"x", false, -1e100, 1e100},
+          {"y", false, -1e100, 1e100},
+          {"z", false, -1e100, 1e100}}},
+        {"uniform_points", {count, seed}},
+        {"box_points", {count, seed, {"x", false, 0, 1e100}, {"y", false, 0, 1e100}, {"z", false, 0, 1e100}}},
+        {"curve_points", {count, seed}},
+        {"shell_points",
+         {count,
+          seed,
+          {"radius", false, 0, 1e100},
+          {"x", false, -1e100, 1e100},
+          {"y", false, -1e100, 1e100},
+          {"z", false, -1e100, 1e100}}},
+        {"cluster_points",
+         {count,
+          seed,
+          {"clusters", true, 1, 1e8},
+          {"layout", true, 0, 0x1p53},
+          {"spread", false, 0, 1e100},
+          {"sigma", false, 0, 1e100},
+          {"shrink", false, 0, 1}}}};
     return list;
 }
 
@@ -284,6 +280,7 @@ Shape generate(const std::string& recipe, const Numbers& numbers) {
     const auto real = [&](const char* name) { return numbers.at(name); };
     const auto whole = [&](const char* name) { return static_cast<int>(numbers.at(name)); };
     const auto seed = [&] { return static_cast<std::uint64_t>(numbers.at("seed")); };
+    const auto xyz = [&] { return Vec3(real("x"), real("y"), real("z")); };
     if (recipe == "icosphere") return icosphere(whole("level"), real("radius"));
     if (recipe == "cube") return cube(whole("subdivisions"));
     if (recipe == "torus") return torus(whole("rings"), whole("sides"), real("major"), real("minor"));
@@ -292,9 +289,15 @@ Shape generate(const std::string& recipe, const Numbers& numbers) {
                     real("bore"), real("height"));
     if (recipe == "plane") return plane(whole("n"), real("z"));
     if (recipe == "needle") return needle(real("ratio"));
-    if (recipe == "gaussian_points")
-        return gaussian_points(whole("count"), seed(), real("sigma"), {real("x"), real("y"), real("z")});
-    if (recipe == "uniform_points") return uniform_points(whole("count"), seed());
+    if (recipe == "gaussian_points") return gaussian_points(whole("count"), seed(), real("sigma"), xyz());
+    if (recipe == "uniform_points") return box_points(whole("count"), seed(), Vec3::Ones());
+    if (recipe == "box_points") return box_points(whole("count"), seed(), xyz());
+    if (recipe == "curve_points") return curve_points(whole("count"), seed());
+    if (recipe == "shell_points") return shell_points(whole("count"), seed(), real("radius"), xyz());
+    if (recipe == "cluster_points")
+        return cluster_points(whole("count"), seed(),
+                              {whole("clusters"), static_cast<std::uint64_t>(real("layout")), real("spread"),
+                               real("sigma"), real("shrink")});
     std::vector<std::string> known;
     for (const Recipe& r : recipes()) known.push_back(r.name);
     throw InputError("no recipe '" + recipe + "'" + nearest_hint(recipe, known));

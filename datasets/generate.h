@@ -37,6 +37,12 @@ struct Recipe {
 // gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
 //                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma
 // uniform_points   count, seed: in the cube [0, 1)^3
+// box_points       count, seed, x, y, z: uniform in [0, x) x [0, y) x [0, z); a line, ribbon or sheet where some are small or 0
+// curve_points     count, seed: (t, t^2, t^3) for uniform t in [0, 1)
+// shell_points     count, seed, radius, x, y, z: on a sphere around a centre
+// cluster_points   count, seed, clusters, layout, spread, sigma, shrink: centres uniform in [0, spread)^3, by the seed `layout`;
+//                  point i belongs to cluster i mod `clusters`, the c-th of standard deviation sigma shrink^c, as in
+//                  gaussian_points (sigma 0: duplicates; spread 0: all scales around one point)
 const std::vector<Recipe>& recipes();
 
 // `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction

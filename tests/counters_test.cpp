@@ -72,12 +72,59 @@ Counts point_tree_counts() {
     return counts;
 }
 
+// Pairs of point sets: clouds that overlap, that lie apart, that nearly coincide, and what is hard for grids and trees.
+std::vector<TestScene> point_scenes() {
+    Random random(10);
+    const auto noisy = [&](Points points, double size) {
+        for (Index i = 0; i < points.rows(); ++i) points.row(i) += random.vector(size).transpose();
+        return points;
+    };
+    const Points a = cloud(random, 500), b = cloud(random, 400), large = cloud(random, 3000);
+    Points outlier(401, 3), line = b, few = b;
+    outlier << b, Eigen::RowVector3d(1e4, 0, 0);
+    for (Index j = 0; j < b.rows(); ++j)
+        line.row(j) = b(j, 0) * Eigen::RowVector3d(1, 0.5, -0.25), few.row(j) = b.row(j % 7);
+    std::vector<TestScene> scenes;
+    const auto add = [&](const char* name, const Points& from, const Points& to) {
+        scenes.push_back({name, {PointSet{from}, PointSet{to}}, {}});
+    };
+    add("clouds", a, b);
+    add("clouds apart", a, Points(b.rowwise() + Eigen::RowVector3d(9, 0, 0)));
+    add("the same", b, b);
+    add("noise", noisy(b, 1e-3), b);
+    add("noise, large", noisy(large, 1e-4), large);
+    add("an outlier in B", noisy(b, 1e-3), outlier);
+    add("lines", Points(line * 0.9), line);
+    add("duplicates", noisy(few, 1e-3), few);
+    add("one point", a.topRows(1), b);
+    return scenes;
+}
+
+Counts point_solver_counts(const std::string& name, const ParameterMap& given = {}) {
+    const SolverEntry& entry = find_solver(name);
+    Counts counts;
+    for (const TestScene& test : point_scenes()) {
+        const Session session(entry, Options(name, entry.info.parameters, given), test.scene, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-9};
+        Trace trace;
+        counts[test.name] = session.solve(query, trace).counters;
+    }
+    return counts;
+}
+
 std::map<std::string, Counts> all_counts() {
     std::map<std::string, Counts> all;
     all["guthe"] = solver_counts("guthe");
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
     all["point_bvh"] = point_tree_counts();
+    for (const char* name :
+         {"naive", "earlybreak", "inc", "nohd", "nohd_as_printed", "ohd", "ohd_as_printed", "adaptive", "scan"})
+        all[name] = point_solver_counts(name);
+    all["nohd_without_early_break"] = point_solver_counts("nohd", {{"early_break", false}});
+    all["ohd_without_culling"] = point_solver_counts("ohd", {{"culling", std::string("none")}});
+    all["scan_by_tree"] = point_solver_counts("scan", {{"tree_from", std::int64_t{0}}});
     return all;
 }
 

@@ -90,6 +90,18 @@ TEST(Generate, BitsArePinned) {
         {"uniform_points",
          {{"count", 1000}, {"seed", 7}},
          "591e11844960276c2de20cdf70a23c573a82908403f981f0df863fff9ca2a080"},
+        {"box_points",
+         {{"count", 1000}, {"seed", 7}, {"x", 1}, {"y", 1e-3}, {"z", 0}},
+         "fb68b71d48013e551b008660a7d45c21042c6756e7d02cd6d5f0c2ac031a21e3"},
+        {"curve_points",
+         {{"count", 1000}, {"seed", 7}},
+         "256b8dc66603388987390238f6867ac9f21e5d26ef6e803139a1661b7d3a8b7d"},
+        {"shell_points",
+         {{"count", 1000}, {"seed", 7}, {"radius", 2}, {"x", 1}, {"y", 0}, {"z", -1}},
+         "a54c61972542efadc1d068140f7caa10beb4faa9fd0fa127b250b07949733391"},
+        {"cluster_points",
+         {{"count", 1000}, {"seed", 7}, {"clusters", 9}, {"layout", 5}, {"spread", 10}, {"sigma", 1}, {"shrink", 0.1}},
+         "5d9bb3175a827b3472c5f2f3df2440d26b84fbad8085c8dcbf88899350066ac9"},
     };
     for (const Pinned& one : all) EXPECT_EQ(content_hash(generate(one.recipe, one.numbers)), one.hash) << one.recipe;
 }
@@ -157,6 +169,38 @@ TEST(Generate, PointsHaveTheirDistribution) {
     EXPECT_NEAR((uniform.col(0).array() * uniform.col(1).array()).mean(), 0.25, 0.01);
     EXPECT_NE(content_hash(generate("uniform_points", {{"count", 10}, {"seed", 1}})),
               content_hash(generate("uniform_points", {{"count", 10}, {"seed", 2}})));
+}
+
+TEST(Generate, HardPointSetsAreWhatTheySay) {
+    const Points ribbon =
+        points_of(generate("box_points", {{"count", 5000}, {"seed", 1}, {"x", 2}, {"y", 1e-3}, {"z", 0}}));
+    EXPECT_GE(ribbon.minCoeff(), 0);
+    EXPECT_NEAR(ribbon.col(0).maxCoeff(), 2, 0.01);
+    EXPECT_NEAR(ribbon.col(1).maxCoeff(), 1e-3, 1e-5);
+    EXPECT_EQ(ribbon.col(2).maxCoeff(), 0);
+    const Points curve = points_of(generate("curve_points", {{"count", 1000}, {"seed", 1}}));
+    EXPECT_TRUE((curve.col(0).array().square() == curve.col(1).array()).all());
+    const Points shell = points_of(
+        generate("shell_points", {{"count", 5000}, {"seed", 1}, {"radius", 3}, {"x", 1}, {"y", 2}, {"z", 0}}));
+    const Points centred = shell.rowwise() - Eigen::RowVector3d(1, 2, 0);
+    EXPECT_NEAR(centred.rowwise().norm().minCoeff(), 3, 1e-14);
+    EXPECT_NEAR(centred.rowwise().norm().maxCoeff(), 3, 1e-14);
+    EXPECT_LT(centred.colwise().mean().norm(), 0.15);
+    const Numbers numbers{{"count", 1000}, {"seed", 1},     {"clusters", 4}, {"layout", 5},
+                          {"spread", 10},  {"sigma", 1e-3}, {"shrink", 0}};
+    const Points clusters = points_of(generate("cluster_points", numbers));
+    EXPECT_EQ(clusters.row(1), clusters.row(5));  // of the second cluster, whose sigma is 0
+    EXPECT_NE(clusters.row(0), clusters.row(4));
+    EXPECT_LT((clusters.row(0) - clusters.row(4)).norm(), 0.02);
+    EXPECT_GT((clusters.row(1) - clusters.row(2)).norm(), 0.1);
+}
+
+TEST(Derive, OutlierAddsOnePoint) {
+    const Shape cloud = generate("uniform_points", {{"count", 10}, {"seed", 1}});
+    const Points more = points_of(derived("outlier", {{"x", 1e4}, {"y", -2}, {"z", 0}}, cloud).shape);
+    EXPECT_EQ(more.topRows(10), points_of(cloud));
+    EXPECT_EQ(Eigen::RowVector3d(more.row(10)), Eigen::RowVector3d(1e4, -2, 0));
+    EXPECT_THROW(derive("outlier", {{"x", 0}, {"y", 0}, {"z", 0}}, {sphere(1), {}}), InputError);
 }
 
 TEST(Derive, VerticesAndWeld) {

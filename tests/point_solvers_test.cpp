@@ -1,5 +1,7 @@
 // The exact solvers of point sets against exact arithmetic and against each other, on many small scenes; and the published
 // errors that two registry entries keep, shown to be errors.
+#include "points/exact.h"
+#include "points/shuffle.h"
 #include "reference.h"
 #include "registry.h"
 #include "scenes.h"
@@ -7,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
+#include <set>
 
 namespace hausbench {
 namespace {
@@ -97,6 +101,19 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
+// A point of B at 1 keeps the session from scaling, so that the squared distance of the others, `apart` squared, underflows.
+TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
+    for (const double apart : {1e-200, 0x1p-537 * 0.75, 0x1p-537 * 1.25, 0x1p-537 * 1.2, 0x1p-530 * 1.1, 1e-100}) {
+        const SmallScene small{{PointSet{rows({{0, 0, 0}})}, PointSet{rows({{apart, 0, 0}, {1, 1, 1}})}}, {}};
+        for (const SolverEntry& entry : solvers()) {
+            if (!entry.info.exact || !entry.info.certified || !entry.info.source.points) continue;
+            const Result result = answer(entry, small);
+            EXPECT_LE(result.bounds.lower, apart) << entry.info.name;
+            EXPECT_GE(result.bounds.upper, apart) << entry.info.name;
+        }
+    }
+}
+
 // Larger sets, where cells are culled and queues grow: compared with NAIVEHDD, which the test above has judged.
 TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
     Random random(42);
@@ -148,14 +165,88 @@ TEST(PointSolvers, OhdWithTheCullingAsPrintedIsNotCertified) {
     EXPECT_TRUE(certified({}));
     EXPECT_TRUE(certified({{"culling", "none"}}));
     EXPECT_FALSE(certified({{"culling", "as_printed"}}));
+}
+
+// What the paper's culling gives, worked out from its words: AHD is the distance of the first points of A in random order; a
+// point of A in a cell of side AHD (from the low corner of B) that holds a point of B is left out.
+double squared_by_printed_culling(const Points& a, const Points& b, double lambda, std::uint64_t seed) {
+    const auto nearest = [&](Index i) {
+        double least = std::numeric_limits<double>::infinity();
+        for (Index j = 0; j < b.rows(); ++j)
+            least = std::min(least, squared_distance(a.row(i).data(), b.row(j).data()));
+        return least;
+    };
+    Generator generator(seed);
+    const std::vector<Index> order = order_of(static_cast<Index>(a.rows()), true, generator);
+    double most = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(std::ceil(lambda * static_cast<double>(a.rows()))); ++k)
+        most = std::max(most, nearest(order[k]));
+    const double side = std::sqrt(most);
+    const Vec3 low = b.colwise().minCoeff();
+    const auto cell = [&](const Points& points, Index i) {
+        std::array<double, 3> key;
+        for (Index k = 0; k < 3; ++k) key[static_cast<std::size_t>(k)] = std::floor((points(i, k) - low[k]) / side);
+        return key;
+    };
+    std::set<std::array<double, 3>> occupied;
+    for (Index j = 0; j < b.rows(); ++j) occupied.insert(cell(b, j));
+    for (Index i = 0; i < a.rows(); ++i)
+        if (!occupied.contains(cell(a, i))) most = std::max(most, nearest(i));
+    return most;
+}
+
+TEST(PointSolvers, OhdAsPrintedGivesWhatThePaperSays) {
     Random random(47);
-    for (int i = 0; i < 100; ++i) {
+    int wrong = 0;
+    for (int i = 0; i < 200; ++i) {
         const SmallScene small{{PointSet{cloud(random, 400)}, PointSet{cloud(random, 400)}}, {}};
-        const Result option = answer(ohd, small, {{"culling", "as_printed"}, {"lambda", 0.05}});
-        const Result entry = answer(find_solver("ohd_as_printed"), small, {{"lambda", 0.05}});
-        EXPECT_EQ(option.bounds.lower, entry.bounds.lower);
-        EXPECT_EQ(option.bounds.upper, entry.bounds.upper);
+        const double expected =
+            squared_by_printed_culling(points_of(small.scene.source), points_of(small.scene.target), 0.05, 1);
+        for (const Result& result :
+             {answer(find_solver("ohd_as_printed"), small, {{"lambda", 0.05}}),
+              answer(find_solver("ohd"), small, {{"culling", "as_printed"}, {"lambda", 0.05}})}) {
+            EXPECT_EQ(result.bounds.lower, distance_at_least(expected, false)) << i;
+            EXPECT_EQ(result.bounds.upper, distance_at_most(expected, false)) << i;
+        }
+        wrong += answer(find_solver("naive"), small).bounds.lower > distance_at_most(expected, false);
     }
+    EXPECT_GT(wrong, 0);
+}
+
+// Without early breaking, Algorithm 4 inserts every child: all cells that are split enter the queue.
+TEST(PointSolvers, NohdWithoutEarlyBreakInsertsEveryChild) {
+    Random random(48);
+    for (int i = 0; i < 20; ++i) {
+        const SmallScene small{{PointSet{cloud(random, 400)}, PointSet{cloud(random, 400)}}, {}};
+        const Counters with = answer(find_solver("nohd"), small).counters;
+        const Counters without = answer(find_solver("nohd"), small, {{"early_break", false}}).counters;
+        EXPECT_EQ(without.queue_pushes, without.node_visits);
+        EXPECT_EQ(without.bound_tests, without.node_visits * 400) << "each child against all of B";
+        EXPECT_LT(with.queue_pushes, with.node_visits);
+    }
+}
+
+// Section 4.4.1: AHD comes from ceil(lambda |A|) outer loops of EARLYBREAK. With lambda = 1 all the distances are theirs but
+// for those of the search, which are far fewer than those of NAIVEHDD.
+TEST(PointSolvers, OhdTakesItsFirstBoundByEarlyBreak) {
+    Random random(49);
+    const SmallScene small{{PointSet{cloud(random, 600)}, PointSet{cloud(random, 600)}}, {}};
+    const auto queries = [&](double lambda, std::uint64_t budget) {
+        const SolverEntry& ohd = find_solver("ohd");
+        const Session session(ohd, Options("ohd", ohd.info.parameters, {{"lambda", lambda}, {"culling", "none"}}),
+                              small.scene, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-6};
+        query.budget = budget;
+        Trace trace;
+        return session.solve(query, trace).counters;
+    };
+    const Counters sampled = queries(0.5, 300);  // stops after the sample
+    EXPECT_EQ(sampled.closest_point_queries, 0U);
+    EXPECT_EQ(sampled.node_visits, 0U);
+    EXPECT_GT(sampled.point_distances, 600U);                        // the first outer loop looks at all of B
+    EXPECT_LT(sampled.point_distances, 300U * 600U / 4);             // most break early
+    EXPECT_EQ(queries(0.5, 1'000'000).closest_point_queries, 600U);  // then every point of A is searched for
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // scan against naive, bit by bit, on many scenes; and what it is built of.
+#include "exact.h"
 #include "kernel/morton.h"
 #include "kernel/near_grid.h"
 #include "kernel/point_blocks.h"
@@ -194,19 +195,21 @@ TEST(Scan, SameWorkOnEveryVectorTarget) {
     std::vector<Pair> pairs;
     for (int i = 0; i < 3 * kinds; ++i)
         pairs.push_back(random_pair(random, i % kinds, 1 + random.below(900), 1 + random.below(900)));
-    std::vector<std::int64_t> targets;
-    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
     std::vector<Result> first;
-    for (const std::int64_t target : targets) {
+    std::set<std::int64_t> ran;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
         hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        ran.insert(scan_target());
+        ASSERT_EQ(scan_target(), target) << "asked for " << hwy::TargetName(target);
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const Result result = answer("scan", pairs[i], Pose{}, {}, variants()[i % 2]);
+            const std::string where = std::string(hwy::TargetName(target)) + ", " + pairs[i].name;
             if (first.size() < pairs.size()) {
                 first.push_back(result);
+                expect_same(pairs[i], Pose{}, result, where);  // as naive, which has no vector instructions
                 continue;
             }
-            const std::string where = std::string(hwy::TargetName(target)) + ", " + pairs[i].name;
             EXPECT_EQ(result.bounds.lower, first[i].bounds.lower) << where;
             EXPECT_EQ(result.bounds.upper, first[i].bounds.upper) << where;
             EXPECT_EQ(result.witness.source_element, first[i].witness.source_element) << where;
@@ -215,7 +218,8 @@ TEST(Scan, SameWorkOnEveryVectorTarget) {
         }
     }
     hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_GE(ran.size(), 2U) << "nothing was compared";
 }
 
 TEST(Scan, StopsWithBoundsThatHold) {
@@ -247,9 +251,10 @@ TEST(PointBlocks, BoxesHoldTheirPointsAndEveryPointIsThereOnce) {
         if (magnitude(points) > 1e100) continue;  // scenes are scaled before
         const PointBlocks blocks(points);
         std::multiset<Index> rows;
-        ASSERT_TRUE(std::is_sorted(blocks.content.keys.begin(), blocks.content.keys.end()));
-        for (std::size_t l = 0; l < blocks.content.leaves.size(); ++l) {
-            const PointLeaf& leaf = blocks.content.leaves[l];
+        ASSERT_TRUE(std::is_sorted(blocks.keys.begin(), blocks.keys.end()));
+        ASSERT_EQ(blocks.keys.size(), blocks.leaves.size());
+        for (std::size_t l = 0; l < blocks.leaves.size(); ++l) {
+            const PointLeaf& leaf = blocks.leaves[l];
             for (std::size_t k = 0; k < block_points; ++k) {
                 ASSERT_EQ(Vec3(points.row(leaf.row[k])), Vec3(leaf.x[k], leaf.y[k], leaf.z[k]));
                 if (k == 0 || leaf.row[k] != leaf.row[k - 1]) rows.insert(leaf.row[k]);
@@ -271,7 +276,7 @@ TEST(PointBlocks, BoxesHoldTheirPointsAndEveryPointIsThereOnce) {
     }
 }
 
-TEST(NearGrid, GuessesAreTruePointsAndMarksReachAllNearOnes) {
+TEST(NearGrid, CandidatesArePointsOfTheSetAndMarksHoldAllNearOnes) {
     Random random(36);
     for (int i = 0; i < 8 * kinds; ++i) {
         const Pair pair = random_pair(random, i % kinds, 20, 1 + random.below(2000));
@@ -279,9 +284,10 @@ TEST(NearGrid, GuessesAreTruePointsAndMarksReachAllNearOnes) {
         const NearGrid grid(pair.b, extent_of(pair.b).box);
         for (Index p = 0; p < pair.a.rows(); ++p) {
             const double* const point = pair.a.row(p).data();
-            const NearGrid::Guess& guess = grid.guess(point);
-            ASSERT_EQ(Vec3(pair.b.row(guess.row)), Vec3(guess.point[0], guess.point[1], guess.point[2]));
-            const double squared = squared_distance(point, guess.point);
+            const NearGrid::Candidate& candidate = grid.candidate(point);
+            ASSERT_EQ(Vec3(pair.b.row(candidate.row)),
+                      Vec3(candidate.point[0], candidate.point[1], candidate.point[2]));
+            const double squared = squared_distance(point, candidate.point);
             std::vector<std::uint8_t> flags(grid.cells());
             grid.mark(point, distance_at_most(squared, true), flags);
             for (Index j = 0; j < pair.b.rows(); ++j) {
@@ -290,6 +296,89 @@ TEST(NearGrid, GuessesAreTruePointsAndMarksReachAllNearOnes) {
             }
         }
     }
+}
+
+// The first double of a cell of the grid along x, on the row y = z = 0: searched for between 0.3 and 0.7 of the size.
+double first_of_a_cell(const NearGrid& grid, double size = 1) {
+    double before = 0.3 * size, first = 0.7 * size;
+    const auto cell = [&](double x) { return grid.cell_of(Vec3(x, 0, 0).data()); };
+    while (std::nextafter(before, 1) < first) {
+        const double middle = before + (first - before) / 2;
+        (cell(middle) == cell(0.3 * size) ? before : first) = middle;
+    }
+    return first;
+}
+
+// The lemma of mark(): cells of all points within the radius along each axis, whose ends need no slack for rounding. Here B
+// has a point at the first double of a cell, and the radius is the least double that holds it: a mark that ends one double too
+// early misses it.
+TEST(NearGrid, MarksEndAtTheVeryPoint) {
+    Random random(38);
+    const NearGrid grid(stacked(cloud(random, 4000), rows({{-1, -1, -1}, {1, 1, 1}})), {-Vec3::Ones(), Vec3::Ones()});
+    const double edge = first_of_a_cell(grid);
+    int inexact = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const double x = -random.unit();
+        const exact::Rational apart = exact::Rational(edge) - exact::Rational(x);
+        double radius = edge - x;
+        if (exact::Rational(radius) < apart) radius = std::nextafter(radius, 2);
+        inexact += exact::Rational(radius) != apart;
+        std::vector<std::uint8_t> flags(grid.cells());
+        const double here[] = {x, 0, 0}, there[] = {edge, 0, 0};
+        grid.mark(here, radius, flags);
+        ASSERT_TRUE(flags[grid.cell_of(there)]) << x;
+        std::vector<std::uint8_t> fewer(grid.cells());
+        grid.mark(here, radius - 1e-15, fewer);
+        ASSERT_FALSE(fewer[grid.cell_of(there)]) << "the point is not at the very end: nothing was tested";
+    }
+    EXPECT_GT(inexact, 200);
+}
+
+// h is known: a is 1.2 from b, its candidate, which is the first double of a cell. Its other points of A, the decoys, have a
+// candidate a little farther and a closest point a little nearer, so that a is decided by the cells marked for it alone. A
+// radius without its slack (the square root of the computed square) ends before b where the difference was rounded down.
+TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
+    Random random(39);
+    Points b(4000, 3);
+    for (Index j = 0; j < 4000; ++j)
+        b.row(j) << 0.6 + 0.4 * random.unit(), 0.3 + 1.7 * random.unit(), 0.4 * random.unit() - 0.2;
+    b = stacked(b, rows({{0, 2, 0}, {1, 0, 0}, {1, 0.02, 0}, {0, 0, 0}}));
+    const auto last = static_cast<Index>(b.rows()) - 1;
+    const double edge = first_of_a_cell(NearGrid(b, extent_of(b).box));
+    b(last, 0) = edge;
+    int rounded_down = 0;
+    for (int i = 0; i < 300; ++i) {
+        const double x = edge - 1.2 + 0.01 * random.unit(), apart = edge - x;
+        rounded_down += exact::Rational(x) + exact::Rational(apart) < exact::Rational(edge);
+        Points a(11, 3);
+        a.rowwise() = Eigen::RowVector3d(1 + apart - 1e-6, 0, 0);
+        a.row(10) << x, 0, 0;
+        const Pair pair{"a candidate at the first double of a cell", a, b};
+        expect_same(pair, Pose{}, answer("scan", pair, Pose{}), "x = " + std::to_string(x));
+    }
+    EXPECT_GT(rounded_down, 20);
+}
+
+// The same where squares underflow: with an outlier of B at 1, the others are 2^-537 apart, a squared distance of 20.4 times the
+// least double counts as 20 of them, and its root is too short by 1 %.
+TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
+    Random random(40);
+    const double unit = 0x1p-537, size = 25 * unit;
+    Points b(4000, 3);
+    for (Index j = 0; j < 4000; ++j)
+        b.row(j) << 0.6 + 0.4 * random.unit(), 0.3 + 1.7 * random.unit(), 0.4 * random.unit() - 0.2;
+    b = stacked(b, rows({{0, 2, 0}, {1, 0, 0}, {1, 1.6 / 25, 0}, {0, 0, 0}})) * size;
+    b = stacked(rows({{1, 1, 1}}), b);
+    const auto last = static_cast<Index>(b.rows()) - 1;
+    b(last, 0) = first_of_a_cell(NearGrid(b, extent_of(b).box), size);
+    Points a(11, 3);
+    a.rowwise() = Eigen::RowVector3d(size + std::sqrt(19.0) * unit, 0, 0);
+    a.row(10) << b(last, 0) - std::sqrt(20.4) * unit, 0, 0;
+    const double squared = squared_distance(a.row(10).data(), b.row(last).data());
+    ASSERT_EQ(squared, 20 * 0x1p-1074);
+    ASSERT_LT(distance_at_most(squared, false), b(last, 0) - a(10, 0)) << "the slack is not needed here";
+    const Pair pair{"squares underflow", a, b};
+    expect_same(pair, Pose{}, answer("scan", pair, Pose{}), "scan");
 }
 
 TEST(Extent, EqualsThePlainPass) {

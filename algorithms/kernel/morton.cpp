@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
 #include <utility>
 
 namespace hausbench {
@@ -47,9 +51,8 @@ void sort_items(std::span<Item> items, std::vector<Item>& room) {
     std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes ends in the other room
 }
 
-// Sorts each run of one key by the keys of its own box. The box of a run that has an extent has points in its first and
-// last cell, so that each step splits it.
-void refine_runs(const Points& points, std::span<Item> items, std::vector<Item>& room) {
+// Sorts each run of one key by the keys of a smaller frame, which splits it but for rounding; what is not split is left as it is.
+void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {
         std::size_t end = begin + 1;
         while (end < items.size() && key_of(items[end]) == key_of(items[begin])) ++end;
@@ -57,14 +60,14 @@ void refine_runs(const Points& points, std::span<Item> items, std::vector<Item>&
             Box box;
             for (std::size_t i = begin; i < end; ++i) box.add(Vec3(points.row(row_of(items[i]))));
             if (box.low != box.high) {
-                const MortonFrame frame(box);
+                const MortonFrame frame = outer.inside(box);
                 std::vector<Item> run(end - begin);
                 for (std::size_t i = begin; i < end; ++i) {
                     const Index row = row_of(items[i]);
                     run[i - begin] = item_of(frame.key(points.row(row).data()), row);
                 }
                 sort_items(run, room);
-                if (key_of(run.front()) != key_of(run.back())) refine_runs(points, run, room);
+                if (key_of(run.front()) != key_of(run.back())) refine_runs(points, run, frame, room);
                 const std::uint32_t key = key_of(items[begin]);
                 for (std::size_t i = begin; i < end; ++i) items[i] = item_of(key, row_of(run[i - begin]));
             }
@@ -75,8 +78,9 @@ void refine_runs(const Points& points, std::span<Item> items, std::vector<Item>&
 
 }  // namespace
 
-MortonFrame::MortonFrame(const Box& box) : low_(box.low) {
-    const double width = (box.high - box.low).maxCoeff();
+MortonFrame::MortonFrame(const Box& box) : MortonFrame(box.low, (box.high - box.low).maxCoeff()) {}
+
+MortonFrame::MortonFrame(const Vec3& low, double width) : low_(low), width_(width) {
     if (width > 0x1p-900) cells_per_length_ = cells / width;  // else all is one cell
 }
 
@@ -89,24 +93,49 @@ std::uint32_t MortonFrame::key(const double* point) const {
     return key;
 }
 
-MortonOrder morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
-                         bool refine) {
+// In which half of the cube x lies, in which half of that, ...: bits of a number below 2^52, the first the highest.
+std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
+    constexpr double places = 0x1p52;
+    const double part = (x - low_[axis]) * cells_per_length_ * (places / cells);
+    return static_cast<std::uint64_t>(std::min(std::max(part, 0.0), places - 1));
+}
+
+bool MortonFrame::before(const double* first, const double* second) const {
+    std::uint64_t highest = 0;  // bits in which the two differ, on the axis where the first of them is
+    bool less = false;
+    for (int k = 0; k < 3; ++k) {
+        const std::uint64_t a = halvings_of(first[k], k), b = halvings_of(second[k], k), differ = a ^ b;
+        if (std::bit_width(differ) > std::bit_width(highest)) highest = differ, less = a < b;
+    }
+    return less;
+}
+
+MortonFrame MortonFrame::inside(const Box& box) const {
+    std::uint64_t first[3], differ = 0;
+    for (int k = 0; k < 3; ++k) {
+        first[k] = halvings_of(box.low[k], k);
+        differ |= first[k] ^ halvings_of(box.high[k], k);
+    }
+    const int halvings = std::max(52 - static_cast<int>(std::bit_width(differ)), bits);
+    const double width = std::ldexp(width_, -halvings);
+    if (differ == 0 || !(width > 0x1p-900)) return MortonFrame(box);
+    Vec3 low;
+    for (int k = 0; k < 3; ++k) low[k] = low_[k] + width * static_cast<double>(first[k] >> (52 - halvings));
+    return {low, width};
+}
+
+std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
     const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
-    MortonOrder result;
     std::vector<Item> items(count), room;
     for (std::size_t i = 0; i < count; ++i) {
         const Index row = chosen ? (*chosen)[i] : static_cast<Index>(i);
         items[i] = item_of(frame.key(points.row(row).data()), row);
     }
     sort_items(items, room);
-    if (refine) refine_runs(points, items, room);
-    result.order.resize(count);
-    result.keys.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        result.order[i] = row_of(items[i]);
-        result.keys[i] = key_of(items[i]);
-    }
-    return result;
+    refine_runs(points, items, frame, room);
+    std::vector<Index> order(count);
+    for (std::size_t i = 0; i < count; ++i) order[i] = row_of(items[i]);
+    return order;
 }
 
 }  // namespace hausbench

@@ -7,7 +7,6 @@
 #include "box.h"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace hausbench {
@@ -15,25 +14,31 @@ namespace hausbench {
 // A cube over a box, cut into 2^10 cells along each axis. Points outside count as those at its faces.
 class MortonFrame {
 public:
-    MortonFrame() = default;
     explicit MortonFrame(const Box& box);
 
-    // 30 bits.
+    // 30 bits, three for each halving of the cube.
     std::uint32_t key(const double* point) const;
 
+    // Whether the first comes before the second in the order of the keys that 52 halvings would give.
+    bool before(const double* first, const double* second) const;
+
+    // For the points of one cell, whose box this is: the smallest frame that halving the cube leads to and that still tells
+    // some of them apart, so that sorting by it continues the order of this one. Where none does: the frame of their own box.
+    MortonFrame inside(const Box& box) const;
+
 private:
-    Vec3 low_ = Vec3::Zero();
-    double cells_per_length_ = 0;
+    MortonFrame(const Vec3& low, double width);
+    std::uint64_t halvings_of(double x, int axis) const;
+
+    Vec3 low_;
+    double width_, cells_per_length_ = 0;
 };
 
-struct MortonOrder {
-    std::vector<Index> order;         // the chosen points, each once
-    std::vector<std::uint32_t> keys;  // of the frame, never falling
-};
-
-// Sorts the chosen rows (all rows if `chosen` is null) by key, equal keys by row. With `refine`, points that share a cell
-// are sorted again in the frame of their own box, until few are left in each; keys stay those of the given frame.
-// O(n) for tame data: a radix sort; O(n) memory.
-MortonOrder morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine);
+// Sorts the chosen rows (all rows if `chosen` is null) by key, equal keys by row. Points that share a cell are sorted again in
+// a smaller frame, until few are left in each, so that outliers and clusters do not spoil the order. Two sets sorted in one
+// frame are in one order, but for those few.
+// O(n) time for tame data: a radix sort. Each smaller frame is at least 2^10 times smaller: O(n) more for each factor of 2^10
+// between the scales of the data. O(n) memory.
+std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
 }  // namespace hausbench

@@ -1,9 +1,6 @@
 #include "near_grid.h"
 
-#include "rounding.h"
-
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
 
 namespace hausbench {
 namespace {
@@ -18,35 +15,68 @@ int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
+// The box, less what outliers add to it: an axis that is more than eight times as long as the span between the quantiles of
+// 1/16 and 15/16 (of a sample) is cut down to that span and as much again on both sides.
+Box dense_part(const Points& points, const Box& box) {
+    constexpr Eigen::Index most = 1024;
+    const Eigen::Index count = std::min(points.rows(), most);
+    Box part = box;
+    std::vector<double> sample(static_cast<std::size_t>(count));
+    for (int k = 0; k < 3; ++k) {
+        for (Eigen::Index i = 0; i < count; ++i)
+            sample[static_cast<std::size_t>(i)] = points(points.rows() * i / count, k);
+        const auto low = sample.begin() + count / 16, high = sample.end() - 1 - count / 16;
+        std::nth_element(sample.begin(), low, sample.end());
+        const double least = *low;
+        std::nth_element(low, high, sample.end());
+        const double width = *high - least;
+        if (box.high[k] - box.low[k] <= 8 * width) continue;
+        part.low[k] = std::max(part.low[k], least - width);
+        part.high[k] = std::min(part.high[k], *high + width);
+    }
+    return part.low == part.high ? box : part;
+}
+
 }  // namespace
 
 NearGrid::NearGrid(const Points& points, const Box& box) {
-    const Vec3 width = box.high - box.low;
-    const double longest = width.maxCoeff();
-    const double most = static_cast<double>(std::clamp<Eigen::Index>(points.rows() / 8, 1, Eigen::Index{1} << 16));
-    for (int k = 0; k < 3; ++k) low_[k] = box.low[k];
-    if (longest > 0x1p-900) {
-        // As many cells along the longest axis as the total allows.
-        for (int along = 1024; along >= 1; along = along * 7 / 8) {
-            int size[3];
-            double total = 1;
-            for (int k = 0; k < 3; ++k) total *= size[k] = 1 + static_cast<int>(along * (width[k] / longest));
-            if (total > most && along > 1) continue;
-            cells_per_length_ = along / longest;
-            for (int k = 0; k < 3; ++k) size_[k] = size[k];
-            break;
-        }
-    }
-    for (int k = 0; k < 3; ++k) last_[k] = size_[k] - 1;
-    guesses_.assign(
+    const Box part = dense_part(points, box);
+    const bool whole = part.low == box.low && part.high == box.high;
+    lay_cells(part, static_cast<double>(std::clamp<Eigen::Index>(points.rows() / 8, 1, Eigen::Index{1} << 16)));
+    candidates_.assign(
         static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]),
         {{0, 0, 0}, -1});
     for (Index i = 0; i < points.rows(); ++i) {
         const double* p = points.row(i).data();
-        guesses_[cell_of(p)] = {{p[0], p[1], p[2]}, i};
+        Candidate& candidate = candidates_[cell_of(p)];
+        // A point outside the grid may be far from the cell that it belongs to: any other is better.
+        const Vec3 at(p[0], p[1], p[2]);
+        const bool inside =
+            whole || ((at.array() >= part.low.array()).all() && (at.array() <= part.high.array()).all());
+        if (inside || candidate.row < 0) candidate = {{p[0], p[1], p[2]}, i};
     }
+    fill_empty_cells();
+}
 
-    std::vector<Place> places(guesses_.size());
+// As many cells along the longest axis as the total allows.
+void NearGrid::lay_cells(const Box& box, double most) {
+    const Vec3 width = box.high - box.low;
+    const double longest = width.maxCoeff();
+    for (int k = 0; k < 3; ++k) low_[k] = box.low[k];
+    for (int along = longest > 0x1p-900 ? 1024 : 0; along >= 1; along = along * 7 / 8) {
+        int size[3];
+        double total = 1;
+        for (int k = 0; k < 3; ++k) total *= size[k] = 1 + static_cast<int>(along * (width[k] / longest));
+        if (total > most && along > 1) continue;
+        cells_per_length_ = along / longest;
+        for (int k = 0; k < 3; ++k) size_[k] = size[k];
+        break;
+    }
+    for (int k = 0; k < 3; ++k) last_[k] = size_[k] - 1;
+}
+
+void NearGrid::fill_empty_cells() {
+    std::vector<Place> places(candidates_.size());
     const auto at = [&](int x, int y, int z) { return static_cast<std::size_t>(x + size_[0] * (y + size_[1] * z)); };
     const auto sweep = [&](bool forward) {
         const int step = forward ? 1 : -1;
@@ -57,7 +87,7 @@ NearGrid::NearGrid(const Points& points, const Box& box) {
                 for (int i = 0; i < size_[0]; ++i) {
                     const int x = forward ? i : size_[0] - 1 - i;
                     Place& here = places[at(x, y, z)];
-                    if (guesses_[at(x, y, z)].row >= 0) {
+                    if (candidates_[at(x, y, z)].row >= 0) {
                         here = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
                                 static_cast<std::int16_t>(z)};
                         continue;
@@ -78,21 +108,23 @@ NearGrid::NearGrid(const Points& points, const Box& box) {
     sweep(true);
     sweep(false);
     sweep(true);
-    Guess any{};
-    for (const Guess& guess : guesses_) {
-        if (guess.row >= 0) any = guess;
+    Candidate any{};
+    for (const Candidate& candidate : candidates_) {
+        if (candidate.row >= 0) any = candidate;
     }
-    for (std::size_t c = 0; c < guesses_.size(); ++c) {
-        if (guesses_[c].row < 0)
-            guesses_[c] = places[c].empty() ? any : guesses_[at(places[c].x, places[c].y, places[c].z)];
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        if (candidates_[c].row < 0)
+            candidates_[c] = places[c].empty() ? any : candidates_[at(places[c].x, places[c].y, places[c].z)];
     }
 }
 
 std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const {
+    // Rounding to nearest is monotone and leaves a double as it is: point - radius <= x <= point + radius, exact, implies
+    // the same of the rounded ends for every double x. So the ends need no slack.
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {
-        from[k] = cell(next_down(point[k] - radius), k);
-        to[k] = cell(next_up(point[k] + radius), k);
+        from[k] = cell(point[k] - radius, k);
+        to[k] = cell(point[k] + radius, k);
     }
     for (int z = from[2]; z <= to[2]; ++z) {
         for (int y = from[1]; y <= to[1]; ++y) {

@@ -1,6 +1,7 @@
 #include "point_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace hausbench {
@@ -45,19 +46,18 @@ Box box_of(const BlockNode& node) {
     return box;
 }
 
+std::array<double, 3> first_of(const PointLeaf& leaf) { return {leaf.x[0], leaf.y[0], leaf.z[0]}; }
+
 }  // namespace
 
-PointLeaves::PointLeaves(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
-                         bool refine) {
-    const MortonOrder sorted = morton_order(points, chosen, frame, refine);
-    const std::size_t count = sorted.order.size();
-    leaves.reserve((count + block_points - 1) / block_points);
-    keys.reserve(leaves.capacity());
-    for (std::size_t begin = 0; begin < count; begin += block_points) {
+std::vector<PointLeaf> leaves_of(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
+    const std::vector<Index> order = morton_order(points, chosen, frame);
+    std::vector<PointLeaf> leaves;
+    leaves.reserve((order.size() + block_points - 1) / block_points);
+    for (std::size_t begin = 0; begin < order.size(); begin += block_points) {
         PointLeaf& leaf = leaves.emplace_back();
-        keys.push_back(sorted.keys[begin]);
         for (std::size_t i = 0; i < block_points; ++i) {
-            const Index row = sorted.order[std::min(begin + i, count - 1)];
+            const Index row = order[std::min(begin + i, order.size() - 1)];
             const double* point = points.row(row).data();
             leaf.x[i] = point[0];
             leaf.y[i] = point[1];
@@ -65,17 +65,19 @@ PointLeaves::PointLeaves(const Points& points, const std::vector<Index>* chosen,
             leaf.row[i] = row;
         }
     }
+    return leaves;
 }
 
 PointBlocks::PointBlocks(const Points& points) : PointBlocks(points, nullptr, box_of(points)) {}
 
 PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box)
-    : frame(box), content(points, chosen, frame, true) {
+    : frame(box), leaves(leaves_of(points, chosen, frame)) {
+    keys.reserve(leaves.size());
+    for (const PointLeaf& leaf : leaves) keys.push_back(frame.key(first_of(leaf).data()));
     std::size_t total = 0;
-    for (std::size_t n = content.leaves.size(); total == 0 || n > 1;)
-        total += n = (n + block_children - 1) / block_children;
+    for (std::size_t n = leaves.size(); total == 0 || n > 1;) total += n = (n + block_children - 1) / block_children;
     nodes.reserve(total);
-    std::size_t below = content.leaves.size();  // how many on the level below
+    std::size_t below = leaves.size();  // how many on the level below
     do {
         const std::size_t begin = nodes.size();
         const std::size_t count = (below + block_children - 1) / block_children;
@@ -87,14 +89,23 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
                     set_child(node, c, {Vec3::Constant(infinity), Vec3::Constant(-infinity)});
                 } else {
                     set_child(node, c,
-                              level_begin.empty() ? box_of(content.leaves[child])
-                                                  : box_of(nodes[level_begin.back() + child]));
+                              level_begin.empty() ? box_of(leaves[child]) : box_of(nodes[level_begin.back() + child]));
                 }
             }
         }
         level_begin.push_back(begin);
         below = count;
     } while (below > 1);
+}
+
+std::size_t PointBlocks::leaf_at(const double* point) const {
+    // Leaves of one key, which are many in a cluster that the frame does not resolve, are told apart by more halvings.
+    const auto [from, to] = std::equal_range(keys.begin(), keys.end(), frame.key(point));
+    const auto begin = leaves.begin() + (from - keys.begin()), end = leaves.begin() + (to - keys.begin());
+    const auto after = std::upper_bound(begin, end, point, [&](const double* p, const PointLeaf& leaf) {
+        return frame.before(p, first_of(leaf).data());
+    });
+    return after == leaves.begin() ? 0 : static_cast<std::size_t>(after - leaves.begin()) - 1;
 }
 
 }  // namespace hausbench

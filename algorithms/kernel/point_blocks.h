@@ -5,6 +5,7 @@
 
 #include "morton.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,16 +25,8 @@ struct alignas(64) BlockNode {
     double low[3][block_children], high[3][block_children];
 };
 
-// Leaves alone, with the key of the first point of each.
-struct PointLeaves {
-    // The chosen rows of `points` (all if null), at least one.
-    PointLeaves(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame, bool refine);
-
-    std::vector<PointLeaf> leaves;
-    std::vector<std::uint32_t> keys;
-
-    std::size_t bytes() const { return leaves.capacity() * sizeof(PointLeaf) + keys.capacity() * sizeof(keys[0]); }
-};
+// The chosen rows of `points` (all if null), at least one, in the Morton order of the frame.
+std::vector<PointLeaf> leaves_of(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
 // O(n) for tame data (see morton.h), O(n) memory: about 37 bytes a point.
 struct PointBlocks {
@@ -41,14 +34,21 @@ struct PointBlocks {
     PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box);
     explicit PointBlocks(const Points& points);
 
+    // The leaf whose points come at the same place of the order as this point. O(log n). Only likely to be near: no bound.
+    std::size_t leaf_at(const double* point) const;
+
     MortonFrame frame;
-    PointLeaves content;
+    std::vector<PointLeaf> leaves;
+    std::vector<std::uint32_t> keys;  // of the first point of each leaf
     // Level 1 has the boxes of leaves, the last level is one node; node i of a level has children 8i to 8i + 7 below.
     std::vector<BlockNode> nodes;
     std::vector<std::size_t> level_begin;  // in `nodes`, of level 1 and up
 
     std::size_t levels() const { return level_begin.size(); }
-    std::size_t bytes() const { return content.bytes() + nodes.capacity() * sizeof(BlockNode); }
+    std::size_t bytes() const {
+        return leaves.capacity() * sizeof(PointLeaf) + keys.capacity() * sizeof(keys[0]) +
+               nodes.capacity() * sizeof(BlockNode);
+    }
 };
 
 }  // namespace hausbench

@@ -32,10 +32,12 @@ Box part_of(const Box& cell, int octant) {
     return part;
 }
 
-PointOctree::PointOctree(const Points& points) : order_(static_cast<std::size_t>(points.rows())), points_(points) {
+PointOctree::PointOctree(const Points& points) : PointOctree(points, cube_around(box_of(points))) {}
+
+PointOctree::PointOctree(const Points& points, const Box& root_cell)
+    : root_cell_(root_cell), order_(static_cast<std::size_t>(points.rows())), points_(points) {
     std::iota(order_.begin(), order_.end(), 0);
     scratch_.resize(order_.size());
-    root_cell_ = cube_around(box_of(points));
     nodes_.reserve(2 * order_.size());
     nodes_.emplace_back();
     build(0, 0, static_cast<std::int32_t>(points.rows()), root_cell_, 0);

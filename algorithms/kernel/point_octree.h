@@ -29,6 +29,8 @@ public:
 
     // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
     explicit PointOctree(const Points& points);
+    // The same with another root: a cube that holds the points.
+    PointOctree(const Points& points, const Box& root_cell);
 
     const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
     const std::vector<Index>& order() const { return order_; }

@@ -1,10 +1,14 @@
 // NOHD: branch and bound over an octree of A, every cell and point against the points of B, with early breaking.
 //
-// Source: Zhang et al. 2017, Algorithms 3 to 5. Three changes. Algorithm 5 breaks without setting cmin to 0, as the first
-// print of EARLYBREAK did, and then returns a stale minimum or infinity: here it says "no farther" instead. The registry
-// entry `nohd_as_printed` keeps the error, so that it can be shown; it is not certified. The search stops once the head
-// of the queue is no farther than the lower bound (the paper drains the queue). And the bounds of a cell are kept squared, in
-// the rounding of the distances themselves (posed_box.h), so the answer is NAIVEHDD's to the bit.
+// Source: Zhang et al. 2017, Algorithms 3 to 5. Three changes:
+//   - Algorithm 5 breaks without setting cmin to 0, as the first print of EARLYBREAK did, and then returns a stale minimum or
+//     infinity: here it says "no farther" instead. nohd_as_printed.cpp has it as printed.
+//   - The search stops once the head of the queue is no farther than the lower bound. The paper drains the queue; what is left
+//     in it is no farther either.
+//   - Bounds of a cell are kept squared, in the rounding of the distances themselves (posed_box.h), so the answer is NAIVEHDD's
+//     to the bit.
+// `early_break = false` is the paper's variant without: Algorithm 4 without lines 5 to 8, so that every child is inserted, and
+// Algorithm 5 without lines 4 to 6.
 //
 // The octree is built once in A's frame, down to single points; `depth` cuts through it. Under motion a cell becomes the
 // box around the posed cell. O(|A| |B|) time at worst; O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
@@ -19,8 +23,6 @@
 namespace hausbench {
 namespace {
 
-enum class Algorithm5 { corrected, as_printed };
-
 struct Entry {
     double squared_upper;
     std::uint64_t number;  // of ties the first comes first
@@ -34,15 +36,13 @@ struct Entry {
 // One query.
 class Search {
 public:
-    Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth, bool early_break,
-           Algorithm5 algorithm5)
+    Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth, bool early_break)
         : tree_(tree),
           a_(a),
           b_(b),
           query_(query),
           depth_(depth),
           early_break_(early_break),
-          algorithm5_(algorithm5),
           a_box_(query.pose.is_identity() ? Box{} : box_of(a)),
           deadline_(query.time_limit) {}
 
@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    // Algorithm 4. False if no point of the cell can be farther than the lower bound.
+    // Algorithm 4. False if no point of the cell can be farther than the lower bound, and early breaking found that out.
     bool bound(const Cursor& cell, double& squared_upper) {
         ++counters_.node_visits;
         const Box box = posed_box(cell.cell, query_.pose, a_box_);
@@ -90,7 +90,7 @@ private:
             lower = std::min(lower, squared_distance_to_box(y, box));
         }
         counters_.bound_tests += static_cast<std::uint64_t>(std::min<Index>(j + 1, static_cast<Index>(b_.rows())));
-        if (upper <= squared_lower_) return false;
+        if (early_break_ && upper <= squared_lower_) return false;
         if (lower > squared_lower_) {
             squared_lower_ = lower;
             witness_cell_ = cell;
@@ -116,19 +116,14 @@ private:
         for (Index j = 0; j < b_.rows(); ++j) {
             ++counters_.point_distances;
             const double squared = squared_distance(point, b_.row(j).data());
-            if (early_break_ && squared < squared_lower_) {
-                if (algorithm5_ == Algorithm5::corrected) return;
-                break;  // with the minimum of those before, as printed
-            }
+            if (early_break_ && squared < squared_lower_) return;  // no farther: cmin <- 0
             if (squared < nearest) nearest = squared, at = j;
         }
-        if (nearest > farthest_.squared && (at >= 0 || algorithm5_ == Algorithm5::as_printed)) {
-            farthest_ = {nearest, i, std::max(at, 0)};
-        }
+        if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // `rest` bounds what was not looked at. Where the lower bound is that of a cell, any of its points shows it.
+    // `rest` bounds the squared distances of points that were not looked at. Where the lower bound is that of a cell, any of its points shows it.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;
@@ -150,7 +145,6 @@ private:
     const Query& query_;
     int depth_;
     bool early_break_;
-    Algorithm5 algorithm5_;
     Box a_box_;
     Deadline deadline_;
     Counters counters_;
@@ -161,10 +155,8 @@ private:
 
 class Nohd final : public Solver {
 public:
-    Nohd(const Options& options, Algorithm5 algorithm5)
-        : depth_(static_cast<int>(options.integer("depth"))),
-          early_break_(options.flag("early_break")),
-          algorithm5_(algorithm5) {}
+    explicit Nohd(const Options& options)
+        : depth_(static_cast<int>(options.integer("depth"))), early_break_(options.flag("early_break")) {}
 
     Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::source}}; }
 
@@ -177,23 +169,25 @@ public:
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return Search(*tree_, a, b, query, depth_, early_break_, algorithm5_).run();
+        return Search(*tree_, a, b, query, depth_, early_break_).run();
     }
 
 private:
     int depth_;
     bool early_break_;
-    Algorithm5 algorithm5_;
     const Scene* scene_ = nullptr;
     const PointOctree* tree_ = nullptr;
 };
 
-SolverInfo info_of(const char* name, const char* title) {
+}  // namespace
+
+SolverEntry nohd_solver() {
     SolverInfo info;
-    info.name = name;
-    info.title = title;
+    info.name = "nohd";
+    info.title = "NOHD";
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
+    info.certified = true;
     info.exact = true;
     info.may_need = {{Structure::point_octree, Side::source}};
     info.parameters = {
@@ -212,25 +206,7 @@ SolverInfo info_of(const char* name, const char* title) {
          .description = "stop looking through B once a cell or point can no longer be the farthest",
          .choices = {}},
     };
-    return info;
-}
-
-}  // namespace
-
-SolverEntry nohd_solver() {
-    SolverInfo info = info_of("nohd", "NOHD");
-    info.certified = true;
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<Nohd>(options, Algorithm5::corrected);
-            }};
-}
-
-SolverEntry nohd_as_printed_solver() {
-    SolverInfo info = info_of("nohd_as_printed", "NOHD, as printed");
-    info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<Nohd>(options, Algorithm5::as_printed);
-            }};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Nohd>(options); }};
 }
 
 }  // namespace hausbench

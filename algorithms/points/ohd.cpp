@@ -1,93 +1,59 @@
 // OHD: points of A in turn, each by a nearest neighbour search in an octree of B, those that lie near a point of B culled.
 //
-// Source: Zhang et al. 2017, Algorithms 6 and 7 (Algorithm 6, line 6 forgets the argument Maxlb). The exact distance of a
-// random sample of ceil(lambda |A|) points, AHD, is the first lower bound. As printed, the octree has cells of side AHD,
-// and a point of A in an occupied cell is culled. That is wrong: two points of such a cell may be sqrt(3) AHD apart. Here a
-// point is culled if an occupied cell that holds it has a diagonal of at most the lower bound so far (`culling = exact`).
-// `culling = as_printed` keeps the error, so that it can be shown, and is not certified; `ohd_as_printed` is the same under a
-// name of its own, for tables.
+// Source: Zhang et al. 2017, Algorithms 6 and 7 (Algorithm 6, line 6 forgets the argument Maxlb) and sections 4.4.1 and 4.4.2.
+// The first lower bound, AHD, comes from the first ceil(lambda |A|) outer loops of EARLYBREAK; then every point of A is culled
+// or searched for, in the order given. Two changes:
+//   - As printed, the octree has cells of side AHD, and a point of A in an occupied cell is culled. That is wrong: two points
+//     of such a cell may be sqrt(3) AHD apart. Here a point is culled if an occupied cell that holds it has a diagonal of at
+//     most the lower bound so far (`culling = exact`), and cells are split until their diagonal is at most AHD.
+//     `culling = as_printed` is ohd_as_printed.cpp, which is not certified.
+//   - A search stops at the head of the queue that is no nearer than the nearest point; the paper drains the queue of such.
 //
 // The octree is built once, down to single points, and cut where cells get as small as the lower bound asks. B stands
-// still, so motion does not touch it. O(|A| log |B|) time on tame data, O(|A| + |B|) memory. Budget: points of A.
+// still, so motion does not touch it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
+// O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
-#include "points/exact.h"
-#include "points/shuffle.h"
+#include "points/early_break.h"
 #include "solver.h"
 
 #include <algorithm>
 #include <optional>
-#include <unordered_set>
+#include <span>
 
 namespace hausbench {
 namespace {
-
-enum class Culling { exact, none, as_printed };
-
-// The leaf cells of side `side` that hold a point of B, laid from the low corner of B's box.
-class OccupiedGrid {
-public:
-    OccupiedGrid(const Points& b, double side) : low_(box_of(b).low), side_(side) {
-        for (Index j = 0; j < b.rows(); ++j) cells_.insert(key(b.row(j)));
-    }
-    bool holds(const Vec3& p) const { return cells_.contains(key(p)); }
-
-private:
-    std::uint64_t key(const Vec3& p) const {
-        std::uint64_t key = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double cell = std::floor((p[k] - low_[k]) / side_);
-            const double most = 0x1p20;  // beyond: cells next to the first or last, where no point of B is
-            key = (key << 21) | static_cast<std::uint64_t>(std::clamp(cell, -1.0, most) + 1);
-        }
-        return key;
-    }
-
-    Vec3 low_;
-    double side_;
-    std::unordered_set<std::uint64_t> cells_;
-};
 
 class Search {
 public:
     Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query)
         : tree_(tree), a_(a), b_(b), query_(query), deadline_(query.time_limit) {}
 
-    Result run(const std::vector<Index>& order, std::size_t samples, Culling culling) {
-        std::optional<OccupiedGrid> grid;
-        std::uint64_t culled = 0;
-        for (std::size_t row = 0; row < order.size(); ++row) {
-            Status stopped = Status::converged;
-            if (row >= query_.budget) stopped = Status::budget;
-            if (row % 64 == 0 && deadline_.passed()) stopped = Status::time_limit;
-            if (distance_at_least(farthest_.squared, true) > query_.cutoff) stopped = Status::cutoff_passed;
-            if (stopped != Status::converged) {
-                return finish(culled, squared_distances_at_most(a_, b_, order.data(), static_cast<Index>(row)),
-                              stopped);
-            }
-            const Index i = order[row];
+    Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
+        std::uint64_t taken = 0, culled = 0;
+        for (const Index i : sample) {
+            if (const Status stopped = stop(taken++, true); stopped != Status::converged) return finish(0, 0, stopped);
+            early_break(a_, i, target, farthest_, counters_);
+        }
+        squared_resolution_ = farthest_.squared;
+        for (Index i = 0; i < a_.rows(); ++i) {
+            const Status stopped = stop(taken++, i % 64 == 0);
+            if (stopped != Status::converged) return finish(culled, i, stopped);
             const Vec3 point = a_.row(i);
-            if (row == samples) {
-                squared_resolution_ = farthest_.squared;
-                if (culling == Culling::as_printed) make_grid(grid);
-            }
-            const bool near =
-                row >= samples && (culling == Culling::exact ? lies_near(point) : grid && grid->holds(point));
-            if (near) {
+            if (culling && lies_near(point)) {
                 ++culled;
             } else {
                 look_at(i, point);
             }
         }
-        return finish(culled, -1, Status::converged);
+        return finish(culled, static_cast<Index>(a_.rows()), Status::converged);
     }
 
 private:
-    // AHD = 0 gives no octree of that resolution; neither does one of more than 2^20 cells along an axis.
-    void make_grid(std::optional<OccupiedGrid>& grid) const {
-        const double side = std::sqrt(std::max(farthest_.squared, 0.0));
-        const Box& root = tree_.root_cell();
-        if (side > 0 && (root.high - root.low).maxCoeff() / side < 0x1p20) grid.emplace(b_, side);
+    Status stop(std::uint64_t taken, bool look_at_clock) const {
+        if (distance_at_least(std::max(farthest_.squared, 0.0), true) > query_.cutoff) return Status::cutoff_passed;
+        if (look_at_clock && deadline_.passed()) return Status::time_limit;
+        return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
     // Whether some cell holds the point and a point of B, and no two points of it are farther apart, in the rounding of the
@@ -143,7 +109,9 @@ private:
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
     }
 
-    Result finish(std::uint64_t culled, double rest, Status stopped) {
+    // The points of A from `first` on were not looked at.
+    Result finish(std::uint64_t culled, Index first, Status stopped) {
+        const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
         result.extras["culled"] = {static_cast<double>(culled)};
         return result;
@@ -171,8 +139,8 @@ private:
 
 class Ohd final : public Solver {
 public:
-    Ohd(const Options& options, Culling culling)
-        : culling_(culling),
+    explicit Ohd(const Options& options)
+        : culling_(options.text("culling") == "exact"),
           lambda_(options.real("lambda")),
           seed_(static_cast<std::uint64_t>(options.integer("seed"))) {}
 
@@ -182,64 +150,43 @@ public:
         scene_ = &scene;
         tree_ = &prepared.point_octree(Side::target);
         Generator random(seed_);
-        order_ = order_of(element_count(scene.source), true, random);
+        sample_ = first_of_order(element_count(scene.source), lambda_, random);
+        target_ = ShuffledTarget(points_of(scene.target), true, random);
     }
 
-    std::size_t prepared_bytes() const override { return order_.capacity() * sizeof(Index); }
-
-    bool certified() const override { return culling_ != Culling::as_printed; }
+    std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
     Result solve(const Query& query, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        const double samples = std::ceil(lambda_ * static_cast<double>(a.rows()));
-        return Search(*tree_, a, b, query).run(order_, static_cast<std::size_t>(samples), culling_);
+        return Search(*tree_, a, b, query).run(sample_, target_, culling_);
     }
 
 private:
-    Culling culling_;
+    bool culling_;
     double lambda_;
     std::uint64_t seed_;
     const Scene* scene_ = nullptr;
     const PointOctree* tree_ = nullptr;
-    std::vector<Index> order_;
+    std::vector<Index> sample_;
+    ShuffledTarget target_;
 };
-
-SolverInfo info_of(const char* name, const char* title) {
-    SolverInfo info;
-    info.name = name;
-    info.title = title;
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
-    info.exact = true;
-    info.may_need = {{Structure::point_octree, Side::target}};
-    info.parameters = {
-        {.name = "lambda",
-         .default_value = 0.01,
-         .unit = "of |A|",
-         .paper_value = "1/100",
-         .description = "points of A in the sample that gives the first lower bound",
-         .choices = {},
-         .least = 0,
-         .most = 1},
-        {.name = "seed",
-         .default_value = std::int64_t{1},
-         .unit = "",
-         .paper_value = "",
-         .description = "of the generator that shuffles A",
-         .choices = {},
-         .least = 0,
-         .most = 9e15},
-    };
-    return info;
-}
 
 }  // namespace
 
+SolverEntry ohd_as_printed_solver();
+
 SolverEntry ohd_solver() {
-    SolverInfo info = info_of("ohd", "OHD");
+    SolverInfo info;
+    info.name = "ohd";
+    info.title = "OHD";
+    info.paper = "zhang2017";
+    info.source.points = info.target.points = true;
     info.certified = true;
+    info.exact = true;
+    info.may_need = {{Structure::point_octree, Side::target}};
+    info.parameters = ohd_parameters();
     info.parameters.push_back({.name = "culling",
                                .default_value = std::string("exact"),
                                .unit = "",
@@ -249,18 +196,8 @@ SolverEntry ohd_solver() {
                                    "as_printed: whose side is, which is wrong, and not certified",
                                .choices = {"exact", "as_printed", "none"}});
     return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                const std::string culling = options.text("culling");
-                return std::make_unique<Ohd>(options, culling == "none"    ? Culling::none
-                                                      : culling == "exact" ? Culling::exact
-                                                                           : Culling::as_printed);
-            }};
-}
-
-SolverEntry ohd_as_printed_solver() {
-    SolverInfo info = info_of("ohd_as_printed", "OHD, as printed");
-    info.known_wrong = "the paper culls by cells of side AHD, whose points may be sqrt(3) AHD apart: answers too small";
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<Ohd>(options, Culling::as_printed);
+                if (options.text("culling") == "as_printed") return ohd_as_printed_solver().make(options);
+                return std::make_unique<Ohd>(options);
             }};
 }
 

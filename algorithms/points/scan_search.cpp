@@ -65,8 +65,8 @@ HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
 }
 
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                   Counters& counters) {
+void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                      Counters& counters) {
     const Doubles d;
     constexpr std::size_t tile = 256;
     HWY_ALIGN double x[tile], y[tile], z[tile];
@@ -114,7 +114,7 @@ struct Nearest {
 
 HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (&p)[3], Nearest& nearest) {
     const Doubles d;
-    const PointLeaf& points = b.content.leaves[leaf];
+    const PointLeaf& points = b.leaves[leaf];
     HWY_ALIGN double distances[block_points];
     auto least = hn::Set(d, infinity);
     for (std::size_t i = 0; i < block_points; i += hn::Lanes(d)) {
@@ -131,11 +131,11 @@ HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (
     nearest = {squared, leaf, points.row[i]};
 }
 
-// The nearest point of B, or any at squared distance <= enough; `nearest` is what is known, all of `scanned` included.
+// The nearest point of B, or any within the squared early-out radius; `nearest` is what is known, the leaf `scanned` included.
 // Distances to boxes are rounded as those to points (kernel/box.h), so a box that is no nearer than the nearest point has
 // no nearer one.
-HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough, std::size_t scanned, Nearest& nearest,
-                       Counters& counters) {
+HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
+                            Nearest& nearest, Counters& counters) {
     const Doubles d;
     struct Entry {
         double squared;
@@ -150,7 +150,7 @@ HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough
             if (at.index != scanned) {
                 scan_leaf(b, at.index, p, nearest);
                 counters.point_distances += block_points;
-                if (nearest.squared <= enough) return;
+                if (nearest.squared <= squared_early_out) return;
             }
         } else {
             const BlockNode& node = b.nodes[b.level_begin[at.level - 1] + at.index];
@@ -186,34 +186,33 @@ HWY_INLINE void search(const PointBlocks& b, const double (&p)[3], double enough
     }
 }
 
-void raise(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
+void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
     const double p[3] = {leaf.x[i], leaf.y[i], leaf.z[i]};
-    const double enough = state.farthest.squared;
+    const double squared_early_out = state.farthest.squared;
     Nearest nearest;
     scan_leaf(b, state.last_leaf, p, nearest);
     state.counters.point_distances += block_points;
-    if (nearest.squared <= enough) return;
+    if (nearest.squared <= squared_early_out) return;
     if (home != state.last_leaf) {
         scan_leaf(b, home, p, nearest);
         state.counters.point_distances += block_points;
     }
-    if (!(nearest.squared <= enough)) {
+    if (!(nearest.squared <= squared_early_out)) {
         ++state.counters.closest_point_queries;
-        search(b, p, enough, home, nearest, state.counters);
+        search_tree(b, p, squared_early_out, home, nearest, state.counters);
     }
     state.last_leaf = nearest.leaf;
-    if (nearest.squared > enough) state.farthest = {nearest.squared, leaf.row[i], nearest.row};
+    if (nearest.squared > squared_early_out) state.farthest = {nearest.squared, leaf.row[i], nearest.row};
 }
 
 // The leaf of B whose points come at the same place of the order.
-std::size_t home_of(const PointBlocks& b, std::uint32_t key) {
-    const auto& keys = b.content.keys;
-    const auto after = std::upper_bound(keys.begin(), keys.end(), key);
-    return after == keys.begin() ? 0 : static_cast<std::size_t>(after - keys.begin()) - 1;
+std::size_t home_of(const PointBlocks& b, const PointLeaf& leaf) {
+    const double first[3] = {leaf.x[0], leaf.y[0], leaf.z[0]};
+    return b.leaf_at(first);
 }
 
-void raise_by_samples(const PointBlocks& b, const PointLeaves& a, ScanState& state) {
-    for (std::size_t l = 0; l < a.leaves.size(); l += 4) raise(b, a.leaves[l], 0, home_of(b, a.keys[l]), state);
+void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {
+    for (std::size_t l = 0; l < a.size(); l += 4) search_point(b, a[l], 0, home_of(b, a[l]), state);
 }
 
 struct LeafBox {
@@ -236,9 +235,9 @@ HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
     return box;
 }
 
-// Whether some point of the leaf is within the squared distance `enough` of the whole box, for which the farthest corner
+// Whether some point of the leaf is within the squared early-out radius of the whole box, for which the farthest corner
 // decides: every operation of squared_distance is monotone in |a - b|.
-HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double enough) {
+HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double squared_early_out) {
     const Doubles d;
     auto least = hn::Set(d, infinity);
     for (std::size_t i = 0; i < block_points; i += hn::Lanes(d)) {
@@ -248,26 +247,27 @@ HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double enoug
         };
         least = hn::Min(least, squares(far(0, points.x), far(1, points.y), far(2, points.z)));
     }
-    return hn::GetLane(hn::MinOfLanes(d, least)) <= enough;
+    return hn::GetLane(hn::MinOfLanes(d, least)) <= squared_early_out;
 }
 
-void raise_by_leaves(const PointBlocks& b, const PointLeaves& a, std::size_t begin, std::size_t end, ScanState& state) {
-    for (std::size_t l = begin; l < end; ++l) {
-        const PointLeaf& leaf = a.leaves[l];
-        const std::size_t home = home_of(b, a.keys[l]);
+void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {
+    for (const PointLeaf& leaf : a) {
+        const std::size_t home = home_of(b, leaf);
         const LeafBox box = box_of(leaf);
         ++state.counters.bound_tests;
-        if (covers(b.content.leaves[home], box, state.farthest.squared)) continue;
+        if (covers(b.leaves[home], box, state.farthest.squared)) continue;
         if (home != state.last_leaf) {
             ++state.counters.bound_tests;
-            if (covers(b.content.leaves[state.last_leaf], box, state.farthest.squared)) continue;
+            if (covers(b.leaves[state.last_leaf], box, state.farthest.squared)) continue;
         }
         for (std::size_t i = 0; i < block_points; ++i) {
             if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // repeats: the end of the last leaf
-            raise(b, leaf, i, home, state);
+            search_point(b, leaf, i, home, state);
         }
     }
 }
+
+std::int64_t scan_target() { return HWY_TARGET; }
 
 }  // namespace
 }  // namespace hausbench::HWY_NAMESPACE
@@ -277,24 +277,27 @@ HWY_AFTER_NAMESPACE();
 namespace hausbench {
 
 HWY_EXPORT(extent_of);
-HWY_EXPORT(raise_by_scan);
-HWY_EXPORT(raise_by_samples);
-HWY_EXPORT(raise_by_leaves);
+HWY_EXPORT(compare_with_all);
+HWY_EXPORT(search_samples);
+HWY_EXPORT(search_leaves);
+HWY_EXPORT(scan_target);
 
 Extent extent_of(const Points& points) { return HWY_DYNAMIC_DISPATCH(extent_of)(points); }
 
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                   Counters& counters) {
-    HWY_DYNAMIC_DISPATCH(raise_by_scan)(a, rows, b, farthest, counters);
+void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                      Counters& counters) {
+    HWY_DYNAMIC_DISPATCH(compare_with_all)(a, rows, b, farthest, counters);
 }
 
-void raise_by_samples(const PointBlocks& b, const PointLeaves& a, ScanState& state) {
-    HWY_DYNAMIC_DISPATCH(raise_by_samples)(b, a, state);
+void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {
+    HWY_DYNAMIC_DISPATCH(search_samples)(b, a, state);
 }
 
-void raise_by_leaves(const PointBlocks& b, const PointLeaves& a, std::size_t begin, std::size_t end, ScanState& state) {
-    HWY_DYNAMIC_DISPATCH(raise_by_leaves)(b, a, begin, end, state);
+void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {
+    HWY_DYNAMIC_DISPATCH(search_leaves)(b, a, state);
 }
+
+std::int64_t scan_target() { return HWY_DYNAMIC_DISPATCH(scan_target)(); }
 
 }  // namespace hausbench
 #endif

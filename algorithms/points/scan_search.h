@@ -5,6 +5,7 @@
 #include "kernel/point_blocks.h"
 #include "points/exact.h"
 
+#include <cstdint>
 #include <span>
 
 namespace hausbench {
@@ -18,9 +19,9 @@ struct Extent {
 };
 Extent extent_of(const Points& points);
 
-// The nearest point of B to each of a few rows of A, by comparing with all; raises `farthest`. O(rows |B|).
-void raise_by_scan(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                   Counters& counters);
+// The nearest point of B to each of a few rows of A, by comparing with all; updates `farthest`. O(rows |B|).
+void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                      Counters& counters);
 
 // Leaves of A against the tree of B. What carries over from one leaf to the next is where the last answer was.
 struct ScanState {
@@ -29,10 +30,13 @@ struct ScanState {
     std::size_t last_leaf = 0;
 };
 
-// Raises state.farthest by one point of every fourth leaf: when the others follow, most are given up at once.
-void raise_by_samples(const PointBlocks& b, const PointLeaves& a, ScanState& state);
+// Updates state.farthest by one point of every fourth leaf: when the others follow, most are decided at once.
+void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
 
-// Raises it by all points of the leaves [begin, end).
-void raise_by_leaves(const PointBlocks& b, const PointLeaves& a, std::size_t begin, std::size_t end, ScanState& state);
+// Updates it by all points of the leaves.
+void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
+
+// The Highway target whose instructions run, for tests.
+std::int64_t scan_target();
 
 }  // namespace hausbench

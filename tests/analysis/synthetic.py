@@ -176,6 +176,20 @@ def points_speed() -> ResultFile:
     return file
 
 
+def points_hostile() -> ResultFile:
+    """Known: 4 times as fast on the line; on the shell 0.5 times; on the sheet the tree did not end."""
+    file = ResultFile("points_hostile")
+    for scene, ours, tree in (("line_20K", 0.005, 0.020), ("shell_20K", 0.010, 0.005), ("sheet_20K", 0.010, 0.0)):
+        common: dict[str, Any] = {"scene_note": "two samples", "lower": 0.25, "upper": 0.25, "source_elements": 20000}
+        file.case("scan", scene, spread(ours, 9, 0.0), prepare_seconds=0.0, counter_point_distances=np.uint64(640000),
+                  **common)
+        if tree:
+            file.case("kdtree", scene, spread(tree, 9, 0.0), prepare_seconds=0.0, **common)
+        else:
+            file.case("kdtree", scene, **without_bounds("timeout", "20 s passed", common))
+    return file
+
+
 def sacht2024_fig13() -> ResultFile:
     """Known: sacht closes a decade every 10 ms after 20 ms of preparation, times 1, 2, 3, 4 on the four pairs; zheng
     does not get below 1e-6 on ramesses; cgal has no trace, and one case a tolerance.

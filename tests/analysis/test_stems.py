@@ -19,7 +19,7 @@ from analysis.statistics import median
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
          "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, "cliffs": synthetic.cliffs,
-         **synthetic_zhang.STEMS}
+         "points_hostile": synthetic.points_hostile, **synthetic_zhang.STEMS}
 
 
 @pytest.fixture()
@@ -111,6 +111,15 @@ def test_points_speed_takes_the_best_of_the_others(make: Make) -> None:
     assert rows[""][0][header.index("scan (ours)")] == "8.00"
     record = next(r for r in records if r["label"] == "scan" and r["scene"] == "noisy_100K")
     assert float(record["prepare_seconds"]) == 0.001 and float(record["best_other_over_ours"]) == pytest.approx(4.0)
+
+
+def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
+    records, rows, text = make(synthetic.points_hostile())
+    assert rows["line 20K"][0][2].startswith("4.00 [") and rows["line 20K"][0][-1] == "32.0"
+    assert rows["sheet 20K"][0][1] == "timeout" and rows["sheet 20K"][0][2] == "—"
+    assert "Here it does not hold (above 1 for 1 of 2 workloads, below 1 for 1, ratio 0.500 to 4.00)" in text
+    record = next(r for r in records if r["scene"] == "shell_20K")
+    assert float(record["ratio"]) == pytest.approx(0.5) and float(record["distances_per_point"]) == 32.0
 
 
 def test_fig13_means_over_all_pairs_only(make: Make) -> None:

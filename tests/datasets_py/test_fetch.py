@@ -266,7 +266,10 @@ PARAMETERS: dict[str, list[set[str]]] = {
     "icosphere": [{"level", "radius"}], "cube": [{"subdivisions"}], "torus": [{"rings", "sides", "major", "minor"}],
     "stray": [{"distance"}], "two_clusters": [{"distance"}], "needle": [{"ratio"}],
     "plane": [{"n", "z"}], "gaussian_points": [{"count", "seed", "sigma", "x", "y", "z"}],
-    "uniform_points": [{"count", "seed"}], "surface": [{"polynomial", "box"}],
+    "uniform_points": [{"count", "seed"}], "box_points": [{"count", "seed", "x", "y", "z"}],
+    "curve_points": [{"count", "seed"}], "shell_points": [{"count", "seed", "radius", "x", "y", "z"}],
+    "cluster_points": [{"count", "seed", "clusters", "layout", "spread", "sigma", "shrink"}], "outlier": [{"x", "y", "z"}],
+    "rotate": [{"x", "y", "z", "t"}], "surface": [{"polynomial", "box"}],
     "gear": [{"teeth", "steps", "rings", "layers", "outer", "root", "bore", "height"}],
 }
 

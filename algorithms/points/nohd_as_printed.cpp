@@ -1,0 +1,147 @@
+// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 to 5.
+//
+// The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points before, even infinity. nohd.cpp
+// has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
+// drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
+#include "kernel/deadline.h"
+#include "kernel/posed_box.h"
+#include "points/exact.h"
+#include "solver.h"
+
+#include <queue>
+#include <tuple>
+
+namespace hausbench {
+namespace {
+
+struct Entry {
+    double squared_upper;  // MinUB
+    Cursor cell;
+
+    bool operator<(const Entry& other) const { return squared_upper < other.squared_upper; }
+};
+
+class NohdAsPrinted final : public Solver {
+public:
+    explicit NohdAsPrinted(const Options& options) : depth_(static_cast<int>(options.integer("depth"))) {}
+
+    Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::source}}; }
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        scene_ = &scene;
+        tree_ = &prepared.point_octree(Side::source);
+    }
+
+    // Algorithm 3.
+    Result solve(const Query& query, Trace&) const override {
+        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points& b = points_of(scene_->target);
+        if (out_of_range(a, b)) return {};
+        const Box around = box_of(a);
+        const Deadline deadline(query.time_limit);
+        Counters counters;
+        FarthestPoint farthest;
+        double max_lb = 0;                        // MaxLB, squared
+        Index shows_it = tree_->order().front();  // a point of the last cell that raised it
+        std::priority_queue<Entry> queue;
+        queue.push({infinity, root_of(*tree_)});
+        for (std::uint64_t taken = 0; !queue.empty(); ++taken) {
+            const Entry head = queue.top();
+            if (head.squared_upper <= max_lb) break;
+            const Status stopped = taken >= query.budget ? Status::budget
+                                   : deadline.passed()   ? Status::time_limit
+                                                         : Status::converged;
+            if (stopped != Status::converged) {
+                const double rest = squared_distances_at_most(a, b, nullptr, 0);
+                return exact_result(query, a, b, farthest, counters, rest, stopped);
+            }
+            queue.pop();
+            const PointOctree::Node& node = tree_->nodes()[static_cast<std::size_t>(head.cell.node)];
+            if (head.cell.depth < depth_) {
+                for_each_part(*tree_, head.cell, [&](const Cursor& part) {
+                    const Box box = posed_box(part.cell, query.pose, around);
+                    const auto [upper, lower, flag] = cube_to_points(box, b, max_lb, counters);
+                    if (!flag) return;
+                    const PointOctree::Node& below = tree_->nodes()[static_cast<std::size_t>(part.node)];
+                    if (lower > max_lb)
+                        max_lb = lower, shows_it = tree_->order()[static_cast<std::size_t>(below.first)];
+                    ++counters.queue_pushes;
+                    queue.push({upper, part});
+                });
+                continue;
+            }
+            for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
+                const Index i = tree_->order()[static_cast<std::size_t>(k)];
+                const FarthestPoint found = point_to_points(a, i, b, max_lb, counters);
+                if (found.squared > farthest.squared) farthest = found;
+                max_lb = std::max(max_lb, found.squared);
+            }
+        }
+        // A cell alone gave MaxLB: its points are neither nearer nor farther.
+        if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
+        return exact_result(query, a, b, farthest, counters);
+    }
+
+private:
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+    // Algorithm 4: UB, LB, Flag.
+    static std::tuple<double, double, bool> cube_to_points(const Box& cell, const Points& b, double squared_max_lb,
+                                                           Counters& counters) {
+        ++counters.node_visits;
+        double upper = infinity, lower = infinity;
+        for (Index j = 0; j < b.rows(); ++j) {
+            ++counters.bound_tests;
+            const Vec3 y = b.row(j);
+            const double most = squared_distance_at_most(y, cell);
+            if (most <= squared_max_lb) return {upper, lower, false};
+            upper = std::min(upper, most);
+            lower = std::min(lower, squared_distance_to_box(y, cell));
+        }
+        return {upper, lower, true};
+    }
+
+    // Algorithm 5, and which point of B it found.
+    static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
+                                         Counters& counters) {
+        FarthestPoint cmin{infinity, i, 0};
+        for (Index j = 0; j < b.rows(); ++j) {
+            ++counters.point_distances;
+            const double squared = squared_distance(a.row(i).data(), b.row(j).data());
+            if (squared < squared_max_lb) break;  // cmin <- 0 is missing
+            if (squared < cmin.squared) cmin.squared = squared, cmin.target = j;
+        }
+        return cmin;
+    }
+
+    int depth_;
+    const Scene* scene_ = nullptr;
+    const PointOctree* tree_ = nullptr;
+};
+
+}  // namespace
+
+SolverEntry nohd_as_printed_solver() {
+    SolverInfo info;
+    info.name = "nohd_as_printed";
+    info.title = "NOHD, as printed";
+    info.paper = "zhang2017";
+    info.source.points = info.target.points = true;
+    info.exact = true;
+    info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
+    info.may_need = {{Structure::point_octree, Side::source}};
+    info.parameters = {
+        {.name = "depth",
+         .default_value = std::int64_t{6},
+         .unit = "",
+         .paper_value = "6",
+         .description = "of the octree: cells of the largest extent of A over 2^depth",
+         .choices = {},
+         .least = 0,
+         .most = PointOctree::max_depth},
+    };
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<NohdAsPrinted>(options); }};
+}
+
+}  // namespace hausbench
