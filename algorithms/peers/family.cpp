@@ -27,8 +27,8 @@ std::vector<pid_t> family_of(pid_t process) {
 }
 
 void end_family(const std::vector<pid_t>& spared) {
-    for (int tries = 0; tries < 1000;
-         ++tries) {  // a second; a process blocked in the kernel dies when the call returns
+    // For a second; a process blocked in the kernel dies when its call returns.
+    for (int tries = 0; tries < 1000; ++tries) {
         bool any = false;
         for (const pid_t member : family_of(::getpid())) {
             if (member == ::getpid() || std::find(spared.begin(), spared.end(), member) != spared.end()) continue;
