@@ -237,7 +237,7 @@ int dispatch(int argc, char** argv) {
     fs::path verified;
     auto* verify_verb =
         app.add_subcommand("verify",
-                           "re-check every row of a result by code that shares nothing with the solvers; exit code 1 "
+                           "re-check every row of a result independently of the solvers' trees and bounds; exit code 1 "
                            "if a row is unsound, or a model to check it on is not here");
     verify_verb->add_option("result", verified, "result file (.h5)")->required();
     verify_verb->callback([&] {

@@ -1,11 +1,12 @@
-// Re-checks what solvers report, by code that shares nothing with them: no kernel, no tree, no rounding rule of theirs.
+// Re-checks what solvers report. Points and meshes: by code that shares no kernel, tree or rounding rule with the solvers.
+// Algebraic surfaces: verify_surface.h says what is shared.
 //
 // Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B) >= d(p, B) - e, so `lower` holds if
 // every element of B is at least lower + e away from p. Each element is tried with a separating plane in interval
 // arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n), then, where that is not
 // enough, in exact rationals. e is computed in exact rationals. O(|B|) a witness.
 //
-// On algebraic surfaces: verify_surface.h. Where there is no witness: not above a certified solver's upper bound.
+// Where there is no witness: not above a certified solver's upper bound.
 //
 // Upper bound: not below a verified lower bound of the same scene and pose by any solver. That can refute, not prove.
 #pragma once
