@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +40,30 @@ Counts solver_counts(const std::string& name, const ParameterMap& given = {}) {
         query.tolerance = {Tolerance::Of::absolute, 1e-5 * magnitude(points_of(test.scene.source)) + 1e-12};
         Trace trace;
         counts[test.name] = session.solve(query, trace).counters;
+    }
+    return counts;
+}
+
+Counts surface_counts(const std::string& name, const ParameterMap& given = {}) {
+    const auto surface = [](const std::string& text) {
+        AlgebraicSurface s{text, Points(2, 3)};
+        s.box.row(0).setConstant(-2);
+        s.box.row(1).setConstant(2);
+        return s;
+    };
+    const AlgebraicSurface ball = surface("x^2 + y^2 + z^2 - 1"), large = surface("x^2 + y^2 + z^2 - 9/4"),
+                           torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"),
+                           cone = surface("x^2/4 + y^2/4 - z^2/9"), other = surface("x^2/16 + y^2/4 - z^2/9");
+    const std::tuple<const char*, AlgebraicSurface, AlgebraicSurface> scenes[] = {
+        {"cones", cone, other}, {"concentric spheres", ball, large}, {"torus to sphere", torus, ball}};
+    const SolverEntry& entry = find_solver(name);
+    Counts counts;
+    for (const auto& [scene, a, b] : scenes) {
+        const Session session(entry, Options(name, entry.info.parameters, given), {a, b}, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-3};
+        Trace trace;
+        counts[scene] = session.solve(query, trace).counters;
     }
     return counts;
 }
@@ -144,6 +169,9 @@ std::map<std::string, Counts> all_counts() {
     all["nohd_without_early_break"] = point_solver_counts("nohd", {{"early_break", false}});
     all["ohd_without_culling"] = point_solver_counts("ohd", {{"culling", std::string("none")}});
     all["scan_by_tree"] = point_solver_counts("scan", {{"tree_from", std::int64_t{0}}});
+    all["surface_enclosure"] = surface_counts("surface_enclosure");
+    all["surface_meshes"] = surface_counts("surface_meshes", {{"cells", std::int64_t(12)}});
+    all["interval_subdivision"] = surface_counts("interval_subdivision", {{"depth", std::int64_t(4)}});
     return all;
 }
 
