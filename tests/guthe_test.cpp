@@ -1,4 +1,5 @@
 // What guthe's parameters are for: without certification little changes, with the textbook kernel bounds go wrong.
+#include "exact.h"
 #include "kernel/rounding.h"
 #include "reference.h"
 #include "registry.h"
@@ -106,6 +107,164 @@ TEST(Guthe, TheTextbookKernelAgreesOnTameMeshes) {
                      textbook = solve(scene, 1e-6, {{"kernel", std::string("textbook")}});
         EXPECT_NEAR(robust.bounds.lower, textbook.bounds.lower, 1e-6);
         EXPECT_NEAR(robust.bounds.upper, textbook.bounds.upper, 1e-6);
+    }
+}
+
+// --- bounds against the exact distance -------------------------------------------------------------------------------
+
+using exact::Rational;
+using exact::RVec3;
+using exact::operator-;
+
+// h(A,B)^2 of one triangle A and a few points B. On the part of A where one b is nearest, the distance is convex, so that
+// it is largest at a corner of the part: a corner of A, a point of an edge that is as far from two b, or a point of A that
+// is as far from three.
+Rational exact_squared(const Triangle& a, const std::vector<Vec3>& b) {
+    const RVec3 corner[3] = {exact::vector(a.a), exact::vector(a.b), exact::vector(a.c)};
+    std::vector<RVec3> points;
+    for (const Vec3& point : b) points.push_back(exact::vector(point));
+    std::vector<RVec3> candidates(corner, corner + 3);
+    // Zero where x is as far from points i and j; linear in x.
+    const auto difference = [&](const RVec3& x, std::size_t i, std::size_t j) {
+        return Rational(exact::squared_distance(x, points[i]) - exact::squared_distance(x, points[j]));
+    };
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            for (int k = 0; k < 3; ++k) {
+                const RVec3 &from = corner[k], &to = corner[(k + 1) % 3];
+                const Rational f = difference(from, i, j), g = difference(to, i, j);
+                if (f != g && f * g <= 0) candidates.push_back(exact::along(from, f / (f - g), to - from));
+            }
+            for (std::size_t l = 0; l < j; ++l) {
+                const RVec3 e = corner[1] - corner[0], f = corner[2] - corner[0];
+                const Rational p = difference(corner[0], i, j), pe = difference(corner[1], i, j) - p,
+                               pf = difference(corner[2], i, j) - p;
+                const Rational q = difference(corner[0], i, l), qe = difference(corner[1], i, l) - q,
+                               qf = difference(corner[2], i, l) - q;
+                const Rational det = pe * qf - pf * qe;
+                if (det == 0) continue;
+                const Rational s = (pf * q - p * qf) / det, t = (p * qe - pe * q) / det;
+                if (s < 0 || t < 0 || s + t > 1) continue;
+                candidates.push_back(exact::along(exact::along(corner[0], s, e), t, f));
+            }
+        }
+    }
+    Rational most = 0;
+    for (const RVec3& x : candidates) {
+        Rational least = exact::squared_distance(x, points[0]);
+        for (const RVec3& y : points) least = std::min(least, exact::squared_distance(x, y));
+        most = std::max(most, least);
+    }
+    return most;
+}
+
+TriangleMesh points_as_triangles(const std::vector<Vec3>& points) {
+    Points corners(static_cast<Index>(3 * points.size()), 3);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) corners.row(static_cast<Index>(3 * i + k)) = points[i];
+    }
+    return soup(corners);
+}
+
+void expect_holds(const Result& result, const Rational& squared, const std::string& where) {
+    const Rational lower = result.bounds.lower, upper = result.bounds.upper;
+    EXPECT_TRUE(lower * lower <= squared) << where;
+    EXPECT_TRUE(upper * upper >= squared) << where;
+}
+
+// To the last bit, with nothing to spare: a tolerance below rounding, so that the bounds are as tight as they are proven. The
+// largest distance is at a point inside A, on an edge, or at a corner.
+TEST(Guthe, BoundsHoldExactlyAtThePrecisionFloor) {
+    Random random(5);
+    for (const char* split : {"midpoint", "longest_edge"}) {
+        for (int i = 0; i < 400; ++i) {
+            // Corners of about 1, whose midpoints are rounded by the most that there is, or corners all around.
+            const Vec3 offset = i % 2 == 0 ? Vec3::Ones() : Vec3::Zero();
+            const double size = i % 2 == 0 ? 0.25 : 1;
+            const auto any_point = [&] { return Vec3(offset + size * random.vector().cwiseAbs()); };
+            const Triangle a{any_point(), any_point(), any_point()};
+            std::vector<Vec3> b;
+            for (int k = 0; k <= i % 3; ++k) b.push_back(any_point());
+            const Scene scene{soup(rows({a.a, a.b, a.c})), points_as_triangles(b)};
+            const Result result = solve(scene, 1e-30, {{"split", std::string(split)}});
+            expect_holds(result, exact_squared(a, b), std::string(split) + ", scene " + std::to_string(i));
+            EXPECT_LT(result.bounds.gap(), 1e-13) << i;
+        }
+    }
+}
+
+// One triangle B, so that the largest distance is at a corner of A; coordinates of A much smaller than those of B, and the
+// other way round.
+TEST(Guthe, BoundsHoldExactlyWhereOneMeshIsMuchSmaller) {
+    Random random(6);
+    for (int i = 0; i < 2000; ++i) {
+        const double size_a = i % 2 == 0 ? 1e-12 : 1;
+        const Triangle b{random.vector(), random.vector(), random.vector()};
+        const Vec3 at = i % 2 == 0 ? inside(b, random) : Vec3::Zero();
+        const Vec3 shift = i % 2 == 0 ? at : Vec3::Zero();
+        const Triangle target{b.a - shift, b.b - shift, b.c - shift};
+        const Triangle a{size_a * random.vector(), size_a * random.vector(), size_a * random.vector()};
+        Rational squared = 0;
+        for (const Vec3& v : {a.a, a.b, a.c}) {
+            squared = std::max(squared,
+                               exact::squared_distance_to_triangle(exact::vector(v), exact::vector(target.a),
+                                                                   exact::vector(target.b), exact::vector(target.c)));
+        }
+        const Scene scene{soup(rows({a.a, a.b, a.c})), soup(rows({target.a, target.b, target.c}))};
+        expect_holds(solve(scene, 1e-30, {}), squared, std::to_string(i));
+    }
+}
+
+TEST(Guthe, BoundsHoldExactlyWhenThereIsNoTime) {
+    Random random(7);
+    const SolverEntry& guthe = find_solver("guthe");
+    for (int i = 0; i < 200; ++i) {
+        const Triangle a{random.vector(), random.vector(), random.vector()};
+        const std::vector<Vec3> b{random.vector()};
+        const Session session(guthe, Options("guthe", guthe.info.parameters, {}),
+                              {soup(rows({a.a, a.b, a.c})), points_as_triangles(b)}, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-30};
+        query.time_limit = 1e-12;
+        Trace trace;
+        const Result result = session.solve(query, trace);
+        EXPECT_EQ(to_string(result.status), "time_limit");
+        expect_holds(result, exact_squared(a, b), std::to_string(i));
+    }
+}
+
+// --- needles ---------------------------------------------------------------------------------------------------------
+
+// The midpoint split makes pieces of the same shape, so resolving the needle's length costs the square of what it has to.
+TEST(Guthe, HalvingTheLongestEdgeResolvesANeedle) {
+    const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.4, 1e-6, 0}};
+    const std::vector<Vec3> b{{0.1, 0.3, 0.2}, {0.8, 0.25, -0.1}};
+    const Scene scene{soup(rows({a.a, a.b, a.c})), points_as_triangles(b)};
+    const Result longest = solve(scene, 1e-8, {{"split", std::string("longest_edge")}});
+    EXPECT_EQ(to_string(longest.status), "converged");
+    EXPECT_LE(longest.counters.subdivisions, 5000u);
+    expect_holds(longest, exact_squared(a, b), "needle");
+
+    const SolverEntry& guthe = find_solver("guthe");
+    const Session session(guthe, Options("guthe", guthe.info.parameters, {}), scene, {});
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, 1e-8};
+    query.budget = 20000;
+    Trace trace;
+    const Result midpoint = session.solve(query, trace);
+    EXPECT_EQ(to_string(midpoint.status), "budget") << "the published split is the default";
+    expect_holds(midpoint, exact_squared(a, b), "needle");
+}
+
+TEST(Guthe, BothSplitsAgreeOnTameMeshes) {
+    Random random(8);
+    for (int i = 0; i < 10; ++i) {
+        const Scene scene{soup(cloud(random, 60)), soup(cloud(random, 300))};
+        const Result midpoint = solve(scene, 1e-6, {}),
+                     longest = solve(scene, 1e-6, {{"split", std::string("longest_edge")}});
+        EXPECT_EQ(to_string(longest.status), "converged");
+        EXPECT_NEAR(longest.bounds.lower, midpoint.bounds.lower, 1e-6);
+        EXPECT_NE(longest.counters, midpoint.counters);
     }
 }
 

@@ -74,24 +74,16 @@ inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitu
 // triangle, and the distance changes no more than the point moves.
 inline double surface_distance_at_most(double squared, double magnitude, int level) {
     if (magnitude == 0) return 0;
-    const double moved = (8 + 2 * level) * unit_roundoff * magnitude;
-    return next_up(next_up(std::sqrt(squared) * (1 + 4 * unit_roundoff)) + moved);
-}
-
-// Bounds the distance at any point of a piece: that at one corner, and the longest edge from there. The corner and both
-// ends of the edge may each be 2kuM from the exact ones.
-inline double piece_distance_at_most(double squared, double squared_edge, double magnitude, int level) {
-    const double edge = next_up(std::sqrt(squared_edge) * (1 + 4 * unit_roundoff));
-    return next_up(surface_distance_at_most(squared, magnitude, 3 * level) + edge);
+    return next_up(distance_at_most(squared, false) + (8 + 2 * level) * unit_roundoff * magnitude);
 }
 
 // A certified distance of the rounded vertex becomes one of the exact point of A that it stands for.
 inline double surface_distance_at_least(double certified, double magnitude, int level) {
-    const double low = level == 0 ? certified : next_down(certified - 2.5 * level * unit_roundoff * magnitude);
+    const double low = level == 0 ? certified : next_down(certified - 2 * level * unit_roundoff * magnitude);
     return low > 0 ? low : 0;
 }
 
-// The three together, for one scene; `certify` off leaves the widening out, to measure what it costs and to show what goes
+// The upper bound for one scene; `certify` off leaves the widening out, to measure what it costs and to show what goes
 // wrong without it.
 struct SurfaceRounding {
     double magnitude;
@@ -99,10 +91,6 @@ struct SurfaceRounding {
 
     double at_most(double squared, int level) const {
         return certify ? surface_distance_at_most(squared, magnitude, level) : std::sqrt(squared);
-    }
-    double piece_at_most(double squared, double squared_edge, int level) const {
-        return certify ? piece_distance_at_most(squared, squared_edge, magnitude, level)
-                       : std::sqrt(squared) + std::sqrt(squared_edge);
     }
 };
 

@@ -3,19 +3,22 @@
 // there: an octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
 // triangles that cannot attain the maximum, the end of a triangle whose vertices share a nearest triangle.
 //
-// Upper bound of a piece T with vertices v: the least of
-//   max_v d(v, S), S a triangle of B near T: the distance to a convex set is convex, so its maximum over T is at a vertex
-//   (exact if S is nearest to all three, even if ties named another: the shared-triangle end of Tang et al., section 4);
-//   d(v, B) + the longest edge from v: the distance to any set is 1-Lipschitz.
-// The S tried are the triangles nearest to the piece's vertices and to its siblings' (ours; Guthe's list is not known).
+// Upper bound of a piece T with vertices v: the least, over some triangles S of B, of max_v d(v, S). The distance to a convex
+// set is convex, so its maximum over T is at a vertex (exact if S is nearest to all three, even if ties named another: the
+// shared-triangle end of Tang et al., section 4). Which S Guthe tries is not known. Ours are those nearest to the piece's
+// vertices, to its siblings' vertices, and the one that was best for its parent. A Lipschitz bound, d(v, B) + the longest
+// edge from v, cannot be less than that of the S nearest to v, so there is none.
 // The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
+//
+// Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k pieces
+// where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a needle.
 //
 // Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound does no harm, as
 // the bounds of what is purged are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
 // With certify = false nothing is widened or certified, and with kernel = textbook distances are those that textbooks give:
 // both are there to be compared with, and their bounds may be wrong.
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
-// bytes a piece that waits.
+// bytes for each piece in the queue.
 #include "kernel/deadline.h"
 #include "kernel/octree.h"
 #include "kernel/rounding.h"
@@ -28,7 +31,9 @@
 namespace hausbench {
 namespace {
 
-constexpr int most_levels = 50;     // by then a piece is smaller than rounding
+// By then a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
+// edge divide the diameter by 2, but for a factor of sqrt(3) in all.
+constexpr int most_levels_midpoint = 50, most_levels_longest_edge = 102;
 constexpr Index scan_at_most = 32;  // triangles of B that are as soon scanned as searched
 
 struct Vertex {
@@ -46,18 +51,25 @@ struct Piece {
 };
 
 // Which piece to split next: the heap moves these, and the pieces stay where they are.
-struct Waiting {
+struct Queued {
     double upper;
     std::uint32_t piece;
 
-    bool operator<(const Waiting& other) const { return upper < other.upper; }
+    bool operator<(const Queued& other) const { return upper < other.upper; }
 };
 
 struct Choices {
-    bool textbook = false, certify = true;
+    bool textbook = false, certify = true, longest_edge = false;
 };
 
-// One query at work.
+// A piece cut up: its corners (0, 1, 2), the midpoints of edges after them, and the pieces as three of these points each.
+struct Cut {
+    std::array<Vertex, 6> points;
+    std::size_t point_count = 3, piece_count = 0;
+    std::array<std::array<std::size_t, 3>, 4> pieces{};
+};
+
+// One query.
 class Search {
 public:
     Search(const TriangleMesh& a, const TriangleMesh& b, const TriangleOctree* octree, Points posed_vertices,
@@ -69,6 +81,7 @@ public:
           query_(query),
           trace_(trace),
           textbook_(choices.textbook),
+          longest_edge_(choices.longest_edge),
           deadline_(query.time_limit),
           rounding_{std::max(magnitude(points_), magnitude(b.vertices)), choices.certify} {}
 
@@ -77,12 +90,13 @@ public:
 private:
     ClosestPoint closest(const Vec3& point, Index warm);
     double squared_distance(const Vec3& point, const Triangle& triangle) const;
-    void squared_distances(const std::array<Vertex, 6>& points, const Triangle& triangle, BlockFeet& feet) const;
+    void squared_distances(const Cut& cut, const Triangle& triangle, BlockFeet& feet) const;
     Vertex vertex_at(const Vec3& point, Index warm, Index source, int level);
     bool measure_vertices();
     void push_triangles();
     void push(const Piece& piece);
     Piece pop();
+    Cut cut(const Piece& piece);
     void split(const Piece& piece);
     double upper() const { return std::max(settled_, heap_.empty() ? 0.0 : heap_.front().upper); }
     double certified_lower();
@@ -94,12 +108,12 @@ private:
     Points points_;
     const Query& query_;
     Trace& trace_;
-    bool textbook_;
+    bool textbook_, longest_edge_;
     Deadline deadline_;
     SurfaceRounding rounding_;
     Counters counters_;
     std::vector<Vertex> vertices_;  // of A
-    std::vector<Waiting> heap_;
+    std::vector<Queued> heap_;
     std::vector<Piece> pieces_;
     std::vector<std::uint32_t> free_;  // places in pieces_
     double settled_ = 0;               // the largest upper bound of what was purged
@@ -135,14 +149,18 @@ double Search::squared_distance(const Vec3& point, const Triangle& triangle) con
     return (textbook_ ? textbook_closest_point(point, triangle) : closest_point(point, triangle)).squared_distance;
 }
 
-void Search::squared_distances(const std::array<Vertex, 6>& points, const Triangle& triangle, BlockFeet& feet) const {
+// Of the points of a cut, lane by lane.
+void Search::squared_distances(const Cut& cut, const Triangle& triangle, BlockFeet& feet) const {
     if (textbook_) {
-        for (std::size_t k = 0; k < 6; ++k) feet.squared_distance[k] = squared_distance(points[k].point, triangle);
+        for (std::size_t k = 0; k < cut.point_count; ++k) {
+            feet.squared_distance[k] = squared_distance(cut.points[k].point, triangle);
+        }
         return;
     }
     PointBlock block;
     for (std::size_t lane = 0; lane < block_width; ++lane) {
-        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = points[std::min<std::size_t>(lane, 5)].point[k];
+        const Vec3& point = cut.points[std::min(lane, cut.point_count - 1)].point;
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = point[k];
     }
     closest_points(block, triangle, feet);
 }
@@ -181,7 +199,8 @@ bool Search::measure_vertices() {
 void Search::push(const Piece& piece) {
     // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
     // pieces whose vertices share a nearest triangle.
-    if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level) || piece.level == most_levels) {
+    if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level) ||
+        piece.level == (longest_edge_ ? most_levels_longest_edge : most_levels_midpoint)) {
         settled_ = std::max(settled_, piece.upper);
         return;
     }
@@ -203,19 +222,6 @@ Piece Search::pop() {
     free_.push_back(heap_.back().piece);
     heap_.pop_back();
     return pieces_[free_.back()];
-}
-
-double lipschitz_bound(const std::array<Vertex, 3>& corners, const SurfaceRounding& rounding, int level) {
-    double edges[3];  // edges[k] is opposite corner k
-    for (std::size_t k = 0; k < 3; ++k) {
-        edges[k] = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
-    }
-    double bound = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double longest = std::max(edges[(k + 1) % 3], edges[(k + 2) % 3]);
-        bound = std::min(bound, rounding.piece_at_most(corners[k].squared, longest, level));
-    }
-    return bound;
 }
 
 void Search::push_triangles() {
@@ -243,48 +249,70 @@ void Search::push_triangles() {
                 piece.best = corner.triangle;
             }
         }
-        piece.upper = std::min(rounding_.at_most(least, 0), lipschitz_bound(piece.corners, rounding_, 0));
+        piece.upper = rounding_.at_most(least, 0);
         push(piece);
     }
 }
 
-// Four pieces, from the three corners (0, 1, 2) and the midpoints opposite them (3, 4, 5).
+Cut Search::cut(const Piece& piece) {
+    const int level = piece.level + 1;
+    Cut cut;
+    for (std::size_t k = 0; k < 3; ++k) cut.points[k] = piece.corners[k];
+    const auto add_midpoint = [&](std::size_t a, std::size_t b) {
+        const Vertex &one = cut.points[a], &two = cut.points[b];
+        cut.points[cut.point_count++] = vertex_at(0.5 * (one.point + two.point), one.triangle, piece.source, level);
+    };
+    if (!longest_edge_) {  // 3, 4, 5 are the midpoints opposite 0, 1, 2
+        for (std::size_t k = 0; k < 3; ++k) add_midpoint((k + 1) % 3, (k + 2) % 3);
+        cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
+        cut.piece_count = 4;
+        return cut;
+    }
+    std::size_t opposite = 0;
+    double longest = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double length = squared_length(cut.points[(k + 1) % 3].point - cut.points[(k + 2) % 3].point);
+        if (length > longest) longest = length, opposite = k;
+    }
+    const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
+    add_midpoint(one, two);
+    cut.pieces[0] = {opposite, one, 3};
+    cut.pieces[1] = {opposite, 3, two};
+    cut.piece_count = 2;
+    return cut;
+}
+
 void Search::split(const Piece& piece) {
-    constexpr std::array<std::array<std::size_t, 3>, 4> children{{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
     ++counters_.subdivisions;
     const int level = piece.level + 1;
-    std::array<Vertex, 6> v;
-    for (std::size_t k = 0; k < 3; ++k) v[k] = piece.corners[k];
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Vertex &one = v[(k + 1) % 3], &two = v[(k + 2) % 3];
-        v[k + 3] = vertex_at(0.5 * (one.point + two.point), one.triangle, piece.source, level);
-    }
+    const Cut cut = this->cut(piece);
+    std::array<Index, 7> near{piece.best};
+    for (std::size_t k = 0; k < cut.point_count; ++k) near[k + 1] = cut.points[k].triangle;
 
-    std::array<Index, 7> near{piece.best,    v[0].triangle, v[1].triangle, v[2].triangle,
-                              v[3].triangle, v[4].triangle, v[5].triangle};
     std::array<double, 4> least;
     std::array<Index, 4> best{};
     least.fill(std::numeric_limits<double>::infinity());
-    for (std::size_t s = 0; s < near.size(); ++s) {
+    for (std::size_t s = 0; s <= cut.point_count; ++s) {
         if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
-        const Triangle triangle = triangle_of(b_, near[s]);
         BlockFeet feet;
-        squared_distances(v, triangle, feet);
+        squared_distances(cut, triangle_of(b_, near[s]), feet);
         const double* squared = feet.squared_distance;
-        counters_.point_triangle_distances += 6;
-        for (std::size_t c = 0; c < 4; ++c) {
+        counters_.point_triangle_distances += cut.point_count;
+        for (std::size_t c = 0; c < cut.piece_count; ++c) {
             ++counters_.bound_tests;
-            const double most = std::max({squared[children[c][0]], squared[children[c][1]], squared[children[c][2]]});
+            const auto& corners = cut.pieces[c];
+            const double most = std::max({squared[corners[0]], squared[corners[1]], squared[corners[2]]});
             if (most < least[c]) {
                 least[c] = most;
                 best[c] = near[s];
             }
         }
     }
-    for (std::size_t c = 0; c < 4; ++c) {
-        Piece child{{v[children[c][0]], v[children[c][1]], v[children[c][2]]}, 0, piece.source, best[c], level};
-        child.upper = std::min(
-            {piece.upper, rounding_.at_most(least[c], level), lipschitz_bound(child.corners, rounding_, level)});
+    for (std::size_t c = 0; c < cut.piece_count; ++c) {
+        const auto& corners = cut.pieces[c];
+        Piece child{
+            {cut.points[corners[0]], cut.points[corners[1]], cut.points[corners[2]]}, 0, piece.source, best[c], level};
+        child.upper = std::min(piece.upper, rounding_.at_most(least[c], level));
         push(child);
     }
 }
@@ -334,7 +362,7 @@ Result Search::run() {
         if (trace_.on()) trace_.record(certified_lower(), high);
         if (high <= query_.cutoff && std::isfinite(query_.cutoff)) return result(Status::cutoff_passed);
         if (low > query_.cutoff && certified_lower() > query_.cutoff) return result(Status::cutoff_passed);
-        // Finished, it seems; or nothing is left to split.
+        // Seemingly finished, or nothing is left to split.
         const bool close = high - low <= query_.tolerance.gap(low);
         if (close || heap_.empty() || heap_.front().upper <= settled_) {
             const double gap = high - certified_lower();
@@ -358,7 +386,9 @@ Result Search::run() {
 
 class Guthe final : public Solver {
 public:
-    explicit Guthe(const Options& options) : choices_{options.text("kernel") == "textbook", options.flag("certify")} {}
+    explicit Guthe(const Options& options)
+        : choices_{options.text("kernel") == "textbook", options.flag("certify"),
+                   options.text("split") == "longest_edge"} {}
 
     bool certified() const override { return choices_.certify && !choices_.textbook; }
 
@@ -413,6 +443,14 @@ SolverEntry guthe_solver() {
          .paper_value = "",
          .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
          .choices = {}},
+        {.name = "split",
+         .default_value = std::string("midpoint"),
+         .unit = "",
+         .paper_value = "midpoint",
+         .description =
+             "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that of the longest "
+             "edge, for needles",
+         .choices = {"midpoint", "longest_edge"}},
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
 }
