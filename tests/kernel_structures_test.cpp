@@ -92,6 +92,76 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
     EXPECT_NEAR(distance_at_least(swept_sphere_around(flat), Vec3(0.3, 0.1, 2)), 2, 1e-10);
 }
 
+// The exact rectangle (a parallelogram, where u and v are not orthogonal) of a volume.
+struct ExactRectangle {
+    exact::RVec3 corner[4];  // one after the other around it
+
+    explicit ExactRectangle(const SweptSphere& volume) {
+        const exact::RVec3 centre = exact::vector(volume.centre), u = exact::vector(volume.u),
+                           v = exact::vector(volume.v);
+        for (int k = 0; k < 4; ++k) {
+            corner[k] = exact::along(exact::along(centre, k == 0 || k == 3 ? -1 : 1, u), k < 2 ? -1 : 1, v);
+        }
+    }
+    exact::Rational least_squared(const exact::RVec3& p) const {
+        return std::min(exact::squared_distance_to_triangle(p, corner[0], corner[1], corner[2]),
+                        exact::squared_distance_to_triangle(p, corner[0], corner[2], corner[3]));
+    }
+    exact::Rational most_squared(const exact::RVec3& p) const {
+        exact::Rational most = 0;
+        for (const exact::RVec3& c : corner) most = std::max(most, exact::squared_distance(p, c));
+        return most;
+    }
+};
+
+// Sets that are flat or straight but for rounding, so that the radius is little more than the rounding of the feet.
+TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
+    Random random(5);
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 at = random.vector(), u = random.vector(), v = i % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector();
+        std::vector<Vec3> points;
+        for (int k = 0; k < 3 + i % 5; ++k) points.push_back(at + random.real(-1, 1) * u + random.real(-1, 1) * v);
+        const SweptSphere volume = swept_sphere_around(points);
+        const exact::Rational radius = volume.radius;
+        const ExactRectangle rectangle(volume);
+        for (const Vec3& point : points) {
+            ASSERT_TRUE(rectangle.least_squared(exact::vector(point)) <= radius * radius) << i;
+        }
+    }
+}
+
+// Volumes of any kind, orthogonal or not, of no radius or some, with coordinates that underflow or not; points at any
+// distance from the rectangle or its plane.
+TEST(SweptSphere, BoundsHoldForTheExactRectangle) {
+    Random random(6);
+    int told = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double scale = i % 5 == 0 ? std::ldexp(1, -500 - static_cast<int>(random.below(40))) : 1;
+        SweptSphere volume;
+        volume.centre = scale * random.vector();
+        volume.u = scale * std::pow(10, random.real(-3, 0)) * random.vector();
+        volume.v = scale * std::pow(10, random.real(-3, 0)) * random.vector();
+        if (i % 3 != 0)
+            volume.v -= dot(volume.v, volume.u / scale) / squared_length(volume.u / scale) * volume.u / scale;
+        if (i % 7 == 0) volume.v = Vec3::Zero();
+        volume.radius = i % 2 == 0 ? 0 : scale * random.unit();
+        Vec3 off = volume.u.cross(volume.v / scale);
+        if (off.isZero()) off = scale * random.vector();
+        const Vec3 q = volume.centre + random.real(-1.5, 1.5) * volume.u + random.real(-1.5, 1.5) * volume.v +
+                       std::pow(10, random.real(-17, 1)) * off;
+        const ExactRectangle rectangle(volume);
+        const exact::Rational radius = volume.radius, least = distance_at_least(volume, q),
+                              most = distance_at_most(volume, q) - radius;
+        const exact::RVec3 p = exact::vector(q);
+        if (least > 0) {
+            ++told;
+            ASSERT_TRUE((least + radius) * (least + radius) <= rectangle.least_squared(p)) << i;
+        }
+        ASSERT_TRUE(most >= 0 && most * most >= rectangle.most_squared(p)) << i;
+    }
+    EXPECT_GT(told, 2000);
+}
+
 TEST(SweptSphere, EveryChildIsAround) {
     int checked = 0;
     for (const auto& [name, mesh] : tree_meshes()) {

@@ -95,24 +95,33 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
 // The foot is found as if u and v were orthogonal. |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, and the foot makes f + g
 // least but for rounding, so the least squared distance is at least that at the foot less 4 |u.v|. Rounding: s and t may be
 // off by 8u(size)/|u|, which costs less than 64u^2(size)^2 in f; the rest by 14u(size) in length, its squared length by
-// 40u(size)^2, and u.v by 4u(size)^2. In all less than 64u(size)^2, and 2^-1000 where something underflows.
+// 40u(size)^2, and u.v by 4u(size)^2. In all less than 64u(size)^2.
+//
+// Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, that changes s by less than 2^-62, which is less than the
+// rounding error above. If |u| < 2^-505, a wrong s moves the foot by 2^-504 at most. The same holds of v and t. The squared
+// length and 4 |u.v| are off by 2^-1070, their root by 2^-535. In all less than 2^-502 in length, because sqrt(x + y) <=
+// sqrt(x) + sqrt(y); the 2^-500 that distance_at_least (rounding.h) takes off covers it.
 double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     const Foot foot = foot_of(volume, q);
-    const double squared = foot.squared - 4 * std::abs(dot(volume.u, volume.v)) -
-                           (100 * unit_roundoff * (foot.size * foot.size) + 0x1p-1000);
+    const double squared =
+        foot.squared - 4 * std::abs(dot(volume.u, volume.v)) - 100 * unit_roundoff * (foot.size * foot.size);
     if (!(squared > 0)) return 0;
     return std::max(0.0, next_down(distance_at_least(squared, true) - volume.radius));
 }
 
-// The distance to a point of the rectangle is largest at a corner. A corner errs by 6u(size) in each coordinate.
+// The distance to a point of the rectangle is largest at a corner; let that be D. The mean of the four squared distances to
+// the corners is |r|^2 + |u|^2 + |v|^2, so |r| <= D, and |r - s u| <= D for the s of that corner in the same way. The three
+// differences err by u times their lengths, at most 3uD in all; a square, two sums and the root by 2.5u more. So D <=
+// f (1 + 5.5u) and terms of order u^2, f the computed distance. Rounding up alone covers that: distance_at_most gives
+// f (1 + 4u), rounded, then raised by one ulp twice, so at least f (1 + 5.5u); an ulp exceeds uf. The last sum is rounded,
+// then raised by one ulp, which leaves half an ulp more. Underflow: as in distance_at_most.
 double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
-    const double size = sum(r) + sum(volume.u) + sum(volume.v);
     double most = 0;
     for (const double s : {-1.0, 1.0}) {
         for (const double t : {-1.0, 1.0}) most = std::max(most, squared_length((r - s * volume.u) - t * volume.v));
     }
-    return next_up(next_up(distance_at_most(most, true) + 16 * unit_roundoff * size) + volume.radius);
+    return next_up(distance_at_most(most, true) + volume.radius);
 }
 
 SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
