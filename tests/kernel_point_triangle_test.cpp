@@ -1,5 +1,6 @@
 // The point-triangle kernel against exact rational arithmetic, on kind and degenerate triangles.
 #include "exact.h"
+#include "kernel/closest.h"
 #include "kernel/point_triangle.h"
 #include "kernel/rounding.h"
 #include "kernel/textbook.h"
@@ -56,6 +57,73 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
         EXPECT_LE(worst_under, 10) << kind.name;
         EXPECT_LE(worst_loss, 100) << kind.name;
     }
+}
+
+// The upper bounds of all solvers rest on this alone (point_triangle.h). The foot of a foot is at distance zero, as computed.
+TEST(PointTriangle, FeetAreWithin7uMOfTheExactTriangle) {
+    Random random(4);
+    for (const Kind& kind : kinds()) {
+        for (int i = 0; i < 200; ++i) {
+            const Sample sample = kind.make(random);
+            const Triangle& t = sample.triangle;
+            const Vec3 q = closest_point(sample.point, t).point;
+            const exact::Rational squared = exact::squared_distance_to_triangle(exact::vector(q), exact::vector(t.a),
+                                                                                exact::vector(t.b), exact::vector(t.c));
+            const exact::Rational allowed = 7 * exact::Rational(unit_roundoff) * exact::Rational(magnitude_of(sample));
+            ASSERT_TRUE(squared <= allowed * allowed) << kind.name << " sample " << i;
+            const double again = closest_point(q, t).squared_distance;
+            const exact::Rational high = surface_distance_at_most(again, magnitude_of(sample), 0);
+            ASSERT_TRUE(high * high >= squared) << kind.name << " sample " << i;
+        }
+    }
+}
+
+// Any q gives a bound, near or far, also where products or squares underflow.
+TEST(PointTriangle, AnyGuessGivesALowerBound) {
+    Random random(6);
+    int told = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double size = i % 2 == 0 ? 1 : std::ldexp(1, -440 - static_cast<int>(random.below(200)));
+        const double away = i % 2 == 0 ? 1 : std::ldexp(1, -440 - static_cast<int>(random.below(100)));
+        const Vec3 at = size * random.vector();
+        const Triangle t =
+            i % 3 == 0 ? Triangle{at, at, at} : Triangle{at, size * random.vector(), size * random.vector()};
+        const Vec3 p = size * random.vector(), q = away * random.vector();
+        const exact::Rational squared = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
+                                                                            exact::vector(t.b), exact::vector(t.c));
+        const exact::Rational low = distance_certainly_at_least(p, t, q);
+        ASSERT_TRUE(low * low <= squared) << i;
+        told += low > 0;
+    }
+    EXPECT_GT(told, 1000);
+}
+
+// Where coordinates are so large that the foot is off by more than the certificate loses: a second triangle, a point, is
+// then nearer than the first one, although its box seems farther.
+TEST(PointTriangle, CertifiedDistancesHoldForAllTriangles) {
+    Random random(5);
+    int nearer = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 offset(1e8, -1e8, 1e8);
+        const Triangle t{offset + random.vector(), offset + random.vector(), offset + random.vector()};
+        const Vec3 p = offset + random.vector(2), q = closest_point(p, t).point;
+        Vec3 v = p + (p - q);
+        v[i % 3] += 0x1p-26;
+        TriangleMesh mesh;
+        mesh.vertices.resize(6, 3);
+        mesh.triangles.resize(2, 3);
+        mesh.triangles << 0, 1, 2, 3, 4, 5;
+        const Vec3 corners[6] = {t.a, t.b, t.c, v, v, v};
+        for (int k = 0; k < 6; ++k) mesh.vertices.row(k) = corners[k];
+        const exact::Rational one = exact::squared_distance_to_triangle(exact::vector(p), exact::vector(t.a),
+                                                                        exact::vector(t.b), exact::vector(t.c));
+        const exact::Rational two = exact::squared_distance(exact::vector(p), exact::vector(v));
+        Counters counters;
+        const exact::Rational low = certified_distance_by_scan(mesh, p, counters);
+        ASSERT_TRUE(low * low <= std::min(one, two)) << i;
+        if (two < one && squared_length(p - v) > squared_length(p - q)) ++nearer;
+    }
+    EXPECT_GT(nearer, 50) << "the scene does not show what it is for";
 }
 
 TEST(PointTriangle, CornersAndEdgesAreExact) {

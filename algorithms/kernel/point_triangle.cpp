@@ -60,7 +60,7 @@ double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, cons
         const double length = std::sqrt(squared_length(n));
         if (!(length > 0x1p-450) || std::isinf(length)) return;
         const double least = std::min({dot(n, w[0]), dot(n, w[1]), dot(n, w[2])});
-        best = std::max(best, least / length * (1 - 5 * unit_roundoff) - (6 * unit_roundoff * size + 0x1p-600));
+        best = std::max(best, least / length - (9 * unit_roundoff * size + 0x1p-600));
     };
     // Twice: the second time removes what rounding left the first time.
     const auto without = [](Vec3 n, const Vec3& edge) {

@@ -71,9 +71,10 @@ TrianglePoint closest_point(const Vec3& p, const Triangle& triangle);
 //
 // For every n != 0, no point of the triangle is closer than min over vertices v of n.(p - v) / |n|. Several n are tried:
 // p - q, its parts perpendicular to an edge, and the normal. Rounding: w = fl(p - v) errs by u|w_k| in each coordinate,
-// the products and sums by 3u: the dot product is off by at most 4.01u sum |n_k||w_k| <= 4.01 u |n||w|; |n| is off by a
-// factor 1 -+ 2.5u, the quotient by u more. So m/|n| (1 - 5u) - 6u max(|w_x| + |w_y| + |w_z|) is a lower bound. n with
-// |n| < 2^-450 are not tried; underflow then costs less than 2^-600.
+// the products and sums by 3u: the dot product m is off by at most 4.01u sum |n_k||w_k| <= 4.01 u |n||w|; |n| is off by a
+// factor 1 -+ 2.5u, the quotient by u more. m/|n| is at most |w|, so all this is less than 7.6u |w|, and the subtraction
+// adds u. |w| <= |w_x| + |w_y| + |w_z|: m/|n| - 9u max(|w_x| + |w_y| + |w_z|) is a lower bound. n with |n| < 2^-450 are
+// not tried; underflow then costs less than 2^-600.
 double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, const Vec3& q);
 
 }  // namespace hausbench
