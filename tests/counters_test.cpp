@@ -12,6 +12,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ constexpr const char* file = HAUSBENCH_BASELINE;
 
 using Counts = std::map<std::string, Counters>;
 
-Counts solver_counts(const std::string& name) {
+Counts solver_counts(const std::string& name, const ParameterMap& given = {}) {
     const SolverEntry& entry = find_solver(name);
     std::vector<TestScene> scenes = mesh_scenes();
     scenes.push_back(test_scene("large sheets", sheet(24, 0.05, 0.2), sheet(40, 0, 0.1)));
@@ -33,7 +34,7 @@ Counts solver_counts(const std::string& name) {
     Counts counts;
     for (const TestScene& test : scenes) {
         if (test.name.find("scale") != std::string::npos) continue;  // the same counts as unscaled
-        const Session session(entry, Options(name, entry.info.parameters, {}), test.scene, {});
+        const Session session(entry, Options(name, entry.info.parameters, given), test.scene, {});
         Query query;
         query.tolerance = {Tolerance::Of::absolute, 1e-5 * magnitude(points_of(test.scene.source)) + 1e-12};
         Trace trace;
@@ -113,9 +114,27 @@ Counts point_solver_counts(const std::string& name, const ParameterMap& given = 
     return counts;
 }
 
+// The scan that every tree must equal, and that certifies witnesses of small targets.
+Counts scan_counts() {
+    Counts counts;
+    for (const auto& [name, mesh] : tree_meshes()) {
+        if (name.starts_with("random") || mesh.triangles.rows() > 400) continue;
+        Random random(9);
+        for (int i = 0; i < 20; ++i) {
+            const Vec3 query = query_near(mesh, random);
+            (void)closest_by_scan(mesh, query, {}, counts[name]);
+            (void)certified_distance_by_scan(mesh, query, counts[name]);
+        }
+    }
+    return counts;
+}
+
 std::map<std::string, Counts> all_counts() {
     std::map<std::string, Counts> all;
     all["guthe"] = solver_counts("guthe");
+    all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
+    all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
+    all["closest_by_scan"] = scan_counts();
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
     all["point_bvh"] = point_tree_counts();
@@ -145,30 +164,43 @@ void write(const std::map<std::string, Counts>& all, const std::string& reason) 
     }
 }
 
+std::set<std::string> keys(const toml::table& table) {
+    std::set<std::string> all;
+    for (const auto& [key, value] : table) {
+        if (value.is_table()) all.emplace(key.str());
+    }
+    return all;
+}
+
+template <class Map> std::set<std::string> keys(const Map& map) {
+    std::set<std::string> all;
+    for (const auto& [key, value] : map) all.insert(key);
+    return all;
+}
+
 TEST(Counters, AreThoseOfTheBaseline) {
     const auto all = all_counts();
     if (const char* reason = std::getenv("HAUSBENCH_BASELINE_REASON")) {
         ASSERT_GT(std::string(reason).size(), 10u) << "HAUSBENCH_BASELINE_REASON must say why the counters change";
         write(all, reason);
+        GTEST_SKIP() << file << " is written anew; what was just written proves nothing";
     }
     const toml::table baseline = toml::parse_file(file);
-    int compared = 0;
+    ASSERT_EQ(keys(baseline), keys(all)) << file;
     for (const auto& [group, counts] : all) {
-        const auto* expected = baseline[group].as_table();
-        ASSERT_NE(expected, nullptr) << file << " has no [" << group << "]";
-        EXPECT_EQ(expected->size(), counts.size()) << group;
+        const toml::table& expected = *baseline[group].as_table();
+        ASSERT_EQ(keys(expected), keys(counts)) << group;
         for (const auto& [name, counters] : counts) {
+            EXPECT_NE(counters, Counters{}) << group << ", " << name << ": counts nothing";
             for (const CounterField& field : counter_fields) {
-                const std::int64_t value = (*expected)[name][field.name].value_or(std::int64_t{0});
+                const std::int64_t value = expected[name][field.name].value_or(std::int64_t{0});
                 EXPECT_EQ(static_cast<std::int64_t>(counters.*field.member), value)
                     << group << ", " << name << ": " << field.name << ". If the change is meant, run\n  "
                     << "HAUSBENCH_BASELINE_REASON='why' build/release/tests/counters_test\n"
                     << "and commit tests/counters_baseline.toml with it.";
-                ++compared;
             }
         }
     }
-    EXPECT_GT(compared, 200);
 }
 
 }  // namespace

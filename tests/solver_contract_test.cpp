@@ -420,43 +420,49 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     }
 }
 
+// Without Session, which scales every scene to the same size before a solver sees it.
+Result solve_as_it_is(const SolverEntry& entry, const Scene& scene, const QuerySet& queries, const Query& query) {
+    const std::unique_ptr<Solver> solver = entry.make(defaults(entry));
+    const Prepared prepared(scene, solver->needs(scene, queries));
+    solver->prepare(scene, prepared);
+    Trace trace;
+    return solver->solve(query, trace);
+}
+
+// Solvers have no hidden lengths: where nothing over- or underflows, a scene 2^k times as large has the same answer, 2^k
+// times as large, for the same work.
 TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
-    int tried = 0;
+    std::map<std::string, int> tried;
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
         if (entry.info.original_coordinates) return;
-        for (const int k : {7, -300, 400}) {
-            TestScene scaled = c.test;
+        for (const int k : {7, -60, 90}) {
+            Scene scaled = c.test.scene;
             bool exact = true;
-            for (Shape* shape : {&scaled.scene.source, &scaled.scene.target}) {
-                Points& points = points_of(*shape);
-                points = points
-                             .unaryExpr([&](double x) {
-                                 const double y = std::ldexp(x, k);
-                                 exact = exact && (x == 0 || (std::abs(x) > 1e-200 && std::abs(x) < 1e150 &&
-                                                              std::abs(y) > 1e-200 && std::abs(y) < 1e150));
-                                 return y;
-                             })
-                             .eval();
+            for (Shape* shape : {&scaled.source, &scaled.target}) {
+                for (double& x : points_of(*shape).reshaped()) {
+                    exact = exact && (x == 0 || (std::abs(x) > 1e-20 && std::abs(x) < 1e10));
+                    x = std::ldexp(x, k);
+                }
             }
             if (!exact) continue;
-            ++tried;
-            const Session before = session_of(entry, c.test), after = session_of(entry, scaled);
-            Trace trace;
+            ++tried[entry.info.name];
+            const QuerySet queries{.moves = c.test.poses.size() > 1, .count = c.test.poses.size()};
             for (std::size_t i = 0; i < c.truths.size(); ++i) {
                 Query query = query_of(c.test.poses[i], c.truths[i]);
-                Result expected = before.solve(query, trace);
+                Result expected = solve_as_it_is(entry, c.test.scene, queries, query);
                 query.tolerance.value = std::ldexp(query.tolerance.value, k);
                 for (double& t : query.pose.translation) t = std::ldexp(t, k);
-                const Result result = after.solve(query, trace);
+                const Result result = solve_as_it_is(entry, scaled, queries, query);
                 expected.bounds = {std::ldexp(expected.bounds.lower, k), std::ldexp(expected.bounds.upper, k)};
                 for (double& x : expected.witness.source_point) x = std::ldexp(x, k);
                 for (double& x : expected.witness.target_point) x = std::ldexp(x, k);
                 expect_same_answer(expected, result, where + ", times 2^" + std::to_string(k));
-                EXPECT_EQ(expected.counters, result.counters) << where;
+                EXPECT_EQ(expected.counters, result.counters) << where << ", times 2^" << k;
             }
         }
     });
-    EXPECT_GT(tried, 60);
+    for (const auto& [name, count] : tried) EXPECT_GE(count, 12) << name;
+    EXPECT_GE(tried.size(), 8u);
 }
 
 TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
