@@ -37,7 +37,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -49,6 +49,7 @@ help:
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
+	@echo 'make asan-kernels the kernel and contract tests alone, the same way; .ci/run runs them too'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
 	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
@@ -168,6 +169,13 @@ mutants: $(DEPS)
 asan: build/asan/build.ninja
 	$(call compile,asan,all)
 	ctest --preset asan -j $(JOBS)
+
+# What reads memory by index, and every solver once: a few minutes to build.
+KERNEL_TESTS = $(shell sed -nE 's/^hausbench_test.((kernel|solver_contract)_[a-z_]*).*/\1/p' tests/CMakeLists.txt)
+
+asan-kernels: build/asan/build.ninja
+	$(call compile,asan,$(KERNEL_TESTS))
+	ctest --preset asan -j $(JOBS) --no-tests=error -R '^(kernel|solver_contract)_'
 
 # clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own.
 tidy: build/release/build.ninja
