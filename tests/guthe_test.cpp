@@ -193,6 +193,22 @@ TEST(Guthe, BoundsHoldExactlyAtThePrecisionFloor) {
     }
 }
 
+// The largest distance is at a point of an edge that takes about 45 halvings to come as close to as rounding allows. So many
+// roundings never err all in one direction; what is derived for them must be in the bounds all the same.
+TEST(Guthe, BoundsAreWidenedByTheLevelOfTheirPiece) {
+    const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}};
+    const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
+    const Scene scene{soup(rows({a.a, a.b, a.c})), points_as_triangles(b)};
+    const Rational squared = exact_squared(a, b), least = 40 * Rational(unit_roundoff);
+    for (const char* split : {"midpoint", "longest_edge"}) {
+        const Result result = solve(scene, 1e-30, {{"split", std::string(split)}});
+        const Rational lower = result.bounds.lower + least,
+                       upper = result.bounds.upper - Rational(100) * Rational(unit_roundoff);
+        EXPECT_TRUE(lower * lower <= squared) << split;
+        EXPECT_TRUE(upper * upper >= squared) << split;
+    }
+}
+
 // One triangle B, so that the largest distance is at a corner of A; coordinates of A much smaller than those of B, and the
 // other way round.
 TEST(Guthe, BoundsHoldExactlyWhereOneMeshIsMuchSmaller) {

@@ -94,6 +94,7 @@ private:
     Vertex vertex_at(const Vec3& point, Index warm, Index source, int level);
     bool measure_vertices();
     void push_triangles();
+    bool settle(const Piece& piece);
     void push(const Piece& piece);
     Piece pop();
     Cut cut(const Piece& piece);
@@ -196,14 +197,18 @@ bool Search::measure_vertices() {
     return true;
 }
 
-void Search::push(const Piece& piece) {
+// Whether the piece needs no further work; its bound is kept.
+bool Search::settle(const Piece& piece) {
     // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
     // pieces whose vertices share a nearest triangle.
-    if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level) ||
-        piece.level == (longest_edge_ ? most_levels_longest_edge : most_levels_midpoint)) {
-        settled_ = std::max(settled_, piece.upper);
-        return;
-    }
+    const int most_levels = longest_edge_ ? most_levels_longest_edge : most_levels_midpoint;
+    if (piece.upper > rounding_.at_most(farthest_.squared, piece.level) && piece.level < most_levels) return false;
+    settled_ = std::max(settled_, piece.upper);
+    return true;
+}
+
+void Search::push(const Piece& piece) {
+    if (settle(piece)) return;
     ++counters_.queue_pushes;
     std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
     if (free_.empty()) {
@@ -375,12 +380,7 @@ Result Search::run() {
         if (counters_.subdivisions >= query_.budget) return result(Status::budget);
         if (counters_.subdivisions % 64 == 0 && deadline_.passed()) return result(Status::time_limit);
         const Piece piece = pop();
-        // The lower bound may have risen since it was pushed.
-        if (piece.upper <= rounding_.at_most(farthest_.squared, piece.level)) {
-            settled_ = std::max(settled_, piece.upper);
-        } else {
-            split(piece);
-        }
+        if (!settle(piece)) split(piece);  // the lower bound may have risen since it was pushed
     }
 }
 
