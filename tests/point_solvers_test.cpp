@@ -101,10 +101,10 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
-// A point of B at 1 keeps the session from scaling, so that the squared distance of the others, `apart` squared, underflows.
+// A point of B at 0.75 keeps the session from scaling, so that the squared distance of the others, `apart` squared, underflows.
 TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     for (const double apart : {1e-200, 0x1p-537 * 0.75, 0x1p-537 * 1.25, 0x1p-537 * 1.2, 0x1p-530 * 1.1, 1e-100}) {
-        const SmallScene small{{PointSet{rows({{0, 0, 0}})}, PointSet{rows({{apart, 0, 0}, {1, 1, 1}})}}, {}};
+        const SmallScene small{{PointSet{rows({{0, 0, 0}})}, PointSet{rows({{apart, 0, 0}, {0.75, 0, 0}})}}, {}};
         for (const SolverEntry& entry : solvers()) {
             if (!entry.info.exact || !entry.info.certified || !entry.info.source.points) continue;
             const Result result = answer(entry, small);

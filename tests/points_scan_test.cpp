@@ -359,7 +359,7 @@ TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
     EXPECT_GT(rounded_down, 20);
 }
 
-// The same where squares underflow: with an outlier of B at 1, the others are 2^-537 apart, a squared distance of 20.4 times the
+// The same where squares underflow: with an outlier of B at 0.75, so that nothing is scaled, the others are 2^-537 apart, a squared distance of 20.4 times the
 // least double counts as 20 of them, and its root is too short by 1 %.
 TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     Random random(40);
@@ -368,7 +368,7 @@ TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     for (Index j = 0; j < 4000; ++j)
         b.row(j) << 0.6 + 0.4 * random.unit(), 0.3 + 1.7 * random.unit(), 0.4 * random.unit() - 0.2;
     b = stacked(b, rows({{0, 2, 0}, {1, 0, 0}, {1, 1.6 / 25, 0}, {0, 0, 0}})) * size;
-    b = stacked(rows({{1, 1, 1}}), b);
+    b = stacked(rows({{0.75, 0.75, 0.75}}), b);
     const auto last = static_cast<Index>(b.rows()) - 1;
     b(last, 0) = first_of_a_cell(NearGrid(b, extent_of(b).box), size);
     Points a(11, 3);
