@@ -201,7 +201,7 @@ endef
 
 bench: build/release/build.ninja
 	$(build_bench)
-	build/release/kernel_bench --meshes=torus:187,bunny,dragon $(BENCH_ARGS)
+	build/release/kernel_bench --meshes=torus:187,bunny,dragon,bunny+1,bunny+1e3,bunny+1e6,bunny+1e9,bunny+1e12 $(BENCH_ARGS)
 	build/release/kernel_compare > build/release/kernels.csv
 	$(PYTHON) -m bench.report build/release/kernels.csv
 

@@ -7,6 +7,8 @@
 #include "session.h"
 #include "triangle_samples.h"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 namespace hausbench {
@@ -79,6 +81,45 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
 Scene rounded_collinear(Random& random) {
     const Triangle t = thin(random, 0, random.real(0.1, 0.9));
     return {soup(cloud(random, 90)), soup(rows({t.a, t.b, t.c}))};
+}
+
+// A triangle far from all others in both meshes, in B alone, and A far from B: the work is that of the tame pair, or less.
+TEST(Guthe, WorkDoesNotGrowWithTheRatioOfScales) {
+    const TriangleMesh a = sheet(16, 0.05, 0.2), b = sheet(24, 0, 0.1);
+    const auto with_stray = [](TriangleMesh mesh, const Vec3& away) {
+        const Index vertices = static_cast<Index>(mesh.vertices.rows()),
+                    triangles = static_cast<Index>(mesh.triangles.rows());
+        mesh.vertices.conservativeResize(vertices + 3, 3);
+        mesh.triangles.conservativeResize(triangles + 1, 3);
+        for (int k = 0; k < 3; ++k) {
+            mesh.vertices.row(vertices + k) = away + Vec3::Unit(k);
+            mesh.triangles(triangles, k) = vertices + k;
+        }
+        return mesh;
+    };
+    const auto moved = [](TriangleMesh mesh, const Vec3& away) {
+        mesh.vertices.rowwise() += away.transpose();
+        return mesh;
+    };
+    const std::vector<std::function<Scene(const Vec3&)>> kinds{
+        [&](const Vec3& away) {
+            return Scene{a, with_stray(b, away)};
+        },
+        [&](const Vec3& away) {
+            return Scene{with_stray(a, away), with_stray(b, away)};
+        },
+        [&](const Vec3& away) {
+            return Scene{moved(a, away), b};
+        }};
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+        const auto work = [&](double ratio) { return solve(kinds[kind](ratio * Vec3(3, 2, 2.5)), 1e-4, {}).counters; };
+        const Counters tame = work(1);
+        for (const double ratio : {1e3, 1e6, 1e9, 1e12}) {
+            const Counters counters = work(ratio);
+            EXPECT_LE(counters.node_visits, 4 * tame.node_visits) << kind << " " << ratio;
+            EXPECT_LE(counters.point_triangle_distances, 4 * tame.point_triangle_distances) << kind << " " << ratio;
+        }
+    }
 }
 
 TEST(Guthe, TheTextbookKernelGoesWrong) {

@@ -3,7 +3,11 @@
 #include "kernel/octree.h"
 #include "tree_meshes.h"
 
+#include <array>
+
 #include <gtest/gtest.h>
+
+#include <fmt/format.h>
 
 namespace hausbench {
 namespace {
@@ -102,6 +106,134 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
     for (int i = 0; i < 50; ++i) (void)tree.closest(one.vector(), {}, counters);
     for (int i = 0; i < 50; ++i) (void)tree.closest(two.vector(), {}, again);
     EXPECT_EQ(counters, again);
+}
+
+// --- scales far apart --------------------------------------------------------------------------------------------------
+
+// Work of queries near a grid of triangles. `ratio` > 1: beside it lies a triangle that many times its size away.
+template <class Tree> Counters work_beside_a_stray_triangle(double ratio, bool two_clusters) {
+    Random random(11);
+    TriangleMesh mesh = triangle_grid(random, 40, 0.05);
+    const TriangleMesh cluster = mesh;
+    if (ratio > 1) {
+        const Index vertices = static_cast<Index>(mesh.vertices.rows()),
+                    triangles = static_cast<Index>(mesh.triangles.rows());
+        const Index more = two_clusters ? triangles : 1;
+        mesh.vertices.conservativeResize(2 * vertices, 3);
+        mesh.triangles.conservativeResize(triangles + more, 3);
+        const Vec3 away(5 * ratio, 3 * ratio, -4 * ratio);
+        for (Index v = 0; v < vertices; ++v) mesh.vertices.row(vertices + v) = Vec3(cluster.vertices.row(v)) + away;
+        for (Index t = 0; t < more; ++t) {
+            for (int k = 0; k < 3; ++k) mesh.triangles(triangles + t, k) = cluster.triangles(t, k) + vertices;
+        }
+    }
+    const Tree tree(mesh);
+    Counters counters, scanned;
+    for (int i = 0; i < 300; ++i) {
+        const Vec3 point = Vec3(cluster.vertices.row(random.below(1600))) + random.vector(0.1);
+        const ClosestPoint found = tree.closest(point, {}, counters);
+        if (i % 30 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
+    }
+    return counters;
+}
+
+TYPED_TEST(Trees, WorkDoesNotGrowWithTheRatioOfScales) {
+    for (const bool two_clusters : {false, true}) {
+        const Counters tame = work_beside_a_stray_triangle<TypeParam>(1, two_clusters);
+        for (const double ratio : {10.0, 1e3, 1e6, 1e9, 1e12}) {
+            const Counters counters = work_beside_a_stray_triangle<TypeParam>(ratio, two_clusters);
+            EXPECT_LE(counters.node_visits, 2 * tame.node_visits) << ratio;
+            EXPECT_LE(counters.point_triangle_distances, 2 * tame.point_triangle_distances) << ratio;
+        }
+    }
+}
+
+TYPED_TEST(Trees, WorkDoesNotGrowWithTheDistanceOfThePoint) {
+    Random random(12);
+    const TriangleMesh mesh = triangle_grid(random, 40, 0.05);
+    const TypeParam tree(mesh);
+    Counters near;
+    for (double ratio = 1; ratio < 2e12; ratio *= 1e3) {
+        Counters counters, scanned;
+        Random points(13);
+        for (int i = 0; i < 200; ++i) {
+            const Vec3 point = ratio * Vec3(7, 5, 6) + points.vector();
+            const ClosestPoint found = tree.closest(point, {}, counters);
+            if (i % 20 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("{}", ratio));
+        }
+        if (ratio == 1) near = counters;
+        EXPECT_LE(counters.node_visits, 4 * near.node_visits) << ratio;
+        EXPECT_LE(counters.point_triangle_distances, 4 * near.point_triangle_distances) << ratio;
+    }
+}
+
+TYPED_TEST(Trees, TakeFewBytesWhereTrianglesShareVertices) {
+    Random random(14);
+    const TriangleMesh mesh = triangle_grid(random, 100, 0.05);
+    const std::size_t most = std::is_same_v<TypeParam, TriangleBvh> ? 70 : 80;  // leaves of an octree are less full
+    EXPECT_LE(TypeParam(mesh).bytes(), most * static_cast<std::size_t>(mesh.triangles.rows()));
+}
+
+// --- boxes of a byte a plane -------------------------------------------------------------------------------------------
+
+void expect_outward(const QuantisedBoxes& quantised, std::span<const Box> boxes, const std::string& where) {
+    for (std::size_t i = 0; i < tree_width; ++i) {
+        const Box& box = boxes[i < boxes.size() ? i : 0];
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_LE(quantised.plane(k, quantised.low[k][i]), box.low[k]) << where;
+            EXPECT_GE(quantised.plane(k, quantised.high[k][i]), box.high[k]) << where;
+        }
+    }
+}
+
+// Corners where the difference from the origin is rounded to a whole number of steps, up and down.
+TEST(QuantisedBoxes, PlanesAreNeverInside) {
+    Random random(15);
+    for (int i = 0; i < 20000; ++i) {
+        const double origin = -0.5 - 3 * random.unit(), scale = std::ldexp(1.0, random.below(1400) - 1000);
+        std::array<Box, 3> boxes;
+        for (Box& box : boxes) {
+            box.low = box.high = Vec3::Constant(origin);
+            for (int k = 0; k < 3; ++k) {
+                const double low = origin + random.below(200), high = std::max(low, origin + random.below(256));
+                const auto near = [&](double x) {  // a few units in the last place of a smaller number
+                    return x + (random.below(9) - 4) * 0x1p-55 * std::abs(x);
+                };
+                box.low[k] = scale * near(low);
+                box.high[k] = std::max(box.low[k], scale * near(high));
+            }
+        }
+        QuantisedBoxes quantised;
+        (void)quantised.set(boxes);
+        expect_outward(quantised, boxes, std::to_string(i));
+    }
+}
+
+// The extent is 255 steps, or hardly less or more.
+TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
+    for (const int exponent : {-1074, -1030, -1015, -400, 0, 390}) {
+        for (int ulps = -3; ulps <= 3; ++ulps) {
+            double extent = std::ldexp(255.0, exponent);
+            for (int u = 0; u < std::abs(ulps); ++u) extent = std::nextafter(extent, ulps < 0 ? 0.0 : 1e300);
+            std::array<Box, 2> boxes;
+            boxes[0] = {Vec3::Zero(), Vec3::Constant(extent)};
+            boxes[1] = {Vec3::Constant(extent / 3), Vec3::Constant(extent / 2)};
+            QuantisedBoxes quantised;
+            const Box whole = quantised.set(boxes);
+            EXPECT_EQ(whole.high, boxes[0].high);
+            expect_outward(quantised, boxes, fmt::format("{} {}", exponent, ulps));
+        }
+    }
+}
+
+// A box of subnormal size beside one of 2^400: its distance from the origin in steps underflows.
+TEST(QuantisedBoxes, ATinyBoxBesideAHugeOne) {
+    std::array<Box, 2> boxes;
+    boxes[0] = {Vec3::Zero(), Vec3::Constant(0x1p400)};
+    boxes[1] = {Vec3::Zero(), Vec3::Constant(0x1p-1074)};
+    QuantisedBoxes quantised;
+    (void)quantised.set(boxes);
+    expect_outward(quantised, boxes, "subnormal");
 }
 
 void expect_nearest_as_by_scan(const PointBvh& tree, const Points& points, Random& random) {

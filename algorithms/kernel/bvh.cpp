@@ -8,7 +8,10 @@ namespace {
 using namespace builder;
 
 constexpr int most_bins = 16;
-constexpr int most_levels_by_area = 40;            // beyond these, halves
+constexpr int most_levels_by_area = 40;  // beyond these, halves
+// A part so much smaller than the node is a child of its own: it is cut where the frame, and the planes of the children's
+// boxes, are as fine as it takes.
+constexpr float finest_part = 0x1p-5F;
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
 
 struct Bin {
@@ -58,6 +61,7 @@ public:
             for (int i = 0; i < count; ++i) {
                 const Range& part = parts[static_cast<std::size_t>(i)];
                 if (part.size() <= leaf_capacity) continue;
+                if (part.spread() < finest_part * whole.spread()) continue;
                 if (const float a = area(part.box); a > most_area) most_area = a, widest = i;
             }
             if (widest < 0) break;
@@ -155,8 +159,8 @@ private:
 
 }  // namespace
 
-WideTree build_bvh(LocalBoxes&& boxes) {
-    Builder builder(std::move(boxes));
+WideTree build_bvh(const TreeContent& content) {
+    Builder builder(content);
     return builder.build(BvhSplit(builder));
 }
 

@@ -3,6 +3,7 @@
 // Eight children a node, eight elements a leaf, built by the surface area heuristic (build_bvh in wide_tree.h).
 #pragma once
 
+#include "triangle_block.h"
 #include "triangle_tree.h"
 
 namespace hausbench {
@@ -10,7 +11,7 @@ namespace hausbench {
 class TriangleBvh : public TriangleTree {
 public:
     // `mesh` must outlive this. O(n log n) time, O(n) memory.
-    explicit TriangleBvh(const TriangleMesh& mesh) : TriangleTree(mesh, build_bvh(local_boxes(mesh))) {}
+    explicit TriangleBvh(const TriangleMesh& mesh) : TriangleTree(mesh, build_bvh({mesh.vertices, &mesh.triangles})) {}
 };
 
 struct NearestPoint {
@@ -34,8 +35,6 @@ public:
     void refit(const Points& points);
 
 private:
-    void fill_blocks(const Points& points);
-
     WideTree tree_;
     std::unique_ptr<PointBlock[]> blocks_;  // of each leaf
 };

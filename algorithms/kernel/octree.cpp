@@ -7,18 +7,19 @@ namespace {
 
 using namespace builder;
 
-constexpr int most_levels = 48;  // of cells
+constexpr int most_depth = 48;   // of the tree
+constexpr int most_levels = 24;  // of cells in one frame: more than single precision can tell apart
 
 // A cell is known by its lower corner; its side is 2 (of the root, in twice the local frame: 4) halved `level` times.
 class OctreeSplit {
 public:
     explicit OctreeSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
 
-    int operator()(const Range& whole, int, std::array<Range, tree_width>& parts) {
+    int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
         // The smallest cell of the octree that holds all centres is found anew: cells with one child are passed over.
         Float4 corner = Float4{} - 2;
         float side = 4;
-        for (int level = 0; level < most_levels; ++level) {
+        for (int level = 0; level < most_levels && depth < most_depth; ++level) {
             side *= 0.5F;
             const Float4 middle = corner + side;
             const int low = octant(whole.centres.low, middle), high = octant(whole.centres.high, middle);
@@ -33,30 +34,35 @@ private:
         return (centre[0] >= middle[0] ? 1 : 0) | (centre[1] >= middle[1] ? 2 : 0) | (centre[2] >= middle[2] ? 4 : 0);
     }
 
+    // One part for each occupied octant, but those of together at most eight elements share a leaf.
     int split_at(Float4 middle, const Range& whole, std::array<Range, tree_width>& parts) {
-        std::array<Range, 8> octants;
+        std::array<std::int32_t, 8> sizes{};
         FloatBox* elements = builder_.elements.data();
         std::copy(elements + whole.begin, elements + whole.end, scratch_.begin());
         for (std::int32_t i = 0; i < whole.size(); ++i) {
-            ++octants[static_cast<std::size_t>(octant(centre_of(scratch_[static_cast<std::size_t>(i)]), middle))].end;
+            ++sizes[static_cast<std::size_t>(octant(centre_of(scratch_[static_cast<std::size_t>(i)]), middle))];
         }
-        int count = 0;
+        std::array<std::size_t, 8> part_of{};
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < 8; ++i) {
+            if (sizes[i] == 0) continue;
+            while (part_of[i] < count && parts[part_of[i]].end + sizes[i] > leaf_capacity) ++part_of[i];
+            if (part_of[i] == count) parts[count++] = {};
+            parts[part_of[i]].end += sizes[i];
+        }
         std::int32_t begin = whole.begin;
-        for (Range& part : octants) {
-            part.begin = begin;
-            begin += std::exchange(part.end, begin);
+        for (std::size_t i = 0; i < count; ++i) {
+            parts[i].begin = begin;
+            begin += std::exchange(parts[i].end, begin);
         }
         for (std::int32_t i = 0; i < whole.size(); ++i) {
             const FloatBox& element = scratch_[static_cast<std::size_t>(i)];
-            Range& part = octants[static_cast<std::size_t>(octant(centre_of(element), middle))];
+            Range& part = parts[part_of[static_cast<std::size_t>(octant(centre_of(element), middle))]];
             part.box.add(element);
             part.centres.add(centre_of(element));
             elements[part.end++] = element;
         }
-        for (const Range& part : octants) {
-            if (part.size() > 0) parts[static_cast<std::size_t>(count++)] = part;
-        }
-        return count;
+        return static_cast<int>(count);
     }
 
     Builder& builder_;
@@ -65,8 +71,8 @@ private:
 
 }  // namespace
 
-WideTree build_octree(LocalBoxes&& boxes) {
-    Builder builder(std::move(boxes));
+WideTree build_octree(const TreeContent& content) {
+    Builder builder(content);
     return builder.build(OctreeSplit(builder));
 }
 

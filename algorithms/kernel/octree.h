@@ -6,11 +6,13 @@
 namespace hausbench {
 
 // Each triangle belongs to the cell that the centre of its box falls into; cells with one child are passed over; a cell
-// of up to eight triangles is a leaf. Every cell knows the tight box of the triangles below it.
+// of up to eight triangles is a leaf, or shares one with small cells beside it. Every cell knows the tight box of the
+// triangles below it.
 class TriangleOctree : public TriangleTree {
 public:
-    // `mesh` must outlive this. O(n log n) time, O(n) memory; at most 48 levels of cells however the triangles lie.
-    explicit TriangleOctree(const TriangleMesh& mesh) : TriangleTree(mesh, build_octree(local_boxes(mesh))) {}
+    // `mesh` must outlive this. O(n log n) time, O(n) memory; at most 100 levels however the triangles lie.
+    explicit TriangleOctree(const TriangleMesh& mesh)
+        : TriangleTree(mesh, build_octree({mesh.vertices, &mesh.triangles})) {}
 };
 
 }  // namespace hausbench

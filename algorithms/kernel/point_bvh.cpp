@@ -33,12 +33,12 @@ HWY_INLINE void offer_block(const V3& p, const PointBlock& block, NearestPoint& 
 
 void tree_nearest(const WideTree& tree, const PointBlock* blocks, const Vec3& point, double squared_enough,
                   NearestPoint& best, Counters& counters) {
-    const LocalPoint local(tree.frame, point);
     const V3 p = set(point);
-    const std::size_t first = dive(tree, local, counters.node_visits);
+    Walk walk(tree, blocks, point, counters.node_visits);
+    const std::size_t first = walk.greedy_descent();
     offer_block(p, blocks[first], best, counters);
     if (best.point >= 0 && best.squared_distance <= squared_enough) return;
-    walk(tree, local, best.squared_distance, counters.node_visits, [&](std::size_t leaf, double& squared) HWY_ATTR {
+    walk.visit_leaves(best.squared_distance, [&](std::size_t leaf, double& squared) HWY_ATTR {
         if (leaf == first) return true;
         offer_block(p, blocks[leaf], best, counters);
         squared = best.squared_distance;
@@ -54,16 +54,16 @@ namespace hausbench {
 
 HWY_EXPORT(tree_nearest);
 
-PointBvh::PointBvh(const Points& points) : tree_(build_bvh(local_boxes(points))) { fill_blocks(points); }
-
-void PointBvh::fill_blocks(const Points& points) {
-    blocks_ = std::make_unique_for_overwrite<PointBlock[]>(tree_.leaves());
-    for (std::size_t i = 0; i < tree_.leaves(); ++i) blocks_[i].set(points, tree_.leaf(i));
-}
+PointBvh::PointBvh(const Points& points) : tree_(build_bvh({points})) { refit(points); }
 
 void PointBvh::refit(const Points& points) {
-    hausbench::refit(tree_, local_boxes(points));
-    fill_blocks(points);
+    blocks_ = std::make_unique_for_overwrite<PointBlock[]>(tree_.leaves());  // every byte of use is written below
+    std::vector<Box> boxes(tree_.leaves());
+    for (std::size_t i = 0; i < tree_.leaves(); ++i) {
+        blocks_[i].set(points, tree_.leaf(i));
+        for (const Index point : tree_.leaf(i)) boxes[i].add(Vec3(points.row(point)));
+    }
+    tree_.fit(boxes);
 }
 
 NearestPoint PointBvh::nearest(const Vec3& p, double squared_radius, double squared_enough, Counters& counters) const {

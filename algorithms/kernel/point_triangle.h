@@ -31,11 +31,18 @@ struct TrianglePoint {
     Vec3 point;               // inside the box of the triangle, exactly; no coordinate is -0
 };
 
+// Which corner the longest edge begins at.
+inline int longest_edge(const Triangle& t) {
+    const double ab = squared_length(t.b - t.a), bc = squared_length(t.c - t.b), ca = squared_length(t.a - t.c);
+    if (bc > ab && bc >= ca) return 1;
+    return ca > ab ? 2 : 0;
+}
+
 // The same triangle turned so that a and b are the ends of its longest edge.
 inline Triangle longest_edge_first(const Triangle& t) {
-    const double ab = squared_length(t.b - t.a), bc = squared_length(t.c - t.b), ca = squared_length(t.a - t.c);
-    if (bc > ab && bc >= ca) return {t.b, t.c, t.a};
-    if (ca > ab) return {t.c, t.a, t.b};
+    const int edge = longest_edge(t);
+    if (edge == 1) return {t.b, t.c, t.a};
+    if (edge == 2) return {t.c, t.a, t.b};
     return t;
 }
 

@@ -1,5 +1,8 @@
 // What the builders of trees share: elements with their boxes, ranges of them, and how nodes are made of ranges. Not for
 // use elsewhere.
+//
+// Builders decide by boxes in single precision, in a frame that becomes finer as they go down (Builder::localise): what they
+// decide by may be inexact, as the boxes of the tree are set afterwards, from exact ones.
 #pragma once
 
 #include "wide_tree.h"
@@ -10,6 +13,35 @@
 #include <utility>
 
 namespace hausbench::builder {
+
+// Four numbers at once, on every x86-64 processor and where there are no vectors too.
+using Float4 [[gnu::vector_size(16)]] = float;
+
+// A box in single precision; the fourth numbers are for the builder.
+struct FloatBox {
+    Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
+           high = Float4{} - std::numeric_limits<float>::infinity();
+
+    void add(Float4 point) { low = point < low ? point : low, high = point > high ? point : high; }
+    void add(const FloatBox& box) { low = box.low < low ? box.low : low, high = box.high > high ? box.high : high; }
+};
+
+// Single precision coordinates (x - centre) scale: a box becomes [-1, 1] or less.
+struct LocalFrame {
+    Vec3 centre = Vec3::Zero();
+    double scale = 1;  // a power of two
+
+    static LocalFrame of(const Box& box);
+
+    // What is far outside is taken to be at 2^40, so that areas do not overflow.
+    Float4 local(const Vec3& p) const {
+        Float4 result{};
+        for (int k = 0; k < 3; ++k) {
+            result[k] = static_cast<float>(std::min(std::max((p[k] - centre[k]) * scale, -0x1p40), 0x1p40));
+        }
+        return result;
+    }
+};
 
 // Half the surface.
 inline float area(const FloatBox& box) {
@@ -30,18 +62,20 @@ struct Range {
     FloatBox box, centres;
 
     std::int32_t size() const { return end - begin; }
+
+    // Of the centres, along the longest axis.
+    float spread() const {
+        const Float4 d = centres.high - centres.low;
+        return 0.5F * std::max(std::max(d[0], d[1]), d[2]);
+    }
 };
 
 struct Builder {
+    const TreeContent& content;
     std::vector<FloatBox> elements;
     WideTree tree;
 
-    explicit Builder(LocalBoxes&& boxes) : elements(std::move(boxes.boxes)) {
-        tree.frame = boxes.frame;
-        for (std::size_t i = 0; i < elements.size(); ++i) set_number(elements[i], static_cast<Index>(i));
-        tree.order.reserve(elements.size());
-        tree.leaf_begin.push_back(0);
-    }
+    explicit Builder(const TreeContent& content);
 
     Range range(std::int32_t begin, std::int32_t end) const {
         Range result{begin, end, {}, {}};
@@ -52,6 +86,10 @@ struct Builder {
         }
         return result;
     }
+
+    // Where the centres lie so close together that single precision can hardly tell them apart, gives the elements
+    // coordinates in a frame around their centres. O(size), and the frame shrinks by a factor of 2^12 or more each time.
+    void localise(Range& range);
 
     // Appends a leaf; returns how nodes refer to it.
     std::int32_t add_leaf(const Range& range) {
@@ -70,23 +108,19 @@ struct Builder {
         return std::move(tree);
     }
 
-    template <class Split> std::int32_t add_node(const Range& whole, int depth, Split&& split) {
+    template <class Split> std::int32_t add_node(Range whole, int depth, Split&& split) {
         std::array<Range, tree_width> parts;
         int count = 1;
-        parts[0] = whole;
-        if (whole.size() > leaf_capacity) count = split(whole, depth, parts);
+        if (whole.size() > leaf_capacity) {
+            localise(whole);
+            parts[0] = whole;
+            count = split(whole, depth, parts);
+        } else {
+            parts[0] = whole;
+        }
 
         const std::size_t at = tree.nodes.size();
         tree.nodes.emplace_back();
-        for (int c = 0; c < tree_width; ++c) {
-            // What is not in use repeats the first child; the walk leaves it out by the count.
-            const FloatBox& box = parts[static_cast<std::size_t>(c < count ? c : 0)].box;
-            for (int k = 0; k < 3; ++k) {
-                tree.nodes[at].low[k][c] = box.low[k];
-                tree.nodes[at].high[k][c] = box.high[k];
-            }
-            tree.nodes[at].child[c] = 0;
-        }
         tree.nodes[at].count = count;
         for (int c = 0; c < count; ++c) {
             const Range& part = parts[static_cast<std::size_t>(c)];

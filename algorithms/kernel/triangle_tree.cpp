@@ -3,6 +3,8 @@
 #include "rounding.h"
 #include "textbook.h"
 
+#include <array>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernel/triangle_tree.cpp"
 #include <hwy/foreach_target.h>
@@ -13,31 +15,82 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Offers the triangles of a block that are near enough to matter. Which are looked at is decided by what was known before
-// the block, so that counters are the same whatever the width of a vector.
-HWY_INLINE void offer_block(const Vec3& point, const TriangleBlock& block, ClosestPoint& best, Counters& counters) {
+// The lanes that a mask tells, in order; the first of them again where there are no more.
+using LaneList = std::array<std::uint8_t, leaf_capacity>;
+constexpr std::array<LaneList, 1 << leaf_capacity> lane_lists = [] {
+    std::array<LaneList, 1 << leaf_capacity> lists{};
+    for (unsigned mask = 1; mask < lists.size(); ++mask) {
+        lists[mask].fill(static_cast<std::uint8_t>(std::countr_zero(mask)));
+        std::size_t count = 0;
+        for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
+            lists[mask][count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
+        }
+    }
+    return lists;
+}();
+
+// The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE V3 gather(const double* const (&place)[4]) {
     const Doubles d;
+    return {hn::Set(d, place[0][0]), hn::Set(d, place[0][1]), hn::Set(d, place[0][2])};
+}
+#else
+HWY_INLINE V3 gather(const double* const (&place)[4]) {
+    const hn::CappedTag<double, 2> pair;
+    struct Pairs {
+        hn::Vec<decltype(pair)> x, y, z;
+    };
+    const auto two = [&](const double* one, const double* other) HWY_ATTR {
+        const auto xy = hn::LoadU(pair, one), xy2 = hn::LoadU(pair, other);
+        const auto yz = hn::LoadU(pair, one + 1), yz2 = hn::LoadU(pair, other + 1);
+        return Pairs{hn::InterleaveLower(pair, xy, xy2), hn::InterleaveUpper(pair, xy, xy2),
+                     hn::InterleaveUpper(pair, yz, yz2)};
+    };
+    const Pairs low = two(place[0], place[1]);
+#if HWY_CAP_GE256
+    const Doubles d;
+    const Pairs high = two(place[2], place[3]);
+    return {hn::Combine(d, high.x, low.x), hn::Combine(d, high.y, low.y), hn::Combine(d, high.z, low.z)};
+#else
+    return {low.x, low.y, low.z};
+#endif
+}
+#endif
+
+// Offers the triangles of a leaf that are near enough to matter. Which are measured is decided by what was known before the
+// leaf, so that counters are the same whatever the width of a vector.
+HWY_INLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
+                           Counters& counters) {
+    const Doubles d;
+    const TriangleLeaf& leaf = leaves.leaf[i];
+    const double* vertices = leaves.vertices + 3 * std::size_t{leaf.first_vertex};
+    for (int line = 0; line < 4; ++line) hwy::Prefetch(vertices + 8 * line);  // most leaves share 10 vertices
+    alignas(64) double distances[tree_width], squared[block_width], feet[3][block_width];
+    const unsigned mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
+    if (mask == 0) return;
+    const LaneList& lanes = lane_lists[mask];
+    const auto count = static_cast<std::size_t>(std::popcount(mask));
+    counters.point_triangle_distances += count;
     const V3 p = set(point);
     const V bound = hn::Set(d, best.squared_distance);
-    alignas(64) double squared[block_width], feet[3][block_width];
-    for (std::size_t lane = 0; lane < block_width; lane += hn::Lanes(d)) {
-        const V3 a = load(block.corner[0], lane), b = load(block.corner[1], lane), c = load(block.corner[2], lane);
-        const VBox box = box_of(a, b, c);
-        const auto in_use = hn::FirstN(
-            d, lane < static_cast<std::size_t>(block.count) ? static_cast<std::size_t>(block.count) - lane : 0);
-        const auto near = hn::And(in_use, hn::Le(squared_distance_to_box(p, box), bound));
-        if (hn::AllFalse(d, near)) continue;
-        counters.point_triangle_distances += hn::CountTrue(d, near);
-        const VFoot foot = closest_point(p, a, b, c, box);
-        const auto nearer = hn::And(near, hn::Le(foot.squared, bound));
+    for (std::size_t from = 0; from < count; from += hn::Lanes(d)) {
+        const double* place[3][4];
+        for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+            const std::size_t lane = lanes[from + k];
+            for (int v = 0; v < 3; ++v) place[v][k] = vertices + 3 * leaf.corner[v][lane];
+        }
+        const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
+        const VFoot foot = closest_point(p, a, b, c, box_of(a, b, c));
+        const auto nearer = hn::And(hn::FirstN(d, count - from), hn::Le(foot.squared, bound));
         if (hn::AllFalse(d, nearer)) continue;
-        hn::Store(foot.squared, d, squared + lane);
-        store(foot.point, feet, lane);
+        hn::Store(foot.squared, d, squared);
+        store(foot.point, feet, 0);
         std::uint8_t bits[8] = {};
         hn::StoreMaskBits(d, nearer, bits);
-        for (unsigned mask = bits[0]; mask != 0; mask &= mask - 1) {
-            const std::size_t i = lane + static_cast<std::size_t>(std::countr_zero(mask));
-            offer(best, {squared[i], {feet[0][i], feet[1][i], feet[2][i]}}, block.triangle[i]);
+        for (unsigned offered = bits[0]; offered != 0; offered &= offered - 1) {
+            const auto k = static_cast<std::size_t>(std::countr_zero(offered));
+            offer(best, {squared[k], {feet[0][k], feet[1][k], feet[2][k]}}, leaves.order[leaf.first + lanes[from + k]]);
         }
     }
 }
@@ -45,55 +98,61 @@ HWY_INLINE void offer_block(const Vec3& point, const TriangleBlock& block, Close
 // `first_leaf`: that of the hint, or negative. A hint that turns out farther than the size of a triangle is as good as
 // none: searching with such a radius takes longer than finding a better leaf. Where one corner is farther than twice that,
 // the leaf is not even looked at.
-void tree_closest(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double squared_enough,
+void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double squared_enough,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
-    const LocalPoint p(tree.frame, point);
     const auto enough = [&] { return best.triangle >= 0 && best.squared_distance <= squared_enough; };
+    auto first = static_cast<std::size_t>(first_leaf);
     bool searched = false;
     if (first_leaf >= 0) {
-        const TriangleBlock& block = blocks[first_leaf];
-        const Triangle triangle = block.at(0);
+        const Triangle triangle = leaves.leaf[first_leaf].at(0, leaves.vertices);
         const double squared_size = squared_length(triangle.b - triangle.a);
         if (squared_length(point - triangle.a) <= 4 * squared_size) {
-            offer_block(point, block, best, counters);
+            offer_leaf(point, leaves, first, best, counters);
             if (enough()) return;
             searched = best.squared_distance <= squared_size;
         }
     }
-    const std::size_t first = searched ? static_cast<std::size_t>(first_leaf) : dive(tree, p, counters.node_visits);
-    if (!searched) offer_block(point, blocks[first], best, counters);
-    if (enough()) return;
-    walk(tree, p, best.squared_distance, counters.node_visits, [&](std::size_t leaf, double& squared) HWY_ATTR {
+    Walk walk(tree, leaves.leaf, point, counters.node_visits);
+    if (!searched) {
+        first = walk.greedy_descent();
+        offer_leaf(point, leaves, first, best, counters);
+        if (enough()) return;
+    }
+    walk.visit_leaves(best.squared_distance, [&](std::size_t leaf, double& squared) HWY_ATTR {
         if (leaf == first) return true;
-        offer_block(point, blocks[leaf], best, counters);
+        offer_leaf(point, leaves, leaf, best, counters);
         squared = best.squared_distance;
         return !enough();
     });
 }
 
-void tree_textbook(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double squared_enough,
+void tree_textbook(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double squared_enough,
                    ClosestPoint& best, Counters& counters) {
-    const LocalPoint p(tree.frame, point);
-    walk(tree, p, best.squared_distance, counters.node_visits, [&](std::size_t leaf, double& squared) {
-        const TriangleBlock& block = blocks[leaf];
-        for (int i = 0; i < block.count; ++i) {
-            ++counters.point_triangle_distances;
-            const TrianglePoint found = textbook_closest_point(point, block.at(i));
-            if (found.squared_distance <= best.squared_distance) offer(best, found, block.triangle[i]);
-        }
-        squared = best.squared_distance;
-        return best.triangle < 0 || best.squared_distance > squared_enough;
-    });
+    Walk(tree, leaves.leaf, point, counters.node_visits)
+        .visit_leaves(best.squared_distance, [&](std::size_t number, double& squared) HWY_ATTR {
+            const TriangleLeaf& leaf = leaves.leaf[number];
+            for (int i = 0; i < leaf.count; ++i) {
+                ++counters.point_triangle_distances;
+                const TrianglePoint found = textbook_closest_point(point, leaf.at(i, leaves.vertices));
+                if (found.squared_distance <= best.squared_distance) offer(best, found, leaves.order[leaf.first + i]);
+            }
+            squared = best.squared_distance;
+            return best.triangle < 0 || best.squared_distance > squared_enough;
+        });
 }
 
-void tree_certify(const WideTree& tree, const TriangleBlock* blocks, const Vec3& point, double nearest, double& least,
+void tree_certify(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double nearest, double& least,
                   Counters& counters) {
-    const LocalPoint p(tree.frame, point);
-    walk(tree, p, nearest, counters.node_visits, [&](std::size_t leaf, double&) {
-        const TriangleBlock& block = blocks[leaf];
-        for (int i = 0; i < block.count; ++i) certify(point, block.at(i), nearest, least, counters);
-        return true;
-    });
+    Walk(tree, leaves.leaf, point, counters.node_visits)
+        .visit_leaves(nearest, [&](std::size_t number, double&) HWY_ATTR {
+            const TriangleLeaf& leaf = leaves.leaf[number];
+            alignas(64) double distances[tree_width];
+            for (unsigned mask = near_boxes(leaf.boxes, leaf.count, point, nearest, distances); mask != 0;
+                 mask &= mask - 1) {
+                certify(point, leaf.at(std::countr_zero(mask), leaves.vertices), nearest, least, counters);
+            }
+            return true;
+        });
 }
 
 }  // namespace hausbench::HWY_NAMESPACE
@@ -107,23 +166,48 @@ HWY_EXPORT(tree_textbook);
 HWY_EXPORT(tree_certify);
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh, WideTree&& tree) : mesh_(&mesh), tree_(std::move(tree)) {
-    fill_blocks();
-}
-
-void TriangleTree::fill_blocks() {
-    blocks_ = std::make_unique_for_overwrite<TriangleBlock[]>(tree_.leaves());  // every byte of use is written below
     leaf_of_.resize(tree_.order.size());
     for (std::size_t i = 0; i < tree_.leaves(); ++i) {
-        blocks_[i].set(*mesh_, tree_.leaf(i));
         for (const Index triangle : tree_.leaf(i))
             leaf_of_[static_cast<std::size_t>(triangle)] = static_cast<std::int32_t>(i);
     }
+    fill_leaves();
+}
+
+void TriangleTree::fill_leaves() {
+    const std::size_t leaves = tree_.leaves();
+    leaves_ = std::make_unique_for_overwrite<TriangleLeaf[]>(leaves);  // every byte of use is written below
+    std::vector<Box> boxes(leaves);
+    std::uint32_t vertices = 0;
+    const auto make_room = [&](std::size_t room) {
+        auto larger = std::make_unique_for_overwrite<double[]>(3 * room);
+        std::copy_n(vertices_.get(), 3 * std::size_t{vertices}, larger.get());
+        vertices_ = std::move(larger);
+        vertex_room_ = room;
+    };
+    constexpr std::size_t most = 3 * leaf_capacity;  // vertices of a leaf
+    // Most meshes take 1.4 vertices a triangle; the others as many as their leaves so far.
+    make_room(tree_.order.size() * 7 / 5 + most);
+    for (std::size_t i = 0; i < leaves; ++i) {
+        if (vertices + most > vertex_room_) make_room(vertices + (vertices / i + 1) * (leaves - i) + most);
+        // What later leaves need lies anywhere in the mesh: first the numbers of the corners, then the corners.
+        if (i + 4 < leaves) {
+            for (const Index next : tree_.leaf(i + 4)) __builtin_prefetch(mesh_->triangles.row(next).data());
+            for (const Index next : tree_.leaf(i + 2)) {
+                for (const Index corner : mesh_->triangles.row(next))
+                    __builtin_prefetch(mesh_->vertices.row(corner).data());
+            }
+        }
+        leaves_[i].first = tree_.leaf_begin[i];
+        boxes[i] = leaves_[i].set(*mesh_, tree_.leaf(i), vertices_.get(), vertices);
+    }
+    if (vertex_room_ > vertices + vertices / 16) make_room(vertices);
+    tree_.fit(boxes);
 }
 
 void TriangleTree::refit(const TriangleMesh& mesh) {
     mesh_ = &mesh;
-    hausbench::refit(tree_, local_boxes(mesh));
-    fill_blocks();
+    fill_leaves();
 }
 
 ClosestPoint TriangleTree::closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const {
@@ -131,7 +215,8 @@ ClosestPoint TriangleTree::closest(const Vec3& point, const ClosestHints& hints,
     ClosestPoint best;
     best.squared_distance = hints.squared_radius;
     const std::int32_t first = hints.warm_triangle >= 0 ? leaf_of_[static_cast<std::size_t>(hints.warm_triangle)] : -1;
-    HWY_DYNAMIC_DISPATCH(tree_closest)(tree_, blocks_.get(), point, hints.squared_enough, first, best, counters);
+    HWY_DYNAMIC_DISPATCH(tree_closest)
+    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.squared_enough, first, best, counters);
     return best;
 }
 
@@ -139,19 +224,22 @@ ClosestPoint TriangleTree::textbook_closest(const Vec3& point, const ClosestHint
     ++counters.closest_point_queries;
     ClosestPoint best;
     best.squared_distance = hints.squared_radius;
-    HWY_DYNAMIC_DISPATCH(tree_textbook)(tree_, blocks_.get(), point, hints.squared_enough, best, counters);
+    HWY_DYNAMIC_DISPATCH(tree_textbook)
+    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.squared_enough, best, counters);
     return best;
 }
 
 double TriangleTree::certified_distance(const Vec3& point, Counters& counters) const {
     const double nearest = closest(point, {}, counters).squared_distance;
     double least = distance_at_least(nearest, true);
-    HWY_DYNAMIC_DISPATCH(tree_certify)(tree_, blocks_.get(), point, nearest, least, counters);
+    HWY_DYNAMIC_DISPATCH(tree_certify)
+    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, nearest, least, counters);
     return least;
 }
 
 std::size_t TriangleTree::bytes() const {
-    return tree_.bytes() + tree_.leaves() * sizeof(TriangleBlock) + leaf_of_.capacity() * sizeof(std::int32_t);
+    return tree_.bytes() + tree_.leaves() * sizeof(TriangleLeaf) + 3 * vertex_room_ * sizeof(double) +
+           leaf_of_.capacity() * sizeof(std::int32_t);
 }
 
 }  // namespace hausbench

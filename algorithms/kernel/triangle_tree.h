@@ -2,7 +2,7 @@
 #pragma once
 
 #include "closest.h"
-#include "triangle_block.h"
+#include "triangle_leaf.h"
 #include "wide_tree.h"
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace hausbench {
 
-// Each triangle is kept once, eight at most in a leaf, and leaves are measured by one vector kernel (run-time dispatch by
-// Google Highway; the same bits on every target). As closest_point clamps its answer to the triangle's box, a box is left
+// Each triangle is kept once, eight at most in a leaf; triangles of a leaf share their vertices. Those whose box is near
+// enough are measured by one vector kernel (run-time dispatch by Google Highway; the same bits on every target). As closest_point clamps its answer to the triangle's box, a box is left
 // out only where no computed distance inside could win: answers have the bits of a plain scan (closest.h) and do not
 // depend on the shape of the tree. Coordinates up to 2^400.
 class TriangleTree {
@@ -39,12 +39,14 @@ protected:
     TriangleTree(const TriangleMesh& mesh, WideTree&& tree);
 
 private:
-    void fill_blocks();
+    void fill_leaves();
 
     const TriangleMesh* mesh_;
     WideTree tree_;
-    std::unique_ptr<TriangleBlock[]> blocks_;  // of each leaf
-    std::vector<std::int32_t> leaf_of_;        // of each triangle
+    std::unique_ptr<TriangleLeaf[]> leaves_;
+    std::unique_ptr<double[]> vertices_;  // of the leaves
+    std::size_t vertex_room_ = 0;
+    std::vector<std::int32_t> leaf_of_;  // of each triangle
 };
 
 }  // namespace hausbench

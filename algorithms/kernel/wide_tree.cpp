@@ -1,70 +1,68 @@
 #include "wide_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hausbench {
 
-LocalFrame LocalFrame::of(const Box& box) {
-    LocalFrame frame;
-    for (int k = 0; k < 3; ++k) frame.centre[k] = 0.5 * (box.low[k] + box.high[k]);
-    const double half = (box.high - box.low).maxCoeff();
-    if (half > 0) frame.scale = std::ldexp(1.0, std::clamp(-std::ilogb(half), -1000, 440));
-    return frame;
-}
-
-LocalBoxes local_boxes(const Points& points) {
-    Box box;
-    for (Eigen::Index i = 0; i < points.rows(); ++i) box.add(Vec3(points.row(i)));
-    LocalBoxes result{LocalFrame::of(box), {}};
-    result.boxes.reserve(static_cast<std::size_t>(points.rows()));
-    for (Eigen::Index i = 0; i < points.rows(); ++i) {
-        float low[3], high[3];
-        for (int k = 0; k < 3; ++k) result.frame.interval(points.row(i), k, low[k], high[k]);
-        result.boxes.push_back({Float4{low[0], low[1], low[2], 0}, Float4{high[0], high[1], high[2], 0}});
-    }
-    return result;
-}
-
-// The box of a triangle's intervals is the union of its vertices'.
-LocalBoxes local_boxes(const TriangleMesh& mesh) {
-    const LocalBoxes vertices = local_boxes(mesh.vertices);
-    LocalBoxes result{vertices.frame, {}};
-    result.boxes.reserve(static_cast<std::size_t>(mesh.triangles.rows()));
-    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
-        FloatBox box = vertices.boxes[static_cast<std::size_t>(mesh.triangles(i, 0))];
-        box.add(vertices.boxes[static_cast<std::size_t>(mesh.triangles(i, 1))]);
-        box.add(vertices.boxes[static_cast<std::size_t>(mesh.triangles(i, 2))]);
-        result.boxes.push_back(box);
-    }
-    return result;
-}
-
-void refit(WideTree& tree, const LocalBoxes& boxes) {
-    tree.frame = boxes.frame;
-    // Children come after their parents.
-    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
-        WideNode& node = tree.nodes[n];
-        for (int c = 0; c < tree_width; ++c) {
-            FloatBox box;
-            const std::int32_t child = node.child[c < node.count ? c : 0];
-            if (child >= 0) {
-                const WideNode& below = tree.nodes[static_cast<std::size_t>(child)];
-                for (int i = 0; i < below.count; ++i) {
-                    box.add(FloatBox{Float4{below.low[0][i], below.low[1][i], below.low[2][i], 0},
-                                     Float4{below.high[0][i], below.high[1][i], below.high[2][i], 0}});
-                }
-            } else {
-                for (const Index element : tree.leaf(static_cast<std::size_t>(~child))) {
-                    box.add(boxes.boxes[static_cast<std::size_t>(element)]);
-                }
-            }
-            for (int k = 0; k < 3; ++k) {
-                node.low[k][c] = box.low[k];
-                node.high[k][c] = box.high[k];
-            }
+// Let d be the exact x - origin >= 0 and r the rounded one. q step is a double for every q here, and rounding is monotone:
+// r < q step implies d < q step, and r > q step implies d > q step. So for the largest q with q step <= r,
+// (q - 1) step < d < (q + 1) step. If a sum is at most (at least) a double, so is the rounded sum; hence plane(q) is on the
+// right side of x, or plane(q - 1) of a lower and plane(q + 1) of an upper coordinate is.
+//
+// No q exceeds 255: `step` is the least power of two that is more than the rounded quotient of the rounded extent by 255. If
+// 255 step were not more than the rounded extent, the quotient would be at least `step`, rounding being monotone. The step
+// is no less than 2^-1022, so that it has an inverse. Where the product with the inverse underflows, q is 0, as it should be.
+Box QuantisedBoxes::set(std::span<const Box> boxes) {
+    Box whole = boxes.front();
+    for (const Box& box : boxes.subspan(1)) whole.add(box);
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = whole.low[k];
+        const double least_step = (whole.high[k] - origin[k]) / 255;
+        const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(least_step) >> 52) + 1;  // biased by 1023
+        step_bits[k] = static_cast<std::uint16_t>(exponent << 4);
+        const double step_length = step(k), inverse = std::bit_cast<double>((2046 - exponent) << 52);
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            const double lower = boxes[i].low[k], upper = boxes[i].high[k];
+            const int steps = static_cast<int>((lower - origin[k]) * inverse);
+            low[k][i] = static_cast<std::uint8_t>(steps - (origin[k] + steps * step_length > lower ? 1 : 0));
+            const int upper_steps = static_cast<int>((upper - origin[k]) * inverse);
+            high[k][i] =
+                static_cast<std::uint8_t>(upper_steps + (origin[k] + upper_steps * step_length < upper ? 1 : 0));
+        }
+        for (std::size_t i = boxes.size(); i < tree_width; ++i) {
+            low[k][i] = low[k][0];
+            high[k][i] = high[k][0];
         }
     }
+    return whole;
+}
+
+void WideTree::fit(std::span<const Box> leaf_boxes) {
+    std::vector<Box> node_boxes(nodes.size());
+    // Children come after their parents.
+    for (std::size_t n = nodes.size(); n-- > 0;) {
+        WideNode& node = nodes[n];
+        std::array<Box, tree_width> boxes;
+        const auto count = static_cast<std::size_t>(node.count);
+        for (std::size_t c = 0; c < count; ++c) {
+            const std::int32_t child = node.child[c];
+            boxes[c] =
+                child >= 0 ? node_boxes[static_cast<std::size_t>(child)] : leaf_boxes[static_cast<std::size_t>(~child)];
+        }
+        node_boxes[n] = node.boxes.set(std::span(boxes).first(count));
+    }
+}
+
+Box TreeContent::box(Index element) const {
+    Box box;
+    if (triangles == nullptr) {
+        box.low = box.high = points.row(element);
+        return box;
+    }
+    for (const Index corner : triangles->row(element)) box.add(Vec3(points.row(corner)));
+    return box;
 }
 
 }  // namespace hausbench

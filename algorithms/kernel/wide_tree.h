@@ -1,62 +1,51 @@
 // A tree of boxes with up to eight children a node: what the BVH and the octree have in common.
 //
-// Boxes are in single precision, in a frame of their own (LocalFrame) and rounded outward, so that a node is 256 bytes and
-// one or two vector operations measure all its children. A box distance in single precision, compared with
-// float_bound(), never leaves out a box that holds a point whose computed double distance could win: no slack is needed
-// elsewhere, and answers do not depend on the shape of the tree.
+// A node knows its own box in double precision, and those of its children by one byte a plane, in steps of a power of two
+// from its own lower corner, rounded outward. So every level has a precision of its own: a stray triangle far away makes
+// the boxes beside it coarse, and none below them.
+//
+// Box distances need no slack. A plane is what origin + q step is when computed, and it is no farther inside than any
+// coordinate of the content (QuantisedBoxes::set). Distances to it are computed by the operations of
+// squared_distance_to_box (box.h), which are monotone: none exceeds the computed squared distance to a point of the box.
 #pragma once
 
 #include "box.h"
 
-#include <cmath>
+#include <bit>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 namespace hausbench {
 
 inline constexpr int tree_width = 8;     // children of a node
-inline constexpr int leaf_capacity = 8;  // elements of a leaf: one block (triangle_block.h)
+inline constexpr int leaf_capacity = 8;  // elements of a leaf
 inline constexpr int most_tree_levels = 100;
 
-// Single precision coordinates (x - centre) 2^exponent, chosen so that the content of a tree lies in [-1, 1].
-//
-// What is lost: x - centre errs by u|x - centre| (for x in the tree, u the double unit), the conversion by 2^-24 of the
-// result or, where it underflows, 2^-150. Widened by 2^-22 of itself and 2^-100, an interval holds the exact value.
-struct LocalFrame {
-    Vec3 centre = Vec3::Zero();
-    double scale = 1;  // a power of two, at most 2^440
+// Boxes around up to eight boxes, a byte a plane.
+struct QuantisedBoxes {
+    double origin[3];  // the lower corner of all of them
+    std::uint8_t low[3][tree_width], high[3][tree_width];
+    std::uint16_t step_bits[3];  // the upper 16 bits of a power of two
 
-    static LocalFrame of(const Box& box);
+    double step(int k) const { return std::bit_cast<double>(static_cast<std::uint64_t>(step_bits[k]) << 48); }
 
-    // Lowest and highest single precision value that p[k] may have here. Points far outside are taken to be at 2^60, which
-    // is no farther from any box of the tree.
-    template <class Float> void interval(const Vec3& p, int k, Float&& low, Float&& high) const {
-        const double local = std::min(std::max((p[k] - centre[k]) * scale, -0x1p60), 0x1p60);
-        const float nearest = static_cast<float>(local);
-        const float slack = std::abs(nearest) * 0x1p-22F + 0x1p-100F;
-        low = nearest - slack;
-        high = nearest + slack;
-    }
+    // As computed: q step is exact, the sum is rounded.
+    double plane(int k, std::uint8_t q) const { return origin[k] + q * step(k); }
 
-    // A box whose single precision squared distance exceeds this holds no point at computed squared distance <= `squared`.
-    // With intervals rounded outward, three squares and two sums in single precision exceed the exact ones by less than
-    // 2^-21, or 2^-147 where they underflow. The computed double distance to a point of the box is at least (1 - 5u) times
-    // the exact one, and 2^-1072 where it underflows, at most 2^-192 here.
-    float float_bound(double squared) const {
-        return static_cast<float>(std::min(squared * scale * scale * (1 + 0x1p-19), 0x1p127)) + 0x1p-126F;
-    }
+    // plane(k, low[k][i]) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high[k][i]). What is not in use repeats the
+    // first. One to eight boxes; coordinates up to 2^400. Returns the box around all of them, exactly.
+    Box set(std::span<const Box> boxes);
 };
 
 struct alignas(64) WideNode {
-    float low[3][tree_width], high[3][tree_width];
+    QuantisedBoxes boxes;            // of the children
     std::int32_t child[tree_width];  // >= 0: a node; negative: ~ the number of a leaf
     std::int32_t count;              // children
 };
+static_assert(sizeof(WideNode) == 128);
 
 struct WideTree {
-    LocalFrame frame;
     std::vector<WideNode> nodes;           // parents before children; the root is node 0
     std::vector<std::int32_t> leaf_begin;  // leaf i holds order[leaf_begin[i]] to order[leaf_begin[i + 1] - 1]
     std::vector<Index> order;              // each element once
@@ -69,38 +58,32 @@ struct WideTree {
         return nodes.capacity() * sizeof(WideNode) + leaf_begin.capacity() * sizeof(std::int32_t) +
                order.capacity() * sizeof(Index);
     }
+
+    // Sets the boxes of all nodes from those of the leaves, which are exact. Also after elements have moved; the shape of
+    // the tree stays. O(n).
+    void fit(std::span<const Box> leaf_boxes);
 };
 
-// Four numbers at once, on every x86-64 processor and where there are no vectors too.
-using Float4 [[gnu::vector_size(16)]] = float;
+// What a tree is built over: points, or triangles whose corners they are.
+struct TreeContent {
+    const Points& points;
+    const Triangles* triangles = nullptr;
 
-// A box in single precision; the fourth numbers are for the builder.
-struct FloatBox {
-    Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
-           high = Float4{} - std::numeric_limits<float>::infinity();
-
-    void add(Float4 point) { low = point < low ? point : low, high = point > high ? point : high; }
-    void add(const FloatBox& box) { low = box.low < low ? box.low : low, high = box.high > high ? box.high : high; }
+    Index count() const { return static_cast<Index>(triangles != nullptr ? triangles->rows() : points.rows()); }
+    Box box(Index element) const;
 };
 
-// Boxes of elements, in the frame of their union.
-struct LocalBoxes {
-    LocalFrame frame;
-    std::vector<FloatBox> boxes;
-};
-LocalBoxes local_boxes(const TriangleMesh& mesh);
-LocalBoxes local_boxes(const Points& points);
-
+// The shape of a tree; its boxes are set by fit(). At least one element.
+//
 // Top-down, by the surface area heuristic over 16 bins along each axis (Wald, On fast construction of SAH-based bounding
 // volume hierarchies, 2007), the cost of a side being the blocks it fills; collapsed to eight children by always
-// opening the child of largest area. O(n log n) time, O(n) memory. At least one element.
-WideTree build_bvh(LocalBoxes&& boxes);
+// opening the child of largest area that is not far smaller than the node. O(n log n) time, O(n) memory.
+WideTree build_bvh(const TreeContent& content);
 
 // An octree: each element belongs to the cell that the centre of its box falls into; cells with one child are passed
-// over; a cell of up to eight elements is a leaf, and so is one at level 48, cut into as many leaves as it fills.
-WideTree build_octree(LocalBoxes&& boxes);
-
-// Makes the boxes fit elements that have moved; the shape of the tree stays. O(n).
-void refit(WideTree& tree, const LocalBoxes& boxes);
+// over; a cell of up to eight elements is a leaf, or shares one with small cells beside it. Where all centres of a cell lie in a 2^-12th of the root's cube, another
+// octree begins, in the cube around them. Elements whose centres cannot be told apart, and those at level 48 of the tree,
+// are cut into as many leaves as they fill.
+WideTree build_octree(const TreeContent& content);
 
 }  // namespace hausbench

@@ -1,6 +1,7 @@
 // The walk over a WideTree: leaves near a point, nearest first. Compiled once for every target.
 #include "wide_tree.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -17,101 +18,170 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::CappedTag<float, tree_width>;
+using BoxLanes = hn::CappedTag<double, tree_width>;
 
-struct LocalPoint {
-    float low[3], high[3];
-
-    HWY_INLINE LocalPoint(const LocalFrame& frame, const Vec3& point) {
-        for (int k = 0; k < 3; ++k) frame.interval(point, k, low[k], high[k]);
-    }
-};
-
-// Squared distances to the boxes of some children.
-HWY_INLINE hn::Vec<Floats> measure_children(const WideNode& node, std::size_t lane, const LocalPoint& p) {
-    const Floats d;
-    const auto axis = [&](std::size_t k) HWY_ATTR {
-        const auto below = hn::Sub(hn::Load(d, node.low[k] + lane), hn::Set(d, p.high[k]));
-        const auto above = hn::Sub(hn::Set(d, p.low[k]), hn::Load(d, node.high[k] + lane));
+// Computed squared distances to some of the boxes, as squared_distance_to_box (box.h).
+HWY_INLINE hn::Vec<BoxLanes> squared_distances_to_boxes(const QuantisedBoxes& boxes, std::size_t lane, const Vec3& p) {
+    const BoxLanes d;
+    const hn::Rebind<std::int32_t, BoxLanes> d32;
+    const hn::Rebind<std::uint8_t, BoxLanes> d8;
+    const auto axis = [&](int k) HWY_ATTR {
+        const auto origin = hn::Set(d, boxes.origin[k]), step = hn::Set(d, boxes.step(k)), at = hn::Set(d, p[k]);
+        const auto plane = [&](const std::uint8_t* q) HWY_ATTR {
+            const auto steps = hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(d8, q + lane)));
+            return hn::Add(origin, hn::Mul(steps, step));
+        };
+        const auto below = hn::Sub(plane(boxes.low[k]), at), above = hn::Sub(at, plane(boxes.high[k]));
         const auto out = hn::Max(hn::Max(below, above), hn::Zero(d));
         return hn::Mul(out, out);
     };
     return hn::Add(hn::Add(axis(0), axis(1)), axis(2));
 }
 
-// Goes down to the nearest child again and again; returns the leaf it ends in. A cheap way to a small radius.
-HWY_INLINE std::size_t dive(const WideTree& tree, const LocalPoint& p, std::uint64_t& visits) {
-    const Floats d;
-    const hn::RebindToSigned<Floats> di;
-    std::int32_t child = 0;
-    while (child >= 0) {
-        const WideNode& node = tree.nodes[static_cast<std::size_t>(child)];
-        visits += static_cast<std::uint64_t>(node.count);
-        // Distances are not negative, so their bits have their order; the last three make room for the lane. Lanes not in
-        // use repeat the first child.
-        auto nearest = hn::Set(di, std::numeric_limits<std::int32_t>::max());
-        for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
-            const auto bits = hn::AndNot(hn::Set(di, 7), hn::BitCast(di, measure_children(node, lane, p)));
-            nearest = hn::Min(nearest, hn::Or(bits, hn::Iota(di, static_cast<std::int32_t>(lane))));
-        }
-        child = node.child[hn::GetLane(hn::MinOfLanes(di, nearest)) & 7];
-    }
-    return static_cast<std::size_t>(~child);
+// A bit for each lane: whether it is at most `squared`.
+HWY_INLINE unsigned near(hn::Vec<BoxLanes> squares, double squared) {
+    const BoxLanes d;
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Le(squares, hn::Set(d, squared)), bits);
+    return bits[0];
 }
 
-// Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near ones
-// first; it may lower `squared`, and ends the walk by returning false.
-template <class Leaf>
-HWY_INLINE void walk(const WideTree& tree, const LocalPoint& p, double squared, std::uint64_t& visits, Leaf&& leaf) {
-    struct Entry {
-        float distance;
-        std::int32_t child;
-    };
-    const Floats d;
-    Entry stack[(tree_width - 1) * most_tree_levels + 1];
-    std::size_t size = 0;
-    std::int32_t child = 0;
-    float bound = tree.frame.float_bound(squared);
-    while (true) {
-        if (child >= 0) {
-            const WideNode& node = tree.nodes[static_cast<std::size_t>(child)];
-            visits += static_cast<std::uint64_t>(node.count);
-            alignas(64) float distances[tree_width];
+// Stores the squared distances to all boxes; the bits that are set tell those of the first `count` at most `squared` away.
+HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
+                               double (&distances)[tree_width]) {
+    const BoxLanes d;
+    unsigned mask = 0;
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+        const auto squares = squared_distances_to_boxes(boxes, lane, p);
+        hn::Store(squares, d, distances + lane);
+        mask |= near(squares, squared) << lane;
+    }
+    return mask & ((1U << count) - 1);
+}
+
+// A walk over the leaves near one point.
+class Walk {
+public:
+    // `leaves`: what the caller keeps of each leaf, to be loaded early.
+    template <class Leaf>
+    HWY_INLINE Walk(const WideTree& tree, const Leaf* leaves, const Vec3& point, std::uint64_t& visits)
+        : tree_(tree),
+          leaves_(reinterpret_cast<const char*>(leaves)),
+          leaf_bytes_(sizeof(Leaf)),
+          point_(point),
+          visits_(visits) {}
+
+    // Goes down to the nearest child again and again; returns the leaf it ends in: a cheap way to a small radius. At most
+    // once, before the leaves are visited, which then leave it out.
+    HWY_INLINE std::size_t greedy_descent() {
+        const BoxLanes d;
+        const hn::RebindToUnsigned<BoxLanes> du;
+        std::int32_t child = 0;
+        while (child >= 0) {
+            const WideNode& node = tree_.nodes[static_cast<std::size_t>(child)];
+            visits_ += static_cast<std::uint64_t>(node.count);
+            Step& step = path_[depth_++];
+            step.node = &node;
+            // The last three bits of a distance make room for the lane. Lanes not in use repeat the first child.
+            auto nearest = hn::Set(d, std::numeric_limits<double>::max());
+            for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+                const auto squares = squared_distances_to_boxes(node.boxes, lane, point_);
+                hn::Store(squares, d, step.distances + lane);
+                const auto bits = hn::AndNot(hn::Set(du, 7), hn::BitCast(du, squares));
+                nearest = hn::Min(nearest, hn::BitCast(d, hn::Or(bits, hn::Iota(du, lane))));
+            }
+            step.taken = static_cast<std::uint32_t>(hn::GetLane(hn::BitCast(du, hn::MinOfLanes(d, nearest))) & 7);
+            child = node.child[step.taken];
+        }
+        // Most of the other leaves that will be visited are beside this one.
+        const WideNode& last = *path_[depth_ - 1].node;
+        for (std::int32_t c = 0; c < last.count; ++c) prefetch(last.child[c]);
+        return static_cast<std::size_t>(~child);
+    }
+
+    // Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near ones
+    // first; it may lower `squared`, and ends the walk by returning false.
+    template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
+        const BoxLanes d;
+        std::int32_t child = 0;
+        // What the descent has passed by; without one, the root.
+        for (std::size_t i = 0; i < depth_; ++i) {
+            const Step& step = path_[i];
             unsigned mask = 0;
             for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
-                const auto squares = measure_children(node, lane, p);
-                hn::Store(squares, d, distances + lane);
-                std::uint8_t bits[8] = {};
-                hn::StoreMaskBits(d, hn::Le(squares, hn::Set(d, bound)), bits);
-                mask |= static_cast<unsigned>(bits[0]) << lane;
+                mask |= near(hn::Load(d, step.distances + lane), squared) << lane;
             }
-            mask &= (1U << node.count) - 1;
-            if (std::has_single_bit(mask)) {
-                child = node.child[std::countr_zero(mask)];
-                continue;
-            }
-            // Insertion sort, farthest first, so that the nearest is popped first.
-            const std::size_t base = size;
-            for (; mask != 0; mask &= mask - 1) {
-                const int c = std::countr_zero(mask);
-                std::size_t place = size++;
-                for (; place > base && stack[place - 1].distance < distances[c]; --place)
-                    stack[place] = stack[place - 1];
-                stack[place] = {distances[c], node.child[c]};
-            }
-        } else {
-            const double before = squared;
-            if (!leaf(static_cast<std::size_t>(~child), squared)) return;
-            if (squared != before) bound = tree.frame.float_bound(squared);
+            push(*step.node, mask & ((1U << step.node->count) - 1) & ~(1U << step.taken), step.distances);
         }
-        Entry next;
-        do {
-            if (size == 0) return;
-            next = stack[--size];
-        } while (next.distance > bound);
-        child = next.child;
+        if (depth_ > 0 && !pop(squared, child)) return;
+        while (true) {
+            if (child >= 0) {
+                const WideNode& node = tree_.nodes[static_cast<std::size_t>(child)];
+                visits_ += static_cast<std::uint64_t>(node.count);
+                alignas(64) double distances[tree_width];
+                const unsigned mask = near_boxes(node.boxes, node.count, point_, squared, distances);
+                if (std::has_single_bit(mask)) {
+                    child = node.child[std::countr_zero(mask)];
+                    continue;
+                }
+                push(node, mask, distances);
+            } else if (!leaf(static_cast<std::size_t>(~child), squared)) {
+                return;
+            }
+            if (!pop(squared, child)) return;
+        }
     }
-}
+
+private:
+    struct Entry {
+        double distance;
+        std::int32_t child;
+    };
+    struct Step {
+        alignas(64) double distances[tree_width];
+        const WideNode* node;
+        std::uint32_t taken;
+    };
+
+    HWY_INLINE void prefetch(std::int32_t child) const {
+        const char* place = child >= 0 ? reinterpret_cast<const char*>(tree_.nodes.data() + child)
+                                       : leaves_ + static_cast<std::size_t>(~child) * leaf_bytes_;
+        hwy::Prefetch(place);
+        hwy::Prefetch(place + 64);
+    }
+
+    // Insertion sort, farthest first, so that the nearest is popped first.
+    HWY_INLINE void push(const WideNode& node, unsigned mask, const double (&distances)[tree_width]) {
+        const std::size_t base = size_;
+        for (; mask != 0; mask &= mask - 1) {
+            const int c = std::countr_zero(mask);
+            std::size_t place = size_++;
+            for (; place > base && stack_[place - 1].distance < distances[c]; --place)
+                stack_[place] = stack_[place - 1];
+            stack_[place] = {distances[c], node.child[c]};
+            prefetch(node.child[c]);
+        }
+    }
+
+    // False: nothing is left that is near enough.
+    HWY_INLINE bool pop(double squared, std::int32_t& child) {
+        while (size_ > 0) {
+            const Entry& next = stack_[--size_];
+            child = next.child;
+            if (next.distance <= squared) return true;
+        }
+        return false;
+    }
+
+    const WideTree& tree_;
+    const char* leaves_;
+    std::size_t leaf_bytes_;
+    const Vec3& point_;
+    std::uint64_t& visits_;
+    std::size_t depth_ = 0, size_ = 0;
+    Step path_[most_tree_levels];
+    Entry stack_[(tree_width - 1) * most_tree_levels + 1];
+};
 
 }  // namespace hausbench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

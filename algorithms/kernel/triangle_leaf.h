@@ -1,0 +1,40 @@
+// The triangles of one leaf of a tree: a byte a plane of their boxes, and corners that they share.
+#pragma once
+
+#include "point_triangle.h"
+#include "wide_tree.h"
+
+#include <cstdint>
+#include <span>
+
+namespace hausbench {
+
+struct alignas(64) TriangleLeaf {
+    QuantisedBoxes boxes;                   // of the triangles
+    std::uint8_t corner[3][leaf_capacity];  // in the leaf's own table of vertices; the longest edge first
+    std::uint32_t first_vertex;             // of that table
+    std::int32_t first;                     // of the triangles' numbers, in the order of the tree
+    std::int32_t count;                     // triangles
+
+    // Appends the vertices that the triangles need at vertices[3 * next], each once, and moves `next` behind them. One to
+    // eight triangles. Returns the box around them, exactly.
+    Box set(const TriangleMesh& mesh, std::span<const Index> triangles, double* vertices, std::uint32_t& next);
+
+    Triangle at(int lane, const double* vertices) const {
+        const auto vertex = [&](int v) {
+            const double* place = vertices + 3 * (std::size_t{first_vertex} + corner[v][lane]);
+            return Vec3(place[0], place[1], place[2]);
+        };
+        return {vertex(0), vertex(1), vertex(2)};
+    }
+};
+static_assert(sizeof(TriangleLeaf) == 128);
+
+// The leaves of a tree, and what they refer to.
+struct TriangleLeaves {
+    const TriangleLeaf* leaf;
+    const double* vertices;
+    const Index* order;  // numbers of triangles
+};
+
+}  // namespace hausbench
