@@ -43,6 +43,30 @@ Counts solver_counts(const std::string& name, const ParameterMap& given = {}) {
     return counts;
 }
 
+Counts surface_counts(const std::string& name, const ParameterMap& given = {}) {
+    const auto surface = [](const std::string& text) {
+        AlgebraicSurface s{text, Points(2, 3)};
+        s.box.row(0).setConstant(-2);
+        s.box.row(1).setConstant(2);
+        return s;
+    };
+    const AlgebraicSurface ball = surface("x^2 + y^2 + z^2 - 1"), large = surface("x^2 + y^2 + z^2 - 9/4"),
+                           torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"),
+                           cone = surface("x^2/4 + y^2/4 - z^2/9"), other = surface("x^2/16 + y^2/4 - z^2/9");
+    const std::tuple<const char*, AlgebraicSurface, AlgebraicSurface> scenes[] = {
+        {"cones", cone, other}, {"concentric spheres", ball, large}, {"torus to sphere", torus, ball}};
+    const SolverEntry& entry = find_solver(name);
+    Counts counts;
+    for (const auto& [scene, a, b] : scenes) {
+        const Session session(entry, Options(name, entry.info.parameters, given), {a, b}, {});
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-3};
+        Trace trace;
+        counts[scene] = session.solve(query, trace).counters;
+    }
+    return counts;
+}
+
 template <class Tree> Counts tree_counts() {
     Counts counts;
     for (const auto& [name, mesh] : tree_meshes()) {
@@ -135,6 +159,9 @@ std::map<std::string, Counts> all_counts() {
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
     all["closest_by_scan"] = scan_counts();
+    all["surface_enclosure"] = surface_counts("surface_enclosure");
+    all["surface_meshes"] = surface_counts("surface_meshes", {{"cells", std::int64_t(12)}});
+    all["interval_subdivision"] = surface_counts("interval_subdivision", {{"depth", std::int64_t(4)}});
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
     all["point_bvh"] = point_tree_counts();

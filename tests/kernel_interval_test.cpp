@@ -4,11 +4,8 @@
 #include "random.h"
 
 #include <CGAL/Exact_rational.h>
-#include <boost/numeric/interval.hpp>
-
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -61,6 +58,16 @@ TEST(Polynomial, PointsAtTheColumn) {
         EXPECT_NE(said.find(column), std::string::npos) << text << ": " << said;
         EXPECT_NE(said.find(word), std::string::npos) << text << ": " << said;
     }
+    const std::string deep(20000, '('), fits(100, '(');
+    EXPECT_NE(message(deep + "x").find("column 101: parentheses are nested more than 100 deep"), std::string::npos);
+    EXPECT_EQ(message(fits + "x" + std::string(100, ')')), "");
+    EXPECT_EQ(message("(x) + (y)" +
+                      [] {
+                          std::string many;
+                          for (int i = 0; i < 200; ++i) many += " + (z)";
+                          return many;
+                      }()),
+              "");
     EXPECT_NE(message("3 - 1/2").find("constant"), std::string::npos);
     EXPECT_NE(message("x + 1e308*10").find("double precision"), std::string::npos);
 }
@@ -180,41 +187,110 @@ TEST(IntervalForms, TheNewerAreTighterOnSmallBoxes) {
     EXPECT_LT(square.range(Form::affine, around).inf(), 0);
 }
 
+// x / 3 around 0 has no other term: without the width of its coefficient, `rest` would be 0.
+TEST(IntervalForms, CountTheWidthOfTheSlope) {
+    const UpwardRounding upward;
+    FormEvaluator evaluator{Polynomial("x/3")};
+    Box box;
+    box.add({-1, -1, -1});
+    box.add({1, 1, 1});
+    const LinearForm f = evaluator.linear(box);
+    const Rational rest = Rational(1) / Rational(3) - Rational(f.slope[0]);  // at u = 1
+    EXPECT_NE(rest, Rational(0));
+    EXPECT_TRUE(Rational(f.rest.inf()) <= rest && rest <= Rational(f.rest.sup()));
+}
+
+// Terms of high degree, where monomials beyond the sixth degree are bounded term by term: against exact values at corners,
+// where those bounds are attained.
+TEST(IntervalForms, HighDegreesAreEnclosed) {
+    Random random(12);
+    for (int i = 0; i < 200; ++i) {
+        Sample s;
+        for (int t = 0; t < 3; ++t) {
+            const int c = 1 + random.below(9), p = random.below(11), q = random.below(11), r = random.below(11);
+            s.terms.emplace_back(t % 2 ? c : -c, p, q, r);
+            s.text += (t % 2 ? "+" : "-") + std::to_string(c) + "*x^" + std::to_string(p) + "*y^" + std::to_string(q) +
+                      "*z^" + std::to_string(r);
+        }
+        s.text += "+x";
+        s.terms.emplace_back(1, 1, 0, 0);
+        const Polynomial f(s.text);
+        Box box;
+        const Vec3 middle = i % 3 ? random.vector(1) : Vec3::Zero();
+        box.low = middle - Vec3::Constant(1 + random.unit()), box.high = middle + Vec3::Constant(1 + random.unit());
+        const UpwardRounding upward;
+        FormEvaluator evaluator(f);
+        const LinearForm linear = evaluator.linear(box);
+        for (int corner = 0; corner < 27; ++corner) {
+            Rational rest, x[3];
+            Vec3 at;
+            for (int k = 0, place = corner; k < 3; ++k, place /= 3)
+                at[k] = place % 3 == 0 ? box.low[k] : place % 3 == 1 ? box.high[k] : linear.middle[k];
+            rest = value(s, at);
+            for (int k = 0; k < 3; ++k)
+                rest -= Rational(linear.slope[k]) * (Rational(at[k]) - Rational(linear.middle[k])) /
+                        Rational(linear.half[k]);
+            ASSERT_TRUE(Rational(linear.rest.inf()) <= rest && rest <= Rational(linear.rest.sup())) << s.text;
+        }
+    }
+    // Even powers beyond the sixth do not change their sign.
+    FormEvaluator even{Polynomial("x^10*y^2 + z")};
+    Box around;
+    around.add({-1, -1, 0});
+    around.add({1, 1, 0.5});
+    const UpwardRounding upward;
+    EXPECT_GE(even.linear(around).rest.inf(), 0.25 - 1e-12);
+}
+
+// The dense expansion took (degree + 1)^3 places and as many products for each axis and degree: 1331 and 68921 places.
+TEST(IntervalForms, WorkGrowsWithTermsAndDegree) {
+    const auto products = [](const std::string& text) {
+        const UpwardRounding upward;
+        FormEvaluator evaluator{Polynomial(text)};
+        Box box;
+        box.add({0.5, 0.5, 0.5});
+        box.add({1, 1, 1});
+        (void)evaluator.linear(box);
+        return evaluator.products();
+    };
+    for (const int degree : {10, 20, 40}) {
+        const std::string d = "^" + std::to_string(degree);
+        const std::uint64_t once = products("x" + d + "*y" + d + "*z" + d + " + x");
+        EXPECT_GT(once, 0u);
+        EXPECT_LE(once, 500u + 60u * std::uint64_t(degree)) << degree;
+        EXPECT_LE(products("x" + d + " + y" + d + " + z" + d + " - 1"), 1200u + 60u * std::uint64_t(degree)) << degree;
+    }
+    EXPECT_LE(products("x^2 + y^2 + z^2 - 1"), 60u);
+}
+
 TEST(Interval, RoundingModeIsPutBack) {
     const volatile double tiny = 0x1p-60;
     { const UpwardRounding upward; }
     EXPECT_EQ(1.0 + tiny, 1.0);
 }
 
-// The choice of library: printed, not asserted, as times are the machine's.
-TEST(Interval, Cost) {
-    using Boost = boost::numeric::interval<double>;
-    using Traits = boost::numeric::interval_lib::policies<
-        boost::numeric::interval_lib::save_state_nothing<boost::numeric::interval_lib::rounded_transc_opp<double>>,
-        boost::numeric::interval_lib::checking_base<double>>;
-    using BoostUnprotected = boost::numeric::interval<double, Traits>;
-    constexpr int n = 20000;
-    const auto time = [](const char* name, auto zero, auto x0) {
-        auto sum = zero;
-        double best = std::numeric_limits<double>::infinity();  // of many: the machine may be busy
-        for (int round = 0; round < 30; ++round) {
-            auto x = x0;
-            sum = zero;
-            const auto begin = std::chrono::steady_clock::now();
-            for (int i = 0; i < n; ++i) sum = sum + (x * x - x * sum), x = x + zero;
-            best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+// Each operation encloses the exact value, and no wider than two neighbouring doubles.
+TEST(Interval, OperationsRoundOutwards) {
+    Random random(4);
+    int inexact = 0;
+    for (int i = 0; i < 200; ++i) {
+        const double x = random.real(-2, 2), y = random.real(0.1, 2);
+        const UpwardRounding upward;
+        const Interval a(x), b(y);
+        const std::pair<Interval, Rational> cases[] = {{a + b, Rational(x) + Rational(y)},
+                                                       {a - b, Rational(x) - Rational(y)},
+                                                       {a * b, Rational(x) * Rational(y)},
+                                                       {a / b, Rational(x) / Rational(y)}};
+        for (const auto& [got, exact] : cases) {
+            EXPECT_TRUE(Rational(got.inf()) <= exact && exact <= Rational(got.sup()));
+            EXPECT_LE(got.sup(), std::nextafter(got.inf(), std::numeric_limits<double>::infinity()));
+            inexact += got.inf() < got.sup();
         }
-        std::printf("%-28s %8.2f ns for two products and four sums\n", name, best / n * 1e9);
-        return sum;
-    };
-    const double d = time("double", 0.0, 0.3);
-    const Boost b = time("Boost.Interval", Boost(0.0), Boost(0.3));
-    const UpwardRounding upward;
-    const BoostUnprotected u = time("Boost.Interval, unprotected", BoostUnprotected(0.0), BoostUnprotected(0.3));
-    const Interval c = time("CGAL Interval_nt<false>", Interval(0.0), Interval(0.3));
-    EXPECT_TRUE(b.lower() <= d && d <= b.upper());
-    EXPECT_TRUE(c.inf() <= d && d <= c.sup());
-    EXPECT_TRUE(u.lower() <= u.upper());
+        const Interval root = CGAL::sqrt(b);
+        EXPECT_TRUE(Rational(root.inf()) * Rational(root.inf()) <= Rational(y));
+        EXPECT_TRUE(Rational(root.sup()) * Rational(root.sup()) >= Rational(y));
+    }
+    EXPECT_GT(inexact, 400);
 }
 
 }  // namespace

@@ -143,6 +143,42 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
     }
 }
 
+// Where the distance is constant over A, or has a curve of maxima: boxes need not shrink to the root of the tolerance.
+TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
+    const auto s = [](const std::string& text) { return surface(text); };
+    const AlgebraicSurface ball = s("x^2 + y^2 + z^2 - 1"), large = s("x^2 + y^2 + z^2 - 9/4"),
+                           tube = s("x^2 + y^2 - 1"), wide = s("x^2 + y^2 - 9/4"),
+                           torus = s("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"),
+                           thin = s("(x^2 + y^2 + z^2 + 15/16)^2 - 4*(x^2 + y^2)");
+    struct Constant {
+        AlgebraicSurface a, b;
+        double h;
+        std::uint64_t splits;
+    };
+    const Constant pairs[] = {
+        {ball, large, 0.5, 1500},
+        {large, ball, 0.5, 1700},
+        {ball, s("(x - 1/4)^2 + y^2 + z^2 - 1"), 0.25, 300},
+        {tube, wide, 0.5, 1200},
+        {wide, tube, 0.5, 800},
+        {tube, s("(x - 1/4)^2 + y^2 - 1"), 0.25, 2200},
+        {torus, thin, 0.25, 7000},
+        {torus, ball, 0.5, 5500},
+        {ball, s("2*x^2 + 2*y^2 + 2*z^2 - 2"), 0, 1400},
+    };
+    for (const auto& [a, b, h, splits] : pairs) {
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-8};
+        query.budget = splits;
+        Trace trace;
+        const Result result = session_of("surface_enclosure", a, b).solve(query, trace);
+        const std::string where = a.polynomial + " to " + b.polynomial;
+        EXPECT_LE(result.bounds.lower, h) << where;
+        EXPECT_GE(result.bounds.upper, h) << where;
+        EXPECT_EQ(to_string(result.status), "converged") << where << ", gap " << result.bounds.gap();
+    }
+}
+
 TEST(SurfaceSolvers, AskedForMoreTheyGiveMore) {
     const Result fine = solve("surface_enclosure", cone_2, cone_1, 1e-10);
     EXPECT_EQ(to_string(fine.status), "converged");

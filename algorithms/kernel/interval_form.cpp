@@ -38,62 +38,118 @@ Interval LinearForm::range() const {
 FormEvaluator::FormEvaluator(const Polynomial& polynomial)
     : polynomial_(polynomial),
       derivatives_{polynomial.derivative(0), polynomial.derivative(1), polynomial.derivative(2)} {
-    for (int k = 0; k < 3; ++k) sizes_[std::size_t(k)] = std::size_t(polynomial_.degree(k)) + 1;
-    dense_.assign(sizes_[0] * sizes_[1] * sizes_[2], Interval(0.0));
-    for (const Polynomial::Term& term : polynomial_.terms()) {
-        const auto i = std::size_t(term.powers[0]), j = std::size_t(term.powers[1]), k = std::size_t(term.powers[2]);
-        dense_[(i * sizes_[1] + j) * sizes_[2] + k] = term.coefficient;
-    }
-    work_ = dense_;
+    for (std::size_t k = 0; k < 3; ++k) powers_[k].resize(std::size_t(polynomial_.degree(static_cast<int>(k))) + 1);
+    sums_.resize((kept + 1) * (kept + 1) * (kept + 1));
 }
 
-// Horner's shift along each axis in turn, then the k-th coefficient times half^k.
-void FormEvaluator::expand(const Vec3& middle, const Vec3& half) {
-    work_ = dense_;
-    std::size_t stride = 1;
-    for (std::size_t axis = 3; axis-- > 0;) {
-        const std::size_t n = sizes_[axis];
-        const Interval c(middle[Eigen::Index(axis)]);
-        const double r = half[Eigen::Index(axis)];
-        for (std::size_t line = 0; line < work_.size() / n; ++line) {
-            Interval* p = work_.data() + (line / stride) * stride * n + line % stride;
-            for (std::size_t i = 0; i + 1 < n; ++i) {
-                for (std::size_t j = n - 1; j-- > i;) p[j * stride] += c * p[(j + 1) * stride];
+// Each power from the one before, times m + h u.
+void FormEvaluator::raise(const Vec3& middle, const Vec3& half) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Interval m(middle[Eigen::Index(k)]), h(half[Eigen::Index(k)]);
+        Power next{{}, Interval(0.0), Interval(0.0), 0};
+        next.low.fill(Interval(0.0));
+        next.low[0] = Interval(1.0);
+        powers_[k][0] = next;
+        for (std::size_t p = 1; p < powers_[k].size(); ++p) {
+            const Power& last = powers_[k][p - 1];
+            next.top = std::min(static_cast<int>(p), kept);
+            next.low[0] = m * last.low[0];
+            for (std::size_t q = 1; q <= std::size_t(next.top); ++q)
+                next.low[q] = m * last.low[q] + h * last.low[q - 1];
+            products_ += 2 * std::uint64_t(next.top) + 1;
+            if (p > kept) {  // kept is even
+                next.even = m * last.even + h * last.odd;
+                next.odd = m * last.odd + h * (last.even + last.low[kept]);
+                products_ += 4;
             }
-            Interval scale(r);
-            for (std::size_t i = 1; i < n; ++i, scale *= r) p[i * stride] *= scale;
+            powers_[k][p] = next;
         }
-        stride *= n;
     }
+}
+
+void FormEvaluator::add(const Polynomial::Term& term) {
+    Power x = powers_[0][std::size_t(term.powers[0])];
+    const Power &y = powers_[1][std::size_t(term.powers[1])], &z = powers_[2][std::size_t(term.powers[2])];
+    for (Interval& c : x.low) c *= term.coefficient;
+    x.even *= term.coefficient, x.odd *= term.coefficient;
+    for (int i = 0; i <= x.top; ++i) {
+        for (int j = 0; j <= std::min(y.top, kept - i); ++j) {
+            const Interval both = x.low[std::size_t(i)] * y.low[std::size_t(j)];
+            const int last = std::min(z.top, kept - i - j);
+            for (int k = 0; k <= last; ++k) sum_of(i, j, k) += both * z.low[std::size_t(k)];
+            products_ += std::uint64_t(last) + 2;
+        }
+    }
+    if (term.powers[0] + term.powers[1] + term.powers[2] > kept) add_beyond(x, y, z);
+}
+
+// The monomials of one term beyond `kept`. Those whose powers are all even have the same sign, and u^i v^j w^k lies in
+// [0, 1]: together they lie between 0 and the sum of their coefficients. Of all others only the absolute values count.
+void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
+    constexpr int n = kept + 2, half = kept / 2 + 2;  // places by degree, and by half the degree; the last: beyond
+    const Power* of[3] = {&x, &y, &z};
+    double all[3][n], all_from[n + 1];
+    Interval even[3][half], even_from[half + 1];
+    for (int k = 0; k < 3; ++k) {
+        for (std::size_t q = 0; q <= kept; ++q) {
+            all[k][q] = magnitude(of[k]->low[q]);
+            if (q % 2 == 0) even[k][q / 2] = of[k]->low[q];
+        }
+        all[k][n - 1] = magnitude(of[k]->even) + magnitude(of[k]->odd);
+        even[k][half - 1] = of[k]->even;
+    }
+    const auto beyond = [](auto* a, auto* b, auto* c, auto* c_from, int size) {
+        c_from[size] = 0.0;  // sums of c from a place on
+        for (int i = size - 1; i >= 0; --i) c_from[i] = c_from[i + 1] + c[i];
+        auto sum = c_from[size];
+        for (int i = 0; i < size; ++i) {
+            for (int j = 0; j < size; ++j) {
+                const bool over = i == size - 1 || j == size - 1;
+                sum += a[i] * b[j] * c_from[over ? 0 : std::max(size - 1 - i - j, 0)];
+            }
+        }
+        return sum;
+    };
+    const double everything = beyond(all[0], all[1], all[2], all_from, n);
+    const Interval squares = beyond(even[0], even[1], even[2], even_from, half);
+    rest_ += Interval(std::min(squares.inf(), 0.0), std::max(squares.sup(), 0.0));
+    const double least = std::max(std::max(squares.inf(), -squares.sup()), 0.0);  // of |squares|
+    others_ += everything - least;
+    products_ += 2 * n * n + 2 * half * half;
 }
 
 LinearForm FormEvaluator::linear(const Box& box) {
     LinearForm form;
     centre(box, form.middle, form.half);
-    expand(form.middle, form.half);
-    Interval rest(0.0);
-    double others = 0;  // terms that may have either sign
-    std::size_t at = 0;
-    form.slope.setZero();
-    for (std::size_t i = 0; i < sizes_[0]; ++i) {
-        for (std::size_t j = 0; j < sizes_[1]; ++j) {
-            for (std::size_t k = 0; k < sizes_[2]; ++k, ++at) {
-                const Interval& x = work_[at];
-                if (i + j + k == 0) {
-                    rest += x;
-                } else if (i + j + k == 1) {
-                    const double middle = 0.5 * x.inf() + 0.5 * x.sup();
-                    form.slope[i == 1 ? 0 : j == 1 ? 1 : 2] = middle;
-                    others += magnitude(x - Interval(middle));
-                } else if (i % 2 == 0 && j % 2 == 0 && k % 2 == 0) {
-                    rest += Interval(std::min(x.inf(), 0.0), std::max(x.sup(), 0.0));
-                } else {
-                    others += magnitude(x);
-                }
+    raise(form.middle, form.half);
+    const int top[3] = {std::min(polynomial_.degree(0), kept), std::min(polynomial_.degree(1), kept),
+                        std::min(polynomial_.degree(2), kept)};
+    const auto each = [&](auto&& visit) {
+        for (int i = 0; i <= top[0]; ++i) {
+            for (int j = 0; j <= std::min(top[1], kept - i); ++j) {
+                for (int k = 0; k <= std::min(top[2], kept - i - j); ++k) visit(i, j, k);
             }
         }
-    }
-    form.rest = rest + Interval(-others, others);
+    };
+    each([&](int i, int j, int k) { sum_of(i, j, k) = Interval(0.0); });
+    rest_ = Interval(0.0), others_ = 0;
+    for (const Polynomial::Term& term : polynomial_.terms()) add(term);
+    form.slope.setZero();
+    each([&](int i, int j, int k) {
+        const Interval& x = sum_of(i, j, k);
+        if (i + j + k == 0) {
+            rest_ += x;
+        } else if (i + j + k == 1) {
+            const double middle = 0.5 * x.inf() + 0.5 * x.sup();
+            form.slope[i == 1 ? 0 : j == 1 ? 1 : 2] = middle;
+            others_ += magnitude(x - Interval(middle));
+        } else if (i % 2 == 0 && j % 2 == 0 && k % 2 == 0) {
+            rest_ += Interval(std::min(x.inf(), 0.0), std::max(x.sup(), 0.0));
+        } else {
+            others_ += magnitude(x);
+        }
+    });
+    form.rest = rest_ + Interval(-others_, others_);
     return form;
 }
 

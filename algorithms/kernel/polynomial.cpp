@@ -13,6 +13,7 @@ namespace hausbench {
 namespace {
 
 constexpr int most_power = 40;
+constexpr int deepest = 100;  // parentheses within parentheses: each takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
 using Sum = std::map<Powers, Interval>;
@@ -150,8 +151,11 @@ private:
             return {{powers, Interval(1.0)}};
         }
         if (c == '(') {
+            if (depth_ == deepest) fail(fmt::format("parentheses are nested more than {} deep: remove some", deepest));
             const std::size_t opened = at_++;
+            ++depth_;
             Sum inside = sum();
+            --depth_;
             if (!take(')')) {
                 if (more()) fail(expected_operator());
                 fail_at(opened, "this '(' is not closed: add a ')'");
@@ -201,6 +205,7 @@ private:
 
     std::string_view text_;
     std::size_t at_ = 0;
+    int depth_ = 0;  // parentheses open
 };
 
 }  // namespace

@@ -26,8 +26,8 @@ public:
         Interval coefficient;
     };
 
-    // Throws InputError for text that is none of the above (the column, from 1, and the remedy), powers above 40, a
-    // polynomial without x, y and z, or coefficients that are not finite. Sets the rounding mode for itself.
+    // Throws InputError for text that is none of the above (the column, from 1, and the remedy), powers above 40, more
+    // than 100 nested parentheses, a polynomial without x, y and z, or coefficients that are not finite. Sets the rounding mode for itself.
     explicit Polynomial(std::string_view text);
 
     // In the order of powers; no term's coefficient is exactly 0.

@@ -39,8 +39,10 @@ double apart_at_most(const Vec3& a, const Vec3& b) {
 
 double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& counters) {
     const auto here = moved(piece, target, Vec3::Zero(), counters);
-    if (!here) return infinity;
-    const double most = magnitude(*here);
+    return here ? within(piece, target, magnitude(*here), counters) : infinity;
+}
+
+double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters) {
     Vec3 gradient;
     target.polynomial().value(piece.form.middle, gradient);
     int axis = 0;
@@ -55,8 +57,8 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
         const Interval slope = target.derivative(axis, wide, counters);
         const double least = std::max(slope.inf(), -slope.sup());
         if (!(least > 0)) return infinity;
-        const double within = most / least;
-        if (within <= t) return within;
+        const double needed = most / least;
+        if (needed <= t) return needed;
     }
     return infinity;
 }

@@ -13,7 +13,10 @@ namespace hausbench {
 double apart_at_most(const Vec3& a, const Vec3& b);
 
 // If |f_B| <= M over the piece and |df_B/dx_k| >= m over its box widened by t >= M / m along axis k, a zero of f_B lies within
-// M / m of each point.
+// M / m of each point. `most` is M.
+double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters);
+
+// The same, with an M from the linear forms of both surfaces.
 double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& counters);
 
 // If f_B has one sign on the piece and the other on the piece moved by t, a zero lies between, within |t| of each point. Tries

@@ -8,21 +8,22 @@
 // The maximum may lie where a box clips A: boxes and enclosures are of the clipped surface, so nothing is special there.
 //
 // Both bounds use that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so that the number of
-// boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, two more bounds apply (surface_beside.h).
+// boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, more bounds apply: surface_beside.h, and
+// surface_feet.h, whose error is O(s^9). With it, boxes stay large where the distance is constant over A (concentric spheres).
 //
 // Surfaces are never empty (scene.h); one that has no point in its box is refused when that is seen in preparing. Where no
 // point can be proven (f = g^2 has no change of sign) bounds hold all the same, but do not close: `stalled`. So does a
-// distance that is constant over A (concentric spheres) at a tolerance e that needs more than `most_cells` boxes: all of A is
-// then divided into boxes of size O(sqrt e), O(1 / e) of them, and only planes are spared that.
+// search that needs more than `most_cells` boxes, such as the lower bound at a point that is equally far from much of B.
 //
 // Proof of existence by a change of sign and linear enclosures by Taylor expansion are standard, see Neumaier: Interval
 // methods for systems of equations, 1990; best-first refinement of A against candidates of B as in Tang, Lee, Kim 2009.
-// Budget: boxes of A split. Time: boxes of A times boxes of B looked at, each O(terms of the dense polynomial).
+// Budget: boxes of A split. Time: boxes of A times boxes of B looked at, each O(terms of the polynomial).
 #include "error.h"
 #include "kernel/deadline.h"
 #include "kernel/rounding.h"
 #include "solver.h"
 #include "surfaces/surface_beside.h"
+#include "surfaces/surface_feet.h"
 
 #include <algorithm>
 #include <queue>
@@ -127,7 +128,7 @@ private:
         return Status::converged;
     }
 
-    // Bounds the cell, and perhaps raises the lower bound by a point in it.
+    // Bounds the cell, and updates the lower bound where a point in it is farther from B.
     void look_into(Cell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
@@ -140,13 +141,18 @@ private:
             if (cell.upper <= result_.bounds.lower) return;
         }
         const Vec3 guess = guess_on(piece, piece.form.middle);
+        if (cell.feet_count > 0) {
+            const Vec3& foot = feet_[std::size_t(cell.feet[0])].at;
+            cell.upper = std::min(cell.upper, along_feet(piece, a_, b_, guess, foot, cell.upper, result_.counters));
+            if (cell.upper <= result_.bounds.lower) return;
+        }
         const auto point = a_.nearby(guess, guess, result_.counters);
         const Vec3 p = point ? point->at : guess;
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
         const double precision = std::max(wanted / 8, (cell.upper - result_.bounds.lower) / 16);
         std::int32_t foot = -1;
         const double near = nearest(p, cell, size, precision, foot);
-        if (point && show(*point, near, foot) && foot >= 0) climb(*point, foot, size, cell);
+        if (point && show(*point, near, foot) && foot >= 0) local_search(*point, foot, size, cell);
         if (foot >= 0) {
             cell.upper = std::min(cell.upper, to_foot(piece, foot));
             if (cell.upper > result_.bounds.lower) {
@@ -169,12 +175,12 @@ private:
         return true;
     }
 
-    // From a point of A uphill on the distance: pushed away from its foot and back onto A, as long as that helps; the last
-    // point is shown as any other. Only where it is worth while: the gap has halved since the last climb, or it is the first.
-    void climb(SurfacePoint point, std::int32_t foot, double step, const Cell& cell) {
+    // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as that helps. The last
+    // point is proven as any other. Only where it pays: the gap has halved since the last search, or it is the first.
+    void local_search(SurfacePoint point, std::int32_t foot, double step, const Cell& cell) {
         const double gap = result_.bounds.gap();
-        if (gap > 0.5 * climbed_at_) return;
-        climbed_at_ = gap;
+        if (gap > 0.5 * searched_at_) return;
+        searched_at_ = gap;
         const SurfacePoint start = point;
         SurfacePoint b = feet_[std::size_t(foot)];
         double height = (point.at - b.at).norm();
@@ -246,6 +252,8 @@ private:
             foot = static_cast<std::int32_t>(feet_.size()) - 1;
         };
         if (foot >= 0) improve(feet_[std::size_t(foot)].at);
+        // The lower bound would hardly grow: that no point is nearer need not be shown.
+        if (best <= result_.bounds.lower + 2 * precision) return 0;
         std::priority_queue<Near> queue;
         queue.push({0, 0});
         int pops = 0;
@@ -279,8 +287,8 @@ private:
     Deadline deadline_;
     std::vector<SurfacePoint> feet_;  // proven points of B
     std::priority_queue<Cell> queue_;
-    bool proven_ = false;           // some point of A
-    double climbed_at_ = infinity;  // the gap then
+    bool proven_ = false;            // some point of A
+    double searched_at_ = infinity;  // the gap then
     Result result_;
 };
 

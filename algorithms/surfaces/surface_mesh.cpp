@@ -108,6 +108,10 @@ private:
     std::vector<std::array<Index, 3>> triangles_;
 };
 
+double apart(const Vec3& p, const Vec3& q) {  // rounded up, as the mode is
+    return std::sqrt((q - p).cwiseAbs().cwiseMax((p - q).cwiseAbs()).squaredNorm());
+}
+
 class Deviation {
 public:
     Deviation(const AlgebraicSurface& surface, const TriangleMesh& mesh, int cells)
@@ -220,19 +224,15 @@ private:
         return best;
     }
 
-    static double apart(const Vec3& p, const Vec3& q) {  // rounded up, as the mode is
-        return std::sqrt((q - p).cwiseAbs().cwiseMax((p - q).cwiseAbs()).squaredNorm());
-    }
-
     double middle_to_mesh(const SurfaceTree::Node& piece) {
         const Vec3& p = piece.form.middle;
         const double half = std::sqrt(piece.form.half.squaredNorm());
         const std::array<int, 3> cell = cell_of(p);
         double best = infinity;
-        for (int reach = 0; reach < 3 && best == infinity; ++reach) {
-            for (int z = cell[2] - reach; z <= cell[2] + reach; ++z) {
-                for (int y = cell[1] - reach; y <= cell[1] + reach; ++y) {
-                    for (int x = cell[0] - reach; x <= cell[0] + reach; ++x) {
+        for (int ring = 0; ring < 3 && best == infinity; ++ring) {
+            for (int z = cell[2] - ring; z <= cell[2] + ring; ++z) {
+                for (int y = cell[1] - ring; y <= cell[1] + ring; ++y) {
+                    for (int x = cell[0] - ring; x <= cell[0] + ring; ++x) {
                         const auto found = by_cell_.find({x, y, z});
                         if (found == by_cell_.end()) continue;
                         for (const Index t : found->second) best = std::min(best, to_triangle(p, t));
@@ -243,20 +243,8 @@ private:
         return best + half;
     }
 
-    // At most the distance to a point of the triangle: convex weights, whatever they are, and their rounding.
     double to_triangle(const Vec3& p, Index t) const {
-        const Vec3 a = vertex(t, 0), b = vertex(t, 1), c = vertex(t, 2);
-        const Vec3 ab = b - a, ac = c - a, ap = p - a;
-        const double d00 = ab.dot(ab), d01 = ab.dot(ac), d11 = ac.dot(ac), e0 = ap.dot(ab), e1 = ap.dot(ac);
-        const double area = d00 * d11 - d01 * d01;
-        double v = area > 0 ? std::clamp((d11 * e0 - d01 * e1) / area, 0.0, 1.0) : 0;
-        double w = area > 0 ? std::clamp((d00 * e1 - d01 * e0) / area, 0.0, 1.0) : 0;
-        if (v + w > 1) {
-            const double sum = v + w;
-            v /= sum, w /= sum;
-        }
-        const Vec3 q = a + v * ab + w * ac;
-        return apart(p, q) + 32 * unit_roundoff * magnitude_;
+        return triangle_distance_at_most(p, vertex(t, 0), vertex(t, 1), vertex(t, 2), magnitude_);
     }
 
     const TriangleMesh& mesh_;
@@ -268,6 +256,27 @@ private:
 };
 
 }  // namespace
+
+// The distance to q, a convex combination of the corners: any weights give an upper bound. With u = 2^-53, M = magnitude and
+// 2 u for each operation (rounded upward), each coordinate of q is off by
+//     8 u M   products of a weight and an edge: an edge is off by 4 u M, its product with the weight by 4 u M more; the
+//             weights sum to 1
+//     4 u M   two sums, each of about M at most
+//     4 u M   weights that sum to 1 + 2 u times edges of 2 M
+// and q itself by sqrt(3) 16 u M < 32 u M, which leaves room for terms of order u^2.
+double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double magnitude) {
+    const Vec3 ab = b - a, ac = c - a, ap = p - a;
+    const double d00 = ab.dot(ab), d01 = ab.dot(ac), d11 = ac.dot(ac), e0 = ap.dot(ab), e1 = ap.dot(ac);
+    const double area = d00 * d11 - d01 * d01;
+    double v = area > 0 ? std::clamp((d11 * e0 - d01 * e1) / area, 0.0, 1.0) : 0;
+    double w = area > 0 ? std::clamp((d00 * e1 - d01 * e0) / area, 0.0, 1.0) : 0;
+    if (v + w > 1) {
+        const double sum = v + w;
+        v /= sum, w /= sum;
+    }
+    const Vec3 q = a + v * ab + w * ac;
+    return apart(p, q) + 32 * unit_roundoff * magnitude;
+}
 
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells) {
     TriangleMesh mesh = Marching(surface, cells).run();

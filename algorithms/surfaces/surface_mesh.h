@@ -27,4 +27,8 @@ struct MeshDeviation {
 // O(cells^2 4^levels) on tame surfaces.
 MeshDeviation deviation(const AlgebraicSurface& surface, const TriangleMesh& mesh, int cells, int levels = 3);
 
+// At least the distance from p to the triangle abc. `magnitude`: the largest absolute coordinate of p, a, b and c, at least.
+// Wants UpwardRounding.
+double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double magnitude);
+
 }  // namespace hausbench

@@ -15,8 +15,8 @@ Interval squared(const std::array<Interval, 3>& v) {
     return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
 }
 
-// At least n.(y - c) over the piece, for the middle c of its box; see the header.
-double reach(const LinearForm& f, const Vec3& n) {
+// Support function: at least n.(y - c) over the piece, for the middle c of its box; see the header.
+double support(const LinearForm& f, const Vec3& n) {
     const Vec3 q = n.cwiseProduct(f.half);
     const auto cost = [&](double l) {
         return std::max(-l * f.rest.inf(), -l * f.rest.sup()) + std::abs(q[0] - l * f.slope[0]) +
@@ -107,6 +107,33 @@ Vec3 SurfaceTree::onto(Vec3 y) const {
     return y;
 }
 
+std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, const Vec3& start) const {
+    CriticalPoint point{start, 0, {}};
+    Vec3 gradient;
+    polynomial().value(start, gradient);
+    point.factor = (p - start).dot(gradient) / gradient.squaredNorm();
+    for (int step = 0; step < 6; ++step) {
+        const double f = polynomial().value(point.at, gradient);
+        Eigen::Matrix4d jacobian = Eigen::Matrix4d::Identity();
+        for (int k = 0; k < 3; ++k) {
+            Vec3 row;
+            derivative(k).value(point.at, row);
+            jacobian.block<1, 3>(k, 0) += point.factor * row.transpose();
+        }
+        jacobian.block<3, 1>(0, 3) = gradient;
+        jacobian.block<1, 3>(3, 0) = gradient.transpose();
+        jacobian(3, 3) = 0;
+        point.inverse = jacobian.inverse();
+        Eigen::Vector4d residual;
+        residual << point.at - p + point.factor * gradient, f;
+        const Eigen::Vector4d change = point.inverse * residual;
+        if (!change.allFinite()) return std::nullopt;
+        point.at -= change.head<3>();
+        point.factor -= change[3];
+    }
+    return point;
+}
+
 std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters) const {
     Vec3 g;
     const double f = polynomial().value(p, g);
@@ -134,7 +161,7 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// The nearest point of the tangent plane in the box, again and again; then onto the surface itself.
+// The nearest point of the tangent plane in the box, repeated, each moved onto the surface; then Newton's method.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess, Counters& counters) const {
     ++counters.closest_point_queries;
     Vec3 y = onto(clamped(guess, box_));
@@ -180,6 +207,14 @@ std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess
         }
         y = to;
     }
+    // Tangent planes do not lead to the foot where the surface turns within the distance; Newton's method does.
+    Vec3 g;
+    polynomial().value(y, g);
+    if (g.cross(p - y).squaredNorm() > 1e-10 * g.squaredNorm() * distance) {
+        const auto better = newton(p, y);
+        if (better && better->at == clamped(better->at, box_) && (p - better->at).squaredNorm() < distance)
+            y = onto(better->at);
+    }
     return prove(y, counters);
 }
 
@@ -204,7 +239,7 @@ double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p) {
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return best;
     const double shown =
-        (Interval((along(n, p, piece.form.middle) - Interval(reach(piece.form, n))).inf()) / size).inf();
+        (Interval((along(n, p, piece.form.middle) - Interval(support(piece.form, n))).inf()) / size).inf();
     return std::max(best, shown);
 }
 
@@ -219,8 +254,8 @@ double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p) {
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;
     const Interval before = along(n, f.middle, p);
-    const double high = (Interval((before + Interval(reach(f, n))).sup()) / size).sup();
-    const double low = (Interval((-before + Interval(reach(f, -n))).sup()) / size).sup();
+    const double high = (Interval((before + Interval(support(f, n))).sup()) / size).sup();
+    const double low = (Interval((-before + Interval(support(f, -n))).sup()) / size).sup();
     const double straight = std::max(std::max(high, low), 0.0);
     const Interval t = before / CGAL::square(size);
     std::array<Interval, 3> across;

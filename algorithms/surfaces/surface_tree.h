@@ -7,6 +7,8 @@
 #include "kernel/counters.h"
 #include "kernel/interval_form.h"
 
+#include <Eigen/LU>
+
 #include <optional>
 
 namespace hausbench {
@@ -34,6 +36,7 @@ public:
     std::size_t size() const { return nodes_.size(); }  // 0: the surface has no point in its box
     const Box& box() const { return box_; }
     const Polynomial& polynomial() const { return evaluator_.polynomial(); }
+    const Polynomial& derivative(int axis) const { return derivatives_[static_cast<std::size_t>(axis)].polynomial(); }
 
     // Makes the children that may hold a point of the surface, once. References into the tree do not outlive it.
     void split(std::int32_t i, Counters& counters);
@@ -42,6 +45,14 @@ public:
     // f over any box, and its derivative along an axis.
     LinearForm form(const Box& box, Counters& counters);
     Interval derivative(int axis, const Box& box, Counters& counters);
+
+    // A critical point z of the distance from p, by Newton's method on z - p + m grad f(z) = 0 and f(z) = 0; nothing is proven.
+    struct CriticalPoint {
+        Vec3 at;
+        double factor;            // m
+        Eigen::Matrix4d inverse;  // of the Jacobian, at about z
+    };
+    std::optional<CriticalPoint> newton(const Vec3& p, const Vec3& start) const;
 
     // A proven point near the point of the surface that is nearest to p, searched for from a guess; where several are
     // near, any. Empty where none could be proven, which says nothing.

@@ -1,0 +1,167 @@
+#include "taylor_model.h"
+
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+constexpr double epsilon = 0x1p-52;      // one operation rounded upward: |fl(x) - x| <= epsilon |x|
+constexpr double underflow = 0x1p-1000;  // more than all products of one operation can lose by underflow
+
+using Norms = std::array<double, TaylorModel::order + 1>;  // sums of |coefficients|, by degree; rounded up
+
+Norms norms(const TaylorModel& a) {
+    Norms n{};
+    for (int d = 0; d <= TaylorModel::order; ++d) {
+        for (std::size_t i = TaylorModel::start(d); i < TaylorModel::start(d + 1); ++i)
+            n[std::size_t(d)] += std::abs(a.c[i]);
+    }
+    return n;
+}
+
+double sum(const Norms& n) {
+    double s = 0;
+    for (const double x : n) s += x;
+    return s;
+}
+
+void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel& out) {
+    for (int d = 0; d <= most; ++d) {
+        const std::size_t from = TaylorModel::start(d);
+        for (int i = 0; i + d <= most; ++i) {
+            const double* other = b.c.data() + TaylorModel::start(i);
+            double* to = out.c.data() + TaylorModel::start(d + i);
+            for (int x = 0; x <= d; ++x) {
+                const double factor = a.c[from + std::size_t(x)];
+                if (factor == 0) continue;
+                for (int y = 0; y <= i; ++y) to[x + y] += factor * other[y];
+            }
+        }
+    }
+}
+
+// The largest value of linear v + square v^2, |v| <= 1; at least.
+double most_on_line(const Interval& linear, const Interval& square) {
+    const double b = magnitude(linear), a = square.sup();
+    if (!(a < 0)) return b + a;
+    return std::min(b, (CGAL::square(Interval(b)) / Interval(-4 * a)).sup());
+}
+
+}  // namespace
+
+TaylorModel TaylorModel::variable(double middle, double half, int which) {
+    TaylorModel x;
+    x.c[0] = middle;
+    x.c[which == 0 ? 1 : 2] = half;
+    return x;
+}
+
+double TaylorModel::spread() const {
+    double s = error;
+    for (std::size_t i = 1; i < count; ++i) s += std::abs(c[i]);
+    return s;
+}
+
+Interval TaylorModel::range() const {
+    const double s = spread();
+    return Interval(c[0]) + Interval(-s, s);
+}
+
+// With q the quadratic part and a < 0 its coefficient of u^2, whatever v is:
+//     a u^2 + (h v + b) u = a (u + (h v + b) / (2 a))^2 - (h v + b)^2 / (4 a) <= (h v + b)^2 / (-4 a),
+// which leaves a quadratic in v alone.
+double TaylorModel::at_most() const {
+    double higher = error;
+    for (std::size_t i = start(3); i < count; ++i) higher += std::abs(c[i]);
+    const bool swap = c[5] < c[3];
+    const double b = swap ? c[2] : c[1], other_b = swap ? c[1] : c[2];
+    const double a = swap ? c[5] : c[3], other_a = swap ? c[3] : c[5], h = c[4];
+    double most = std::abs(b) + std::abs(other_b) + std::abs(h) + std::max(a, 0.0) + std::max(other_a, 0.0);
+    if (a < 0) {
+        const Interval quarter = Interval(1.0) / (Interval(-4.0) * Interval(a));
+        const Interval linear = Interval(other_b) + 2.0 * Interval(h) * Interval(b) * quarter;
+        const Interval square = Interval(other_a) + CGAL::square(Interval(h)) * quarter;
+        most = std::min(most, (CGAL::square(Interval(b)) * quarter).sup() + most_on_line(linear, square));
+    }
+    return c[0] + most + higher;
+}
+
+TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
+    TaylorModel out;
+    multiply(a, b, most, out);
+    return out;
+}
+
+// What is left out: products of degrees that sum to more than the order, and of the errors. A coefficient is the sum of at
+// most 25 products (of degree 4 by degree 4), each rounded, as is each sum: 1.01 * 26 epsilon of the sum of the absolute
+// values at most, over all coefficients together.
+TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
+    TaylorModel out;
+    multiply(a, b, TaylorModel::order, out);
+    const Norms of_a = norms(a), of_b = norms(b);
+    const double all_a = sum(of_a), all_b = sum(of_b);
+    double beyond = 0, from = 0;  // `from`: the degrees of b that are too many for degree i of a
+    for (int i = 1; i <= TaylorModel::order; ++i) {
+        from += of_b[std::size_t(TaylorModel::order + 1 - i)];
+        beyond += of_a[std::size_t(i)] * from;
+    }
+    out.error =
+        all_a * b.error + all_b * a.error + a.error * b.error + beyond + 27 * epsilon * (all_a * all_b) + underflow;
+    return out;
+}
+
+TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
+    TaylorModel out;
+    double rounded = 0;
+    for (std::size_t i = 0; i < TaylorModel::count; ++i) {
+        out.c[i] = a.c[i] + b.c[i];
+        rounded += std::abs(out.c[i]);
+    }
+    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow.
+    out.error = a.error + b.error + 2 * epsilon * rounded;
+    return out;
+}
+
+TaylorModel operator*(const TaylorModel& a, const Interval& factor) {
+    const double middle = 0.5 * factor.inf() + 0.5 * factor.sup(), off = magnitude(factor - Interval(middle));
+    TaylorModel out;
+    double size = 0;
+    for (std::size_t i = 0; i < TaylorModel::count; ++i) {
+        out.c[i] = middle * a.c[i];
+        size += std::abs(a.c[i]);
+    }
+    const double most = std::abs(middle);
+    out.error = (most + off) * a.error + (off + epsilon * most) * size + underflow;
+    return out;
+}
+
+ModelPowers::ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial& f, int most) : most_(most) {
+    for (int k = 0; k < 3; ++k) {
+        auto& powers = powers_[std::size_t(k)];
+        powers.push_back(TaylorModel::variable(1, 0, 0));
+        for (int i = 1; i <= f.degree(k); ++i) {
+            const TaylorModel& x = at[std::size_t(k)];
+            powers.push_back(i == 1                      ? x
+                             : most < TaylorModel::order ? product(powers.back(), x, most)
+                                                         : powers.back() * x);
+        }
+    }
+}
+
+TaylorModel ModelPowers::value(const Polynomial& f) const {
+    TaylorModel sum;
+    for (const Polynomial::Term& term : f.terms()) {
+        const TaylorModel* factors[3];
+        int n = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (term.powers[k] > 0) factors[n++] = &powers_[k][std::size_t(term.powers[k])];
+        }
+        TaylorModel one = n == 0 ? powers_[0][0] : *factors[0];
+        for (int i = 1; i < n; ++i)
+            one = most_ < TaylorModel::order ? product(one, *factors[i], most_) : one * *factors[i];
+        sum = sum + one * term.coefficient;
+    }
+    return sum;
+}
+
+}  // namespace hausbench

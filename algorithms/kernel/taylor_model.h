@@ -1,0 +1,49 @@
+// Taylor models in two variables: a polynomial p(u,v) of degree 8 with double coefficients, and a bound `error` on how far
+// the function meant is from p, for all u and v in [-1, 1].
+//
+// See Makino and Berz: Taylor models and other validated functional inclusion methods, International Journal of Pure and
+// Applied Mathematics 4 (2003). All functions want UpwardRounding (interval.h). Rounding errors of coefficients are added
+// to `error`, so every result encloses.
+#pragma once
+
+#include "polynomial.h"
+
+namespace hausbench {
+
+struct TaylorModel {
+    static constexpr int order = 8;
+    static constexpr std::size_t count = (order + 1) * (order + 2) / 2;
+
+    std::array<double, count> c{};  // by degree; of one degree, u^d first and v^d last
+    double error = 0;
+
+    static constexpr std::size_t start(int degree) { return std::size_t(degree) * std::size_t(degree + 1) / 2; }
+    static TaylorModel variable(double middle, double half, int which);  // middle + half u, or half v; exact
+
+    double spread() const;  // at least the largest |p(u,v) - p(0,0)|
+    Interval range() const;
+    double at_most()
+        const;  // closer than range().sup() next to a maximum: what is quadratic is bounded by its largest value
+};
+
+// Degrees above `most` are left out without a bound: only for polynomials that are proven otherwise later.
+TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most);
+
+TaylorModel operator*(const TaylorModel& a, const TaylorModel& b);
+TaylorModel operator+(const TaylorModel& a, const TaylorModel& b);
+TaylorModel operator*(const TaylorModel& a, const Interval& factor);
+
+// The powers of three models, from which polynomials are evaluated. With `most` below the order, as product() says.
+class ModelPowers {
+public:
+    // Up to the degrees of f along each axis.
+    ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial& f, int most = TaylorModel::order);
+
+    TaylorModel value(const Polynomial& f) const;  // its degrees are at most those given before
+
+private:
+    std::array<std::vector<TaylorModel>, 3> powers_;
+    int most_;
+};
+
+}  // namespace hausbench
