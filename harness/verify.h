@@ -6,7 +6,7 @@
 // arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n), then, where that is not
 // enough, in exact rationals. e is computed in exact rationals. O(|B|) a witness.
 //
-// On algebraic surfaces: verify_surface.h. Where there is no witness: not above a certified solver's upper bound.
+// Where there is no witness: not above a certified solver's upper bound.
 //
 // Upper bound: not below a verified lower bound of the same scene and pose by any solver. That can refute, not prove.
 #pragma once

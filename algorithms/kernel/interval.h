@@ -1,9 +1,9 @@
 // Interval arithmetic with directed rounding: CGAL's Interval_nt, without its own switching of the rounding mode.
 //
-// Chosen by cost (tests/kernel_interval_test.cpp prints it): against plain doubles this type takes about 3 times as long,
-// Boost.Interval about 28 times as it comes, because each of its operations sets the rounding mode and puts it back. Told
-// not to, it comes close to CGAL's, but then nothing in it sees to the mode at all, and its two ends need tricks of their
-// own. Both are proven designs; CGAL's keeps (-low, high) in one SSE register, so that rounding upward does for both.
+// Chosen by cost: against plain doubles this type takes about 3 times as long. Boost.Interval takes about 28 times as long
+// with its default policy, which sets the rounding mode and restores it in each operation. Without that policy it is nearly as
+// fast as CGAL's, but does not set the mode at all. CGAL keeps (-low, high) in one SSE register, so that rounding upward
+// gives both ends.
 //
 // Code that computes with Interval holds an UpwardRounding while it does. Plain doubles are then rounded upward as well;
 // comments say so where a bound depends on it.
