@@ -160,9 +160,6 @@ std::map<std::string, Counts> all_counts() {
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
     all["closest_by_scan"] = scan_counts();
-    all["surface_enclosure"] = surface_counts("surface_enclosure");
-    all["surface_meshes"] = surface_counts("surface_meshes", {{"cells", std::int64_t(12)}});
-    all["interval_subdivision"] = surface_counts("interval_subdivision", {{"depth", std::int64_t(4)}});
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
     all["point_bvh"] = point_tree_counts();
