@@ -156,15 +156,9 @@ TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
         std::uint64_t splits;
     };
     const Constant pairs[] = {
-        {ball, large, 0.5, 1500},
-        {large, ball, 0.5, 1700},
-        {ball, s("(x - 1/4)^2 + y^2 + z^2 - 1"), 0.25, 300},
-        {tube, wide, 0.5, 1200},
-        {wide, tube, 0.5, 800},
-        {tube, s("(x - 1/4)^2 + y^2 - 1"), 0.25, 2200},
-        {torus, thin, 0.25, 7000},
-        {torus, ball, 0.5, 5500},
-        {ball, s("2*x^2 + 2*y^2 + 2*z^2 - 2"), 0, 1400},
+        {ball, large, 0.5, 1500},  {large, ball, 0.5, 1700}, {ball, s("(x - 1/4)^2 + y^2 + z^2 - 1"), 0.25, 300},
+        {tube, wide, 0.5, 1200},   {wide, tube, 0.5, 800},   {tube, s("(x - 1/4)^2 + y^2 - 1"), 0.25, 2200},
+        {torus, thin, 0.25, 7000}, {torus, ball, 0.5, 5500}, {ball, s("2*x^2 + 2*y^2 + 2*z^2 - 2"), 0, 1400},
     };
     for (const auto& [a, b, h, splits] : pairs) {
         Query query;
