@@ -535,7 +535,7 @@ TEST(Session, KeepsTheTimesOfWhatItPrepares) {
         ASSERT_EQ(session.preparation().size(), 2u);
         EXPECT_EQ(session.preparation()[0].name, "target octree");
         EXPECT_EQ(session.preparation()[1].name, "solver");
-        EXPECT_GT(session.prepare_bytes(), 50u * 72u);
+        EXPECT_GT(session.prepare_bytes(), 50u * 3 * sizeof(double));  // its vertices at least
         EXPECT_GT(session.prepare_seconds(), 0);
         return;
     }
