@@ -31,8 +31,7 @@ def make(results: Results, out: Path) -> list[Path]:
         cells = {label: Cell(results, [int(r) for r in rows]) for label in (OURS, RIVAL)
                  if len(rows := results.rows(scene=scene, label=label))}
         ours, rival = cells.get(OURS), cells.get(RIVAL)
-        both = ours is not None and rival is not None and not ours.failures and not rival.failures
-        ratio = compare(results, rival, ours) if ours and rival and both else NO_DATA
+        ratio = compare(rival, ours) if ours and rival else NO_DATA
         ratios.append(ratio)
         first = int(results.rows(scene=scene)[0])
         points = int(cases.source_elements[first])

@@ -259,7 +259,7 @@ def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Pat
     with h5py.File(three, "r+") as f:
         f["meta"].attrs["title"] = "another"
     before = one.read_bytes()
-    assert "two results or more" in hausbench.fails("merge", one, two)
+    assert "at least two results" in hausbench.fails("merge", one, two)
     assert "exists" in hausbench.fails("merge", one, two, three)
     assert one.read_bytes() == before
     done = hausbench("merge", one, one, two)  # that is meant
