@@ -30,8 +30,9 @@ public:
     Spent spent() const;
 
 private:
+    double children_;
     std::chrono::steady_clock::time_point wall_;
-    double thread_, process_, children_;
+    double thread_, process_;
 };
 
 struct Timing {
