@@ -1,5 +1,6 @@
 #include "triangle_leaf.h"
 
+#include <algorithm>
 #include <array>
 
 namespace hausbench {
@@ -51,6 +52,7 @@ Box TriangleLeaf::set(const TriangleMesh& mesh, std::span<const Index> triangles
             corner[(v + 3 - turn) % 3][i] = static_cast<std::uint8_t>(place);
         }
     }
+    for (int v = 0; v < 3; ++v) std::fill(corner[v] + triangles.size(), corner[v] + leaf_capacity, corner[v][0]);
     next += static_cast<std::uint32_t>(table.count());
     return boxes.set(std::span(around).first(triangles.size()));
 }

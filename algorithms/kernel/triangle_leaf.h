@@ -10,11 +10,12 @@
 namespace hausbench {
 
 struct alignas(64) TriangleLeaf {
-    QuantisedBoxes boxes;                   // of the triangles
-    std::uint8_t corner[3][leaf_capacity];  // in the leaf's own table of vertices; the longest edge first
-    std::uint32_t first_vertex;             // of that table
-    std::int32_t first;                     // of the triangles' numbers, in the order of the tree
-    std::int32_t count;                     // triangles
+    QuantisedBoxes boxes;  // of the triangles
+    std::uint8_t
+        corner[3][leaf_capacity];  // in the leaf's own table of vertices; the longest edge first; unused: as triangle 0
+    std::uint32_t first_vertex;    // of that table
+    std::int32_t first;            // of the triangles' numbers, in the order of the tree
+    std::int32_t count;            // triangles
 
     // Appends the vertices that the triangles need at vertices[3 * next], each once, and moves `next` behind them. One to
     // eight triangles. Returns the box around them, exactly.

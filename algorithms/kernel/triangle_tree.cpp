@@ -15,20 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// The lanes that a mask tells, in order; the first of them again where there are no more.
-using LaneList = std::array<std::uint8_t, leaf_capacity>;
-constexpr std::array<LaneList, 1 << leaf_capacity> lane_lists = [] {
-    std::array<LaneList, 1 << leaf_capacity> lists{};
-    for (unsigned mask = 1; mask < lists.size(); ++mask) {
-        lists[mask].fill(static_cast<std::uint8_t>(std::countr_zero(mask)));
-        std::size_t count = 0;
-        for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-            lists[mask][count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
-        }
-    }
-    return lists;
-}();
-
 // The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
@@ -58,40 +44,51 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #endif
 
-// Offers the triangles of a leaf that are near enough to matter. Which are measured is decided by what was known before the
+// Offers what is nearest among some lanes; triangle[k] is that of lane k. Seldom more than one is offered, so that branches
+// are foreseen.
+HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
+    const Doubles d;
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
+    const V squares = hn::IfThenElse(hn::LoadMaskBits(d, bytes), foot.squared, hn::Inf(d));
+    const V least = hn::MinOfLanes(d, squares);
+    if (hn::GetLane(least) > best.squared_distance) return;
+    alignas(64) double feet[3][block_width];
+    store(foot.point, feet, 0);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Eq(squares, least), bits);
+    for (unsigned offered = bits[0] & lanes; offered != 0; offered &= offered - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(offered));
+        offer(best, {hn::GetLane(least), {feet[0][k], feet[1][k], feet[2][k]}}, triangle[k]);
+    }
+}
+
+// Offers the triangles of a leaf that are near enough to matter. Which are counted is decided by what was known before the
 // leaf, so that counters are the same whatever the width of a vector.
+//
+// Lanes stay where they are in the leaf: what is loaded then does not wait for the boxes to be measured.
 HWY_INLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
                            Counters& counters) {
     const Doubles d;
     const TriangleLeaf& leaf = leaves.leaf[i];
     const double* vertices = leaves.vertices + 3 * std::size_t{leaf.first_vertex};
     for (int line = 0; line < 4; ++line) hwy::Prefetch(vertices + 8 * line);  // most leaves share 10 vertices
-    alignas(64) double distances[tree_width], squared[block_width], feet[3][block_width];
-    const unsigned mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
-    if (mask == 0) return;
-    const LaneList& lanes = lane_lists[mask];
-    const auto count = static_cast<std::size_t>(std::popcount(mask));
-    counters.point_triangle_distances += count;
+    unsigned mask = (1U << leaf.count) - 1;
+    if (best.squared_distance < std::numeric_limits<double>::infinity()) {
+        alignas(64) double distances[tree_width];
+        mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
+    }
+    counters.point_triangle_distances += static_cast<std::uint64_t>(std::popcount(mask));
     const V3 p = set(point);
-    const V bound = hn::Set(d, best.squared_distance);
-    for (std::size_t from = 0; from < count; from += hn::Lanes(d)) {
+    for (std::size_t lane = 0; lane < leaf_capacity; lane += hn::Lanes(d)) {
+        const unsigned near = mask >> lane & ((1U << hn::Lanes(d)) - 1);
+        if (near == 0) continue;
         const double* place[3][4];
         for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-            const std::size_t lane = lanes[from + k];
-            for (int v = 0; v < 3; ++v) place[v][k] = vertices + 3 * leaf.corner[v][lane];
+            for (int v = 0; v < 3; ++v) place[v][k] = vertices + 3 * leaf.corner[v][lane + k];
         }
         const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
         const VFoot foot = closest_point(p, a, b, c, box_of(a, b, c));
-        const auto nearer = hn::And(hn::FirstN(d, count - from), hn::Le(foot.squared, bound));
-        if (hn::AllFalse(d, nearer)) continue;
-        hn::Store(foot.squared, d, squared);
-        store(foot.point, feet, 0);
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, nearer, bits);
-        for (unsigned offered = bits[0]; offered != 0; offered &= offered - 1) {
-            const auto k = static_cast<std::size_t>(std::countr_zero(offered));
-            offer(best, {squared[k], {feet[0][k], feet[1][k], feet[2][k]}}, leaves.order[leaf.first + lanes[from + k]]);
-        }
+        offer_nearest(foot, near, leaves.order + leaf.first + lane, best);
     }
 }
 
