@@ -23,23 +23,21 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #else
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
-    const hn::CappedTag<double, 2> pair;
-    struct Pairs {
-        hn::Vec<decltype(pair)> x, y, z;
-    };
-    const auto two = [&](const double* one, const double* other) HWY_ATTR {
-        const auto xy = hn::LoadU(pair, one), xy2 = hn::LoadU(pair, other);
-        const auto yz = hn::LoadU(pair, one + 1), yz2 = hn::LoadU(pair, other + 1);
-        return Pairs{hn::InterleaveLower(pair, xy, xy2), hn::InterleaveUpper(pair, xy, xy2),
-                     hn::InterleaveUpper(pair, yz, yz2)};
-    };
-    const Pairs low = two(place[0], place[1]);
+    const hn::FixedTag<double, 2> pair;
 #if HWY_CAP_GE256
     const Doubles d;
-    const Pairs high = two(place[2], place[3]);
-    return {hn::Combine(d, high.x, low.x), hn::Combine(d, high.y, low.y), hn::Combine(d, high.z, low.z)};
+    const hn::FixedTag<double, 1> single;
+    const auto xy = [&](int one, int other)
+                        HWY_ATTR { return hn::Combine(d, hn::LoadU(pair, place[other]), hn::LoadU(pair, place[one])); };
+    const auto z = [&](int one, int other) HWY_ATTR {
+        return hn::Combine(pair, hn::LoadU(single, place[other] + 2), hn::LoadU(single, place[one] + 2));
+    };
+    const V even = xy(0, 2), odd = xy(1, 3);
+    return {hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd), hn::Combine(d, z(2, 3), z(0, 1))};
 #else
-    return {low.x, low.y, low.z};
+    const V one = hn::LoadU(pair, place[0]), other = hn::LoadU(pair, place[1]);
+    return {hn::InterleaveLower(pair, one, other), hn::InterleaveUpper(pair, one, other),
+            hn::InterleaveUpper(pair, hn::LoadU(pair, place[0] + 1), hn::LoadU(pair, place[1] + 1))};
 #endif
 }
 #endif
@@ -84,7 +82,7 @@ HWY_INLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std:
         if (near == 0) continue;
         const double* place[3][4];
         for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-            for (int v = 0; v < 3; ++v) place[v][k] = vertices + 3 * leaf.corner[v][lane + k];
+            for (int v = 0; v < 3; ++v) place[v][k] = vertices + leaf.corner[v][lane + k];
         }
         const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
         const VFoot foot = closest_point(p, a, b, c, box_of(a, b, c));
