@@ -63,9 +63,10 @@ HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* tr
 // Offers the triangles of a leaf that are near enough to matter. Which are counted is decided by what was known before the
 // leaf, so that counters are the same whatever the width of a vector.
 //
-// Lanes stay where they are in the leaf: what is loaded then does not wait for the boxes to be measured.
-HWY_INLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
-                           Counters& counters) {
+// Lanes stay where they are in the leaf: what is loaded then does not wait for the boxes to be measured. Not inlined: the walk
+// keeps its registers, and the code is there once.
+static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
+                                    Counters& counters) {
     const Doubles d;
     const TriangleLeaf& leaf = leaves.leaf[i];
     const double* vertices = leaves.vertices + 3 * std::size_t{leaf.first_vertex};
