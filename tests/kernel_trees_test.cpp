@@ -177,11 +177,15 @@ TYPED_TEST(Trees, TakeFewBytesWhereTrianglesShareVertices) {
 // --- boxes of a byte a plane -------------------------------------------------------------------------------------------
 
 void expect_outward(const QuantisedBoxes& quantised, std::span<const Box> boxes, const std::string& where) {
+    EXPECT_GE(quantised.step, 0x1p-440) << where;
+    EXPECT_EQ(quantised.step * quantised.inverse, 1) << where;
     for (std::size_t i = 0; i < tree_width; ++i) {
         const Box& box = boxes[i < boxes.size() ? i : 0];
         for (int k = 0; k < 3; ++k) {
             EXPECT_LE(quantised.plane(k, quantised.low[k][i]), box.low[k]) << where;
             EXPECT_GE(quantised.plane(k, quantised.high[k][i]), box.high[k]) << where;
+            EXPECT_LE(quantised.low[k][i] * quantised.step, box.low[k] - quantised.origin[k]) << where;
+            EXPECT_GE(quantised.high[k][i] * quantised.step, box.high[k] - quantised.origin[k]) << where;
         }
     }
 }
@@ -224,6 +228,15 @@ TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
             expect_outward(quantised, boxes, fmt::format("{} {}", exponent, ulps));
         }
     }
+}
+
+// 200.5 steps from the origin: the plane after 200 is rounded to the coordinate itself.
+TEST(QuantisedBoxes, PlanesAreNeverInsideBeforeTheyAreRounded) {
+    std::array<Box, 1> boxes;
+    boxes[0] = {Vec3::Constant(1 - 0x1p-53), Vec3::Constant(1 + 200 * 0x1p-52)};
+    QuantisedBoxes quantised;
+    (void)quantised.set(boxes);
+    expect_outward(quantised, boxes, "halfway");
 }
 
 // A box of subnormal size beside one of 2^400: its distance from the origin in steps underflows.

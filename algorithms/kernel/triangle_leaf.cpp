@@ -1,5 +1,6 @@
 #include "triangle_leaf.h"
 
+#include <algorithm>
 #include <array>
 
 namespace hausbench {
@@ -48,9 +49,10 @@ Box TriangleLeaf::set(const TriangleMesh& mesh, std::span<const Index> triangles
             const int place = table.place_of(numbers[v]);
             double* to = vertices + 3 * (next + static_cast<std::size_t>(place));
             for (int k = 0; k < 3; ++k) to[k] = (*corners[v])[k];
-            corner[(v + 3 - turn) % 3][i] = static_cast<std::uint8_t>(place);
+            corner[(v + 3 - turn) % 3][i] = static_cast<std::uint8_t>(3 * place);
         }
     }
+    for (int v = 0; v < 3; ++v) std::fill(corner[v] + triangles.size(), corner[v] + leaf_capacity, corner[v][0]);
     next += static_cast<std::uint32_t>(table.count());
     return boxes.set(std::span(around).first(triangles.size()));
 }

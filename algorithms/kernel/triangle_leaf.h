@@ -10,11 +10,12 @@
 namespace hausbench {
 
 struct alignas(64) TriangleLeaf {
-    QuantisedBoxes boxes;                   // of the triangles
-    std::uint8_t corner[3][leaf_capacity];  // in the leaf's own table of vertices; the longest edge first
-    std::uint32_t first_vertex;             // of that table
-    std::int32_t first;                     // of the triangles' numbers, in the order of the tree
-    std::int32_t count;                     // triangles
+    QuantisedBoxes boxes;  // of the triangles
+    // Three times the number in the leaf's own table of vertices; the longest edge first; unused: as triangle 0.
+    std::uint8_t corner[3][leaf_capacity];
+    std::uint32_t first_vertex;  // of that table
+    std::int32_t first;          // of the triangles' numbers, in the order of the tree
+    std::int32_t count;          // triangles
 
     // Appends the vertices that the triangles need at vertices[3 * next], each once, and moves `next` behind them. One to
     // eight triangles. Returns the box around them, exactly.
@@ -22,7 +23,7 @@ struct alignas(64) TriangleLeaf {
 
     Triangle at(int lane, const double* vertices) const {
         const auto vertex = [&](int v) {
-            const double* place = vertices + 3 * (std::size_t{first_vertex} + corner[v][lane]);
+            const double* place = vertices + 3 * std::size_t{first_vertex} + corner[v][lane];
             return Vec3(place[0], place[1], place[2]);
         };
         return {vertex(0), vertex(1), vertex(2)};

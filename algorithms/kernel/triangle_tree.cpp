@@ -15,20 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// The lanes that a mask tells, in order; the first of them again where there are no more.
-using LaneList = std::array<std::uint8_t, leaf_capacity>;
-constexpr std::array<LaneList, 1 << leaf_capacity> lane_lists = [] {
-    std::array<LaneList, 1 << leaf_capacity> lists{};
-    for (unsigned mask = 1; mask < lists.size(); ++mask) {
-        lists[mask].fill(static_cast<std::uint8_t>(std::countr_zero(mask)));
-        std::size_t count = 0;
-        for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-            lists[mask][count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
-        }
-    }
-    return lists;
-}();
-
 // The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
@@ -37,61 +23,71 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #else
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
-    const hn::CappedTag<double, 2> pair;
-    struct Pairs {
-        hn::Vec<decltype(pair)> x, y, z;
-    };
-    const auto two = [&](const double* one, const double* other) HWY_ATTR {
-        const auto xy = hn::LoadU(pair, one), xy2 = hn::LoadU(pair, other);
-        const auto yz = hn::LoadU(pair, one + 1), yz2 = hn::LoadU(pair, other + 1);
-        return Pairs{hn::InterleaveLower(pair, xy, xy2), hn::InterleaveUpper(pair, xy, xy2),
-                     hn::InterleaveUpper(pair, yz, yz2)};
-    };
-    const Pairs low = two(place[0], place[1]);
+    const hn::FixedTag<double, 2> pair;
 #if HWY_CAP_GE256
     const Doubles d;
-    const Pairs high = two(place[2], place[3]);
-    return {hn::Combine(d, high.x, low.x), hn::Combine(d, high.y, low.y), hn::Combine(d, high.z, low.z)};
+    const hn::FixedTag<double, 1> single;
+    const auto xy = [&](int one, int other)
+                        HWY_ATTR { return hn::Combine(d, hn::LoadU(pair, place[other]), hn::LoadU(pair, place[one])); };
+    const auto z = [&](int one, int other) HWY_ATTR {
+        return hn::Combine(pair, hn::LoadU(single, place[other] + 2), hn::LoadU(single, place[one] + 2));
+    };
+    const V even = xy(0, 2), odd = xy(1, 3);
+    return {hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd), hn::Combine(d, z(2, 3), z(0, 1))};
 #else
-    return {low.x, low.y, low.z};
+    const V one = hn::LoadU(pair, place[0]), other = hn::LoadU(pair, place[1]);
+    return {hn::InterleaveLower(pair, one, other), hn::InterleaveUpper(pair, one, other),
+            hn::InterleaveUpper(pair, hn::LoadU(pair, place[0] + 1), hn::LoadU(pair, place[1] + 1))};
 #endif
 }
 #endif
 
-// Offers the triangles of a leaf that are near enough to matter. Which are measured is decided by what was known before the
+// Offers what is nearest among some lanes; triangle[k] is that of lane k. Seldom more than one is offered, so that branches
+// are foreseen.
+HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
+    const Doubles d;
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
+    const V squares = hn::IfThenElse(hn::LoadMaskBits(d, bytes), foot.squared, hn::Inf(d));
+    const V least = hn::MinOfLanes(d, squares);
+    if (hn::GetLane(least) > best.squared_distance) return;
+    alignas(64) double feet[3][block_width];
+    store(foot.point, feet, 0);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Eq(squares, least), bits);
+    for (unsigned offered = bits[0] & lanes; offered != 0; offered &= offered - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(offered));
+        offer(best, {hn::GetLane(least), {feet[0][k], feet[1][k], feet[2][k]}}, triangle[k]);
+    }
+}
+
+// Offers the triangles of a leaf that are near enough to matter. Which are counted is decided by what was known before the
 // leaf, so that counters are the same whatever the width of a vector.
-HWY_INLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
-                           Counters& counters) {
+//
+// Lanes stay where they are in the leaf: what is loaded then does not wait for the boxes to be measured. Not inlined: the walk
+// keeps its registers, and the code is there once.
+static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
+                                    Counters& counters) {
     const Doubles d;
     const TriangleLeaf& leaf = leaves.leaf[i];
     const double* vertices = leaves.vertices + 3 * std::size_t{leaf.first_vertex};
     for (int line = 0; line < 4; ++line) hwy::Prefetch(vertices + 8 * line);  // most leaves share 10 vertices
-    alignas(64) double distances[tree_width], squared[block_width], feet[3][block_width];
-    const unsigned mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
-    if (mask == 0) return;
-    const LaneList& lanes = lane_lists[mask];
-    const auto count = static_cast<std::size_t>(std::popcount(mask));
-    counters.point_triangle_distances += count;
+    unsigned mask = (1U << leaf.count) - 1;
+    if (best.squared_distance < std::numeric_limits<double>::infinity()) {
+        alignas(64) double distances[tree_width];
+        mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
+    }
+    counters.point_triangle_distances += static_cast<std::uint64_t>(std::popcount(mask));
     const V3 p = set(point);
-    const V bound = hn::Set(d, best.squared_distance);
-    for (std::size_t from = 0; from < count; from += hn::Lanes(d)) {
+    for (std::size_t lane = 0; lane < leaf_capacity; lane += hn::Lanes(d)) {
+        const unsigned near = mask >> lane & ((1U << hn::Lanes(d)) - 1);
+        if (near == 0) continue;
         const double* place[3][4];
         for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-            const std::size_t lane = lanes[from + k];
-            for (int v = 0; v < 3; ++v) place[v][k] = vertices + 3 * leaf.corner[v][lane];
+            for (int v = 0; v < 3; ++v) place[v][k] = vertices + leaf.corner[v][lane + k];
         }
         const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
         const VFoot foot = closest_point(p, a, b, c, box_of(a, b, c));
-        const auto nearer = hn::And(hn::FirstN(d, count - from), hn::Le(foot.squared, bound));
-        if (hn::AllFalse(d, nearer)) continue;
-        hn::Store(foot.squared, d, squared);
-        store(foot.point, feet, 0);
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, nearer, bits);
-        for (unsigned offered = bits[0]; offered != 0; offered &= offered - 1) {
-            const auto k = static_cast<std::size_t>(std::countr_zero(offered));
-            offer(best, {squared[k], {feet[0][k], feet[1][k], feet[2][k]}}, leaves.order[leaf.first + lanes[from + k]]);
-        }
+        offer_nearest(foot, near, leaves.order + leaf.first + lane, best);
     }
 }
 

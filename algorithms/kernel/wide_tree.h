@@ -4,9 +4,10 @@
 // from its own lower corner, rounded outward. So every level has a precision of its own: a stray triangle far away makes
 // the boxes beside it coarse, and none below them.
 //
-// Box distances need no slack. A plane is what origin + q step is when computed, and it is no farther inside than any
-// coordinate of the content (QuantisedBoxes::set). Distances to it are computed by the operations of
-// squared_distance_to_box (box.h), which are monotone: none exceeds the computed squared distance to a point of the box.
+// The distance to a box never exceeds the computed squared distance to a point of its content, so that no slack is needed
+// elsewhere. Near a node, distances are integers, in parts of its step, rounded down (measure_boxes in wide_walk-inl.h). Far
+// from it, they are computed by the operations of squared_distance_to_box (box.h), which are monotone, to planes that are
+// what origin + q step is when computed: no farther inside than any coordinate of the content (QuantisedBoxes::set).
 #pragma once
 
 #include "box.h"
@@ -25,16 +26,16 @@ inline constexpr int most_tree_levels = 100;
 // Boxes around up to eight boxes, a byte a plane.
 struct QuantisedBoxes {
     double origin[3];  // the lower corner of all of them
+    double step;       // a power of two from 2^-440 to 2^394
+    double inverse;    // of the step
     std::uint8_t low[3][tree_width], high[3][tree_width];
-    std::uint16_t step_bits[3];  // the upper 16 bits of a power of two
-
-    double step(int k) const { return std::bit_cast<double>(static_cast<std::uint64_t>(step_bits[k]) << 48); }
 
     // As computed: q step is exact, the sum is rounded.
-    double plane(int k, std::uint8_t q) const { return origin[k] + q * step(k); }
+    double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
-    // plane(k, low[k][i]) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high[k][i]). What is not in use repeats the
-    // first. One to eight boxes; coordinates up to 2^400. Returns the box around all of them, exactly.
+    // plane(k, low[k][i]) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high[k][i]). Not as computed but in real
+    // numbers, origin + (q -+ 2^-45) step is no farther inside either. What is not in use repeats the first. One to eight
+    // boxes; coordinates up to 2^400. Returns the box around all of them, exactly.
     Box set(std::span<const Box> boxes);
 };
 

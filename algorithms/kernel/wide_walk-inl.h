@@ -5,6 +5,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #if defined(HAUSBENCH_WIDE_WALK_INL) == defined(HWY_TARGET_TOGGLE)
@@ -20,22 +21,76 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BoxLanes = hn::CappedTag<double, tree_width>;
 
-// Computed squared distances to some of the boxes, as squared_distance_to_box (box.h).
-HWY_INLINE hn::Vec<BoxLanes> squared_distances_to_boxes(const QuantisedBoxes& boxes, std::size_t lane, const Vec3& p) {
+// From far away: stores the computed squared distances to the boxes, as squared_distance_to_box (box.h).
+inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p,
+                                           double (&distances)[tree_width]) {
     const BoxLanes d;
     const hn::Rebind<std::int32_t, BoxLanes> d32;
     const hn::Rebind<std::uint8_t, BoxLanes> d8;
-    const auto axis = [&](int k) HWY_ATTR {
-        const auto origin = hn::Set(d, boxes.origin[k]), step = hn::Set(d, boxes.step(k)), at = hn::Set(d, p[k]);
-        const auto plane = [&](const std::uint8_t* q) HWY_ATTR {
-            const auto steps = hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(d8, q + lane)));
-            return hn::Add(origin, hn::Mul(steps, step));
+    const auto step = hn::Set(d, boxes.step);
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+        const auto axis = [&](int k) HWY_ATTR {
+            const auto origin = hn::Set(d, boxes.origin[k]), at = hn::Set(d, p[k]);
+            const auto plane = [&](const std::uint8_t* q) HWY_ATTR {
+                const auto steps = hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(d8, q + lane)));
+                return hn::Add(origin, hn::Mul(steps, step));
+            };
+            const auto below = hn::Sub(plane(boxes.low[k]), at), above = hn::Sub(at, plane(boxes.high[k]));
+            const auto out = hn::Max(hn::Max(below, above), hn::Zero(d));
+            return hn::Mul(out, out);
         };
-        const auto below = hn::Sub(plane(boxes.low[k]), at), above = hn::Sub(at, plane(boxes.high[k]));
-        const auto out = hn::Max(hn::Max(below, above), hn::Zero(d));
-        return hn::Mul(out, out);
-    };
-    return hn::Add(hn::Add(axis(0), axis(1)), axis(2));
+        hn::Store(hn::Add(hn::Add(axis(0), axis(1)), axis(2)), d, distances + lane);
+    }
+}
+
+// Calls use(lane, squares) with squared distances to some boxes, until all boxes have had their turn: none is more than the
+// computed squared distance to a point of the box's content.
+//
+// All is in sixteenths of a step from the origin, and integers. Along an axis, let q be the coordinate of the point in
+// steps, |q| <= 2^10; the double difference errs by 2^-42 at most, planes by 2^-45. The last bits of q + 1.5 2^48 tell 16 q
+// to nearest, so `above` is 16 q + 1/2 or more and `below` is 16 q - 1/2 or less. Hence a positive low - above or below -
+// high, at most 20481, is less than the exact distance to the content by 1/4 and more, which is a factor of 1 + 2^-17 or
+// more: far more than what is lost in double precision (rounding.h; what underflows is nothing beside a step of 2^-440).
+// Three squares sum up to less than 2^31, and the product with the square of a sixteenth of a step, a power of two, is
+// exact.
+template <class Use> HWY_INLINE void measure_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
+    const BoxLanes d;
+    const hn::CappedTag<std::int32_t, tree_width> di;
+    const hn::Rebind<std::uint8_t, decltype(di)> d8;
+    std::int32_t above[3], below[3];
+    bool far = false;
+    for (int k = 0; k < 3; ++k) {
+        const double q = (p[k] - boxes.origin[k]) * boxes.inverse;
+        far |= !(std::abs(q) <= 0x1p10);
+        const auto nearest = static_cast<std::int32_t>(std::bit_cast<std::int64_t>(q + 0x1.8p48));
+        above[k] = nearest + 1;
+        below[k] = nearest - 1;
+    }
+    if (HWY_UNLIKELY(far)) {
+        alignas(64) double distances[tree_width];
+        measure_far_boxes(boxes, p, distances);
+        for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, distances + lane));
+        return;
+    }
+    const auto unit = hn::Set(d, boxes.step * boxes.step * 0x1p-8);
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(di)) {
+        const auto axis = [&](int k) HWY_ATTR {
+            const auto plane = [&](const std::uint8_t* q)
+                                   HWY_ATTR { return hn::ShiftLeft<4>(hn::PromoteTo(di, hn::LoadU(d8, q + lane))); };
+            const auto under = hn::Sub(plane(boxes.low[k]), hn::Set(di, above[k]));
+            const auto over = hn::Sub(hn::Set(di, below[k]), plane(boxes.high[k]));
+            const auto out = hn::Max(hn::Max(under, over), hn::Zero(di));
+            return hn::Mul(out, out);
+        };
+        const auto squares = hn::Add(hn::Add(axis(0), axis(1)), axis(2));
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET <= HWY_AVX3  // as many lanes of either kind
+        use(lane, hn::Mul(unit, hn::PromoteTo(d, squares)));
+#else
+        const hn::Half<decltype(di)> half;
+        use(lane, hn::Mul(unit, hn::PromoteTo(d, hn::LowerHalf(half, squares))));
+        use(lane + hn::Lanes(d), hn::Mul(unit, hn::PromoteTo(d, hn::UpperHalf(half, squares))));
+#endif
+    }
 }
 
 // A bit for each lane: whether it is at most `squared`.
@@ -49,13 +104,11 @@ HWY_INLINE unsigned near(hn::Vec<BoxLanes> squares, double squared) {
 // Stores the squared distances to all boxes; the bits that are set tell those of the first `count` at most `squared` away.
 HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
                                double (&distances)[tree_width]) {
-    const BoxLanes d;
     unsigned mask = 0;
-    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
-        const auto squares = squared_distances_to_boxes(boxes, lane, p);
-        hn::Store(squares, d, distances + lane);
+    measure_boxes(boxes, p, [&](std::size_t lane, hn::Vec<BoxLanes> squares) HWY_ATTR {
+        hn::Store(squares, BoxLanes(), distances + lane);
         mask |= near(squares, squared) << lane;
-    }
+    });
     return mask & ((1U << count) - 1);
 }
 
@@ -84,12 +137,11 @@ public:
             step.node = &node;
             // The last three bits of a distance make room for the lane. Lanes not in use repeat the first child.
             auto nearest = hn::Set(d, std::numeric_limits<double>::max());
-            for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
-                const auto squares = squared_distances_to_boxes(node.boxes, lane, point_);
+            measure_boxes(node.boxes, point_, [&](std::size_t lane, hn::Vec<BoxLanes> squares) HWY_ATTR {
                 hn::Store(squares, d, step.distances + lane);
                 const auto bits = hn::AndNot(hn::Set(du, 7), hn::BitCast(du, squares));
                 nearest = hn::Min(nearest, hn::BitCast(d, hn::Or(bits, hn::Iota(du, lane))));
-            }
+            });
             step.taken = static_cast<std::uint32_t>(hn::GetLane(hn::BitCast(du, hn::MinOfLanes(d, nearest))) & 7);
             child = node.child[step.taken];
         }
