@@ -62,9 +62,10 @@ template <class Use> HWY_INLINE void measure_boxes(const QuantisedBoxes& boxes, 
     for (int k = 0; k < 3; ++k) {
         const double q = (p[k] - boxes.origin[k]) * boxes.inverse;
         far |= !(std::abs(q) <= 0x1p10);
-        const auto nearest = static_cast<std::int32_t>(std::bit_cast<std::int64_t>(q + 0x1.8p48));
-        above[k] = nearest + 1;
-        below[k] = nearest - 1;
+        // Unsigned, since the bits of a far point may be anything.
+        const auto nearest = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(q + 0x1.8p48));
+        above[k] = static_cast<std::int32_t>(nearest + 1);
+        below[k] = static_cast<std::int32_t>(nearest - 1);
     }
     if (HWY_UNLIKELY(far)) {
         alignas(64) double distances[tree_width];
