@@ -186,6 +186,17 @@ TEST(AlongFeet, StaysInTheBoxOfB) {
     EXPECT_LT(bound(surface("z", 2), b, {0.95, 0, 0}, 0.05, {0.5, 0, 1.25}), 1.4);
 }
 
+// A's plane z = 0 and B's plane z = 0, which ends at x = 0.5 (at y = 0.25): no point of the piece is a point of B.
+TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
+    AlgebraicSurface b = surface("z", 2);
+    b.box(0, 0) = -0.5, b.box(1, 0) = 0.5;
+    EXPECT_GE(bound(surface("z", 2), b, {0.9, 0, 0}, 0.05, {0.5, 0, 0}), 0.45);
+    b = surface("z", 2);
+    b.box(1, 1) = 0.25;
+    EXPECT_GE(bound(surface("z", 2), b, {0, 0.5, 0}, 0.05, {0, 0.25, 0}), 0.3);
+    EXPECT_LT(bound(surface("z", 2), b, {0, 0.1, 0}, 0.05, {0, 0.1, 0}), 1e-9);
+}
+
 // Exact squared distance of p = a + s (b - a) + t (c - a) + h n to the triangle, with n normal to it and s, t inside: |h n|^2.
 TEST(TriangleDistance, IsNoLessThanTheExactOne) {
     Random random(8);

@@ -173,6 +173,32 @@ TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     }
 }
 
+// Both surfaces lie in the plane z = 0, and the box of B cuts it off: where the polynomial of B is zero there is no B.
+TEST(SurfaceSolvers, ATargetThatItsBoxCutsOff) {
+    AlgebraicSurface a = surface("z"), b = surface("z");
+    a.box.row(0).setConstant(-1);
+    a.box.row(1).setConstant(1);
+    const std::pair<std::array<double, 4>, double> cuts[] = {
+        // x and y of B's box, and h squared
+        {{-0.6, 0.2, -0.5, 0.5}, 0.89},
+        {{-0.6, 0.2, -0.75, 0.25}, 1.2025},
+        {{-0.5, 0.5, -0.5, 0.5}, 0.5},
+        {{-1, 0.6, -1, 1}, 0.16},
+    };
+    for (const auto& [cut, squared] : cuts) {
+        b.box.row(0) = Eigen::RowVector3d(cut[0], cut[2], -1);
+        b.box.row(1) = Eigen::RowVector3d(cut[1], cut[3], 1);
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-3};
+        query.budget = 100000;
+        Trace trace;
+        const Result result = session_of("surface_enclosure", a, b).solve(query, trace);
+        EXPECT_LE(result.bounds.lower, std::sqrt(squared) + 1e-12) << squared;
+        EXPECT_GE(result.bounds.upper, std::sqrt(squared) - 1e-12) << squared;
+        EXPECT_EQ(to_string(result.status), "converged") << squared << ", gap " << result.bounds.gap();
+    }
+}
+
 TEST(SurfaceSolvers, AskedForMoreTheyGiveMore) {
     const Result fine = solve("surface_enclosure", cone_2, cone_1, 1e-10);
     EXPECT_EQ(to_string(fine.status), "converged");

@@ -1,6 +1,7 @@
 #include "taylor_model.h"
 
 #include <cmath>
+#include <limits>
 
 namespace hausbench {
 namespace {
@@ -44,7 +45,7 @@ void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel&
 double most_on_line(const Interval& linear, const Interval& square) {
     const double b = magnitude(linear), a = square.sup();
     if (!(a < 0)) return b + a;
-    return std::min(b, (CGAL::square(Interval(b)) / Interval(-4 * a)).sup());
+    return std::min(b, (CGAL::square(Interval(b)) / (Interval(-4.0) * Interval(a))).sup());
 }
 
 }  // namespace
@@ -117,8 +118,10 @@ TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
         out.c[i] = a.c[i] + b.c[i];
         rounded += std::abs(out.c[i]);
     }
-    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow.
-    out.error = a.error + b.error + 2 * epsilon * rounded;
+    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow. Rounded upward, a sum that overflows
+    // below is finite: so large a model says nothing.
+    out.error =
+        rounded < 0x1p1000 ? a.error + b.error + 2 * epsilon * rounded : std::numeric_limits<double>::infinity();
     return out;
 }
 

@@ -43,6 +43,9 @@ double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& co
 }
 
 double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters) {
+    for (int k = 0; k < 3; ++k) {
+        if (!(piece.box.low[k] >= target.box().low[k] && piece.box.high[k] <= target.box().high[k])) return infinity;
+    }
     Vec3 gradient;
     target.polynomial().value(piece.form.middle, gradient);
     int axis = 0;

@@ -12,8 +12,8 @@ namespace hausbench {
 // At least the distance of two points.
 double apart_at_most(const Vec3& a, const Vec3& b);
 
-// If |f_B| <= M over the piece and |df_B/dx_k| >= m over its box widened by t >= M / m along axis k, a zero of f_B lies within
-// M / m of each point. `most` is M.
+// If |f_B| <= M over the piece and |df_B/dx_k| >= m over its box widened by t >= M / m along axis k, and the widened box lies
+// in B's box, a point of B lies within M / m of each point of the piece. `most` is M.
 double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters);
 
 // The same, with an M from the linear forms of both surfaces.

@@ -130,8 +130,8 @@ Models longer(const Models& t, double factor) {  // polynomials of their own: wh
 bool stays_inside(const SurfaceTree::Node& piece, const Models& t, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const Interval moved = Interval(piece.box.low[k], piece.box.high[k]) + t[std::size_t(k)].range();
-        if (piece.box.low[k] < box.low[k] || piece.box.high[k] > box.high[k]) return false;
-        if (moved.inf() < box.low[k] || moved.sup() > box.high[k]) return false;
+        if (!(piece.box.low[k] >= box.low[k] && piece.box.high[k] <= box.high[k])) return false;
+        if (!(moved.inf() >= box.low[k] && moved.sup() <= box.high[k])) return false;  // false for NaN, too
     }
     return true;
 }

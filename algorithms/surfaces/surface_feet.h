@@ -14,7 +14,7 @@
 // little longer than the way to B, so that its end is surely past B.
 // Both may be any polynomials, so that a component of t that is rounding alone is made 0: Y + t then stays in a box that Y
 // touches from inside, as coaxial cylinders need it.
-// Where f_B has both signs on Y, the bound is within() of surface_beside.h with M >= |f_B| on Y.
+// Where f_B has both signs on Y, the bound is within() of surface_beside.h with M >= |f_B| on Y; X and the way lie in B's box.
 //
 // The maximum of |t|^2 is bounded by TaylorModel::at_most(), which is sharp to third order where the distance has a maximum
 // on A. The lower bound of the solver needs nothing of this: it is the distance from one proven point.
