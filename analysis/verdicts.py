@@ -51,7 +51,7 @@ class Verdict:
 def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
     """A claim that every one of the ratios is above 1.
 
-    It holds where each ratio is separated from 1. That needs no correction (an intersection-union test, Berger 1982): if one
+    It holds where each ratio is known and separated from 1. That needs no correction (an intersection-union test, Berger 1982): if one
     ratio is truly not above 1, all must be separated, that one among them, which happens with at most 5 %. It does not
     hold where some ratio is below 1. There every ratio is a chance to err, so the one-sided sign tests of all of them are
     joined by Simes' test of "none is below 1", whose error is 5 % altogether.
@@ -61,7 +61,7 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
         return Verdict(claim, UNTESTED, "no ratios")
     above = sum(x.separated and x.low > 1 for x in known)
     below = sum(x.separated and x.high < 1 for x in known)
-    outcome = HOLDS if above == len(known) else FAILS if simes(x.p_below for x in known) <= ERROR else OPEN
+    outcome = HOLDS if above == len(ratios) else FAILS if simes(x.p_below for x in known) <= ERROR else OPEN
     least, most = min(x.value for x in known), max(x.value for x in known)
     rest, lost = len(known) - above - below, len(ratios) - len(known)
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
@@ -149,14 +149,14 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
 def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
     """A claim that a quantity is greatest at one place. `ratios` are of its value there to that at every other place.
 
-    It holds where all of them are separated above 1 (an intersection-union test, as in `everywhere`). It does not hold
+    It holds where all of them are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not hold
     where `rival`, the ratio to one place that was chosen without looking at what is compared, is separated below 1: one
     ratio, so nothing to correct.
     """
     known = [x for x in ratios if x.n]
     if not known:
         return Verdict(claim, UNTESTED, what)
-    outcome = (HOLDS if all(x.separated and x.low > 1 for x in known) else
+    outcome = (HOLDS if all(x.n and x.separated and x.low > 1 for x in ratios) else
                FAILS if rival.n and rival.separated and rival.high < 1 else OPEN)
     return Verdict(claim, outcome, what)
 
