@@ -131,7 +131,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
         factor, worst, family = max(((*largest(rows, "work"), family) for family, rows in known.items()),
                                     key=lambda found: found[0])
         assert worst is not None
-        evidence.insert(0, f"in {len(known)} kinds of scene, largest {tables.number(factor)} times, "
+        evidence.insert(0, f"in {len(known)} kind{'s' if len(known) > 1 else ''} of scene, largest {tables.number(factor)} times, "
                         f"{FAMILIES[family].title} at ratio {power(worst.ratio)}")
     outcome = verdicts.FAILS if lost or factor > MOST else verdicts.UNTESTED if unknown else verdicts.HOLDS
     return Verdict(text, outcome, "; ".join(evidence))

@@ -81,10 +81,10 @@ struct TreeContent {
 // opening the child of largest area that is not far smaller than the node. O(n log n) time, O(n) memory.
 WideTree build_bvh(const TreeContent& content);
 
-// An octree: each element belongs to the cell that the centre of its box falls into; cells with one child are passed
-// over; a cell of up to eight elements is a leaf, or shares one with small cells beside it. Where all centres of a cell lie in a 2^-12th of the root's cube, another
-// octree begins, in the cube around them. Elements whose centres cannot be told apart, and those at level 48 of the tree,
-// are cut into as many leaves as they fill.
+// An octree: each element belongs to the cell that the centre of its box falls into. Cells with one child are passed over. A
+// cell of up to eight elements is a leaf, or shares one with small cells beside it. Where all centres of a cell lie in a
+// 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
+// and those at level 48 of the tree, are cut into as many leaves as they fill.
 WideTree build_octree(const TreeContent& content);
 
 }  // namespace hausbench
