@@ -1,8 +1,8 @@
 """Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
 
 A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
-file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to solving round by
-round. The unit of every interval is the round, a fresh process. Of several seeds it is the seed, which has processes of its
+file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to the first answer of the
+process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is the round, a fresh process. Of several seeds it is the seed, which has processes of its
 own, by the median of its rounds: rounds alone would show how times vary, but not how seeds do.
 """
 
@@ -66,7 +66,7 @@ class Cell:
         """Where both are prepared with one structure: both get the shorter of its two times, round by round."""
         before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
         for cell in (self, other):
-            solve = self.results.solve_by_round(cell.cases[0])
+            solve = self.results.first_by_round(cell.cases[0])
             usual = min(self.prepare, other.prepare)
             cell.times = {number: seconds + min((found[number] for found in before if number in found), default=usual)
                           for number, seconds in solve.items()}
@@ -139,7 +139,7 @@ def clock_title(results: Results) -> str:
 def clock_note(results: Results) -> str:
     found = clocks(results)
     cpu = "process CPU time, children included"
-    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or only a first "
-            "answer was timed" if len(found) > 1 else
+    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
+            "was read off a trace" if len(found) > 1 else
             "Times are wall time" if "wall" in found else f"Times are {cpu}")
     return f"{what}; preparing is wall time."

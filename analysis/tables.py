@@ -82,8 +82,8 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
     if counts[-1] == 1:
         return f"Single times ({n}): no interval."
     percent = "95 %" if least >= 0.95 else f"95 % where n allows, at least {math.floor(least * 100)} %"
-    return (f"Medians of {n} rounds (fresh processes; repeats within one count once; the first answer of a process is not "
-            f"timed), with order-statistic intervals in brackets ({percent}).")
+    return (f"Medians of {n} rounds (fresh processes; repeats within one count once), "
+            f"with order-statistic intervals in brackets ({percent}).")
 
 
 def tex_escape(text: str) -> str:

@@ -176,11 +176,16 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                 fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked), a.status,
                             a.bounds.lower, a.bounds.upper, b.status, b.bounds.lower, b.bounds.upper);
         }
-        if (b.from_trace) continue;  // its times are those of the row it was read off
-        std::vector<double> before, after;
+        if (b.from_trace) continue;                             // its times are those of the row it was read off
         const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h
-        for (const Repeat& r : a.repeats) before.push_back(cpu ? r.cpu_seconds : r.wall_seconds);
-        for (const Repeat& r : b.repeats) after.push_back(cpu ? r.cpu_seconds : r.wall_seconds);
+        const auto times = [cpu](const auto& timed) {
+            std::vector<double> seconds;
+            for (const auto& t : timed) seconds.push_back(cpu ? t.cpu_seconds : t.wall_seconds);
+            return seconds;
+        };
+        const bool again = !a.repeats.empty() && !b.repeats.empty();  // else the first answers are what was timed
+        const std::vector<double> before = again ? times(a.repeats) : times(a.answers),
+                                  after = again ? times(b.repeats) : times(b.answers);
         if (before.empty() || after.empty()) {
             ++untimed;
             continue;

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int journal_schema = 3;
+constexpr int journal_schema = 4;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 

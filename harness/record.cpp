@@ -115,8 +115,9 @@ std::map<std::string, double> extras_of(const json& object) {
 json to_json(const Outcome& o) {
     json counters = json::object();
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
-    json preparation = json::array(), repeats = json::array(), trace = json::array();
+    json preparation = json::array(), answers = json::array(), repeats = json::array(), trace = json::array();
     for (const auto& p : o.preparation) preparation.push_back({p.round, p.name, number(p.seconds), p.bytes});
+    for (const auto& a : o.answers) answers.push_back({a.round, number(a.wall_seconds), number(a.cpu_seconds)});
     for (const auto& r : o.repeats)
         repeats.push_back({r.round, number(r.wall_seconds), number(r.cpu_seconds), r.iterations});
     for (const auto& s : o.trace) trace.push_back({number(s.seconds), number(s.lower), number(s.upper)});
@@ -138,6 +139,7 @@ json to_json(const Outcome& o) {
             {"peak_bytes", o.peak_bytes},
             {"clock", o.clock},
             {"preparation", preparation},
+            {"answers", answers},
             {"repeats", repeats},
             {"repeats_asked", o.repeats_asked},
             {"trace", trace},
@@ -165,6 +167,7 @@ Outcome outcome_from_json(const json& j) {
     o.peak_bytes = j.at("peak_bytes");
     o.clock = j.at("clock");
     for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), p.at(1), number(p.at(2)), p.at(3)});
+    for (const json& a : j.at("answers")) o.answers.push_back({a.at(0), number(a.at(1)), number(a.at(2))});
     for (const json& r : j.at("repeats")) o.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
     o.repeats_asked = j.at("repeats_asked");
     for (const json& s : j.at("trace")) o.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});

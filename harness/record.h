@@ -44,6 +44,12 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
+// The first answer to a case in a round's process, which nothing has warmed up: what a user waits for who asks once.
+struct FirstAnswer {
+    int round = 0;
+    double wall_seconds = 0, cpu_seconds = 0;
+};
+
 struct Preparation {
     int round = 0;
     std::string name;
@@ -69,6 +75,7 @@ struct Outcome {
     std::int64_t peak_bytes = -1;
     std::string clock;  // "cpu" or "wall": which is the time of the case, see timing.h; empty where there was no answer
     std::vector<Preparation> preparation;
+    std::vector<FirstAnswer> answers;
     std::vector<Repeat> repeats;
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
     std::vector<TraceSample> trace;

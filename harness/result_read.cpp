@@ -162,6 +162,13 @@ void read_details(const h5::File& file, std::vector<Row>& rows) {
         if (i < 0 || std::size_t(i) >= rows.size()) throw std::runtime_error("a detail belongs to no case");
         return rows[std::size_t(i)].outcome;
     };
+    const auto answer_of = file.read_integers("answers/case");
+    const Reading a(file, "answers", answer_of.size());
+    const auto answer_rounds = a.integers_as<int>("round");
+    const auto answer_wall = a.reals("wall_seconds"), answer_cpu = a.reals("cpu_seconds");
+    for (std::size_t i = 0; i < answer_of.size(); ++i)
+        row(answer_of[i]).answers.push_back({answer_rounds[i], answer_wall[i], answer_cpu[i]});
+
     const auto of = file.read_integers("repeats/case");
     const Reading r(file, "repeats", of.size());
     const auto rounds = r.integers_as<int>("round");

@@ -116,10 +116,18 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
 void write_details(h5::File& file, const std::vector<Row>& rows) {
     std::vector<std::int64_t> repeat_case, repeat_number, round, iterations, part_case, part_round, part_bytes, begins,
         ends;
+    std::vector<std::int64_t> answer_case, answer_round;
+    std::vector<double> answer_wall, answer_cpu;
     std::vector<double> wall, cpu, part_seconds, trace_seconds, trace_lower, trace_upper;
     std::vector<std::string> part_name;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Outcome& o = rows[i].outcome;
+        for (const FirstAnswer& a : o.answers) {
+            answer_case.push_back(std::int64_t(i));
+            answer_round.push_back(a.round);
+            answer_wall.push_back(a.wall_seconds);
+            answer_cpu.push_back(a.cpu_seconds);
+        }
         std::int64_t number = 0;
         for (const Repeat& r : o.repeats) {
             repeat_case.push_back(std::int64_t(i));
@@ -146,6 +154,10 @@ void write_details(h5::File& file, const std::vector<Row>& rows) {
     }
     file.write("cases/trace_begin", begins);
     file.write("cases/trace_end", ends);
+    file.write("answers/case", answer_case);
+    file.write("answers/round", answer_round);
+    file.write("answers/wall_seconds", answer_wall);
+    file.write("answers/cpu_seconds", answer_cpu);
     file.write("repeats/case", repeat_case);
     file.write("repeats/repeat", repeat_number);
     file.write("repeats/round", round);

@@ -57,6 +57,7 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds) {
         if (std::isfinite(next->prepare_seconds)) prepare_seconds.push_back(next->prepare_seconds);
         if (next->clock == "wall") outcome.clock = "wall";
         if (round == 0) continue;
+        outcome.answers.insert(outcome.answers.end(), next->answers.begin(), next->answers.end());
         outcome.repeats.insert(outcome.repeats.end(), next->repeats.begin(), next->repeats.end());
         outcome.preparation.insert(outcome.preparation.end(), next->preparation.begin(), next->preparation.end());
         add_round(outcome, first, round, *next);
@@ -82,6 +83,7 @@ Outcome read_off_exact(const Outcome& fine, double gap) {
 Outcome read_off_trace(const Outcome& fine, double gap) {
     Outcome outcome = fine;
     outcome.from_trace = true;
+    outcome.answers.clear();
     outcome.repeats.clear();
     outcome.trace.clear();
     if (contradicts_itself(fine)) return outcome;

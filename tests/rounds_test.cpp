@@ -14,6 +14,7 @@ Outcome answered(double lower, double upper, double prepare_seconds, int round) 
     o.prepare_seconds = prepare_seconds;
     o.preparation = {{round, "octree of the source", 0.75 * prepare_seconds, 100},
                      {round, "solver", 0.25 * prepare_seconds, 10}};
+    o.answers = {{round, 0.6 + round, 0.5}};
     o.repeats = {{round, 0.5, 0.4, 1}};
     o.clock = "cpu";
     return o;
@@ -40,6 +41,11 @@ TEST(Rounds, EveryRoundsPreparationIsKept) {
     for (int i = 0; i < 6; ++i) EXPECT_EQ(o.preparation[std::size_t(i)].round, i / 2);
     EXPECT_EQ(o.preparation[2].seconds, 0.75);
     EXPECT_EQ(o.repeats.size(), 3u);
+    ASSERT_EQ(o.answers.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(o.answers[std::size_t(i)].round, i);
+        EXPECT_EQ(o.answers[std::size_t(i)].wall_seconds, 0.6 + i);
+    }
     EXPECT_EQ(gathered({answered(1, 2, 4, 0), answered(1, 2, 1, 1)}).prepare_seconds, 2.5);
 }
 
@@ -94,6 +100,7 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(o.status, "ok");
     EXPECT_EQ(o.bounds.lower, 0.9);
     EXPECT_EQ(o.solve_seconds, 0.2);
+    EXPECT_TRUE(o.answers.empty());  // nothing was timed for it
     EXPECT_TRUE(o.from_trace && o.repeats.empty() && o.trace.empty());
     // Also where the finer one ran out of time, or stalled.
     Outcome late = traced();

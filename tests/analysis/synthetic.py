@@ -44,6 +44,7 @@ CASE: dict[str, Any] = {
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
                          "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
                          "polynomial": "", "box": [NAN] * 6}
+ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN}
 REPEAT: dict[str, Any] = {"case": 0, "repeat": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
 PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
@@ -58,6 +59,7 @@ class ResultFile:
     meta: dict[str, Any] = field(default_factory=dict)
     models: list[dict[str, Any]] = field(default_factory=list)
     cases: list[dict[str, Any]] = field(default_factory=list)
+    answers: list[dict[str, Any]] = field(default_factory=list)
     repeats: list[dict[str, Any]] = field(default_factory=list)
     preparation: list[dict[str, Any]] = field(default_factory=list)
     trace: list[dict[str, Any]] = field(default_factory=list)
@@ -67,9 +69,10 @@ class ResultFile:
 
     def case(self, solver: str, scene: str, seconds: Sequence[float] = (),
              trace: Sequence[tuple[float, float, float]] = (), options: dict[str, Any] | None = None,
-             counters: dict[str, int] | None = None, rounds: int = 0, prepare: Sequence[float] = (), **columns: Any) -> int:
+             counters: dict[str, int] | None = None, rounds: int = 0, prepare: Sequence[float] = (), first: Sequence[float] = (), **columns: Any) -> int:
         """Adds a case with its repeats (one a round, or spread over so many rounds) and trace, and its models; returns its
-        row. `prepare` are the seconds of preparing, by round.
+        row. `prepare` are the seconds of preparing, by round, and `first` those of the first answers; if not given, the
+        median of the repeats of the round.
         """
         row, rounds = len(self.cases), rounds or max(1, len(seconds))
         if len(prepare):
@@ -86,6 +89,10 @@ class ResultFile:
         self.repeats += [{**REPEAT, "case": row, "repeat": i, "round": i * rounds // len(seconds), "wall_seconds": self.wall * x,
                           "cpu_seconds": self.cpu * x}
                          for i, x in enumerate(seconds)]
+        of_round = [[x for i, x in enumerate(seconds) if i * rounds // len(seconds) == number] for number in range(rounds)]
+        first = first or [float(np.median(repeats)) for repeats in of_round if repeats]
+        self.answers += [{"case": row, "round": number, "wall_seconds": self.wall * x, "cpu_seconds": self.cpu * x}
+                         for number, x in enumerate(first)]
         if not np.isnan(new["prepare_seconds"]):
             for number in range(rounds):
                 spent = prepare[number] if len(prepare) else new["prepare_seconds"]
@@ -104,7 +111,7 @@ class ResultFile:
             for key, value in {**META, "stem": self.stem, **self.meta}.items():
                 attributes[key] = value
             for name, default, rows in (("models", MODEL, self.models), ("cases", CASE, self.cases),
-                                        ("repeats", REPEAT, self.repeats),
+                                        ("answers", ANSWER, self.answers), ("repeats", REPEAT, self.repeats),
                                         ("preparation", PREPARATION, self.preparation), ("trace", TRACE, self.trace),
                                         ("ledger", LEDGER, self.ledger)):
                 group = file.create_group(name)

@@ -32,7 +32,7 @@ def described() -> dict[str, set[str]]:
 
 def test_loader_and_generator_know_the_columns_that_are_described() -> None:
     groups = {"models": (load.Models, synthetic.MODEL), "cases": (load.Cases, synthetic.CASE),
-              "repeats": (load.Repeats, synthetic.REPEAT), "preparation": (load.Preparation, synthetic.PREPARATION),
+              "answers": (load.Answers, synthetic.ANSWER), "repeats": (load.Repeats, synthetic.REPEAT), "preparation": (load.Preparation, synthetic.PREPARATION),
               "trace": (load.Trace, synthetic.TRACE), "ledger": (load.Ledger, synthetic.LEDGER)}
     found = described()
     assert found["meta"] <= set(synthetic.META)  # some attributes stand in the second column
@@ -92,6 +92,7 @@ def test_clock(tmp_path: Path) -> None:
         file.case("naive", "x", [1.0], clock=clock, lower=1.0, upper=1.0)
     file.repeats[3]["cpu_seconds"] = np.nan
     file.repeats = [row for row in file.repeats if row["case"] != 4]
+    file.answers = [row for row in file.answers if row["case"] != 4]  # as of a row that was read off a trace
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(5)] == ["cpu", "wall", "wall", "wall", "wall"]
     assert [results.solve_by_round(case)[0] for case in range(5)] == [0.9, 1.0, 1.0, 1.0, 1.0]
@@ -106,10 +107,21 @@ def test_structures_of_a_round_are_added(tmp_path: Path) -> None:
     assert results.total_by_round(0, "wall") == {0: 1.5, 1: 1.75}
 
 
-def test_without_repeats_the_first_answer_counts(tmp_path: Path) -> None:
-    file = ResultFile("first")
-    file.case("naive", "x", lower=1.0, upper=1.0, solve_seconds=7.0)
-    assert load.load(file.write(tmp_path)).total_seconds(0).tolist() == [7.0]
+def test_preparing_counts_with_the_first_answer_of_a_process(tmp_path: Path) -> None:
+    """A solver that builds something on the way is quick to answer again; who asks once waits for it all the same."""
+    file = ResultFile("first", cpu=1.0)
+    file.case("scan", "x", [1.0, 2.0], rounds=2, prepare=[0.5, 0.25], first=[4.0, 8.0], lower=1.0, upper=1.0)
+    results = load.load(file.write(tmp_path))
+    assert results.total_by_round(0) == {0: 4.5, 1: 8.25} and results.solve_by_round(0) == {0: 1.0, 1: 2.0}
+
+
+def test_without_repeats_the_first_answers_count(tmp_path: Path) -> None:
+    file = ResultFile("first", cpu=0.5)
+    file.case("naive", "x", first=[4.0, 8.0], rounds=2, lower=1.0, upper=1.0)
+    file.case("naive", "x", lower=1.0, upper=1.0, solve_seconds=7.0, from_trace=1)
+    results = load.load(file.write(tmp_path))
+    assert results.solve_by_round(0) == {0: 2.0, 1: 4.0} and results.clock_of(0) == "cpu"
+    assert results.total_seconds(1).tolist() == [7.0] and results.clock_of(1) == "wall"
 
 
 def test_trace(small: load.Results) -> None:

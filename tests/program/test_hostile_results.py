@@ -122,6 +122,8 @@ HOSTILE: dict[str, tuple[Change, str]] = {
     "a link to another file": (link("cases/lower", h5py.ExternalLink("other.h5", "/cases/lower")), "in another file"),
     "a link to itself": (link("cases/lower", h5py.SoftLink("/cases/lower")), "cases/lower"),
     "a group for a column": (link("cases/lower", h5py.SoftLink("/meta")), "cases/lower"),
+    "an answer to case 4": (value("answers/case", 0, 4), "belongs to no case"),
+    "an answer in round 2^40": (value("answers/round", 0, 2**40), "answers/round"),
     "a repeat of case -1": (value("repeats/case", 0, -1), "belongs to no case"),
     "a repeat of case 2^62": (value("repeats/case", 0, 2**62), "belongs to no case"),
     "a preparation of case 4": (value("preparation/case", 0, 4), "belongs to no case"),

@@ -297,6 +297,16 @@ def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_p
     assert "no case in common" in hausbench.fails("compare", one, run(hausbench, experiment, tmp_path / "other"))
 
 
+def test_compare_takes_first_answers_where_nothing_was_repeated(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 0\nrounds = 2"))
+    one, two = run(hausbench, experiment, tmp_path / "one"), run(hausbench, experiment, tmp_path / "two")
+    with h5py.File(two, "r+") as f:
+        f["answers/cpu_seconds"][:] *= 100
+    said = hausbench("compare", one, two).stdout
+    ratio = next(line for line in said.splitlines() if "too few pairs" in line)
+    assert "(0 cases without times)" in said and float(ratio.split("diagonal")[1].split()[0]) > 10
+
+
 FACTS = """\
 title = "what an experiment, a model and a solver tell"
 tolerances = [10.0]

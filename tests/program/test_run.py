@@ -114,6 +114,10 @@ def test_rounds_add_repeats_from_fresh_processes(hausbench: Program, experiment:
     experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 2\nrounds = 3"))
     file = run(hausbench, experiment, tmp_path)
     assert sorted(numbers(file, "repeats/round")) == [0, 0, 1, 1, 2, 2]
+    with h5py.File(file, "r") as f:
+        assert list(f["answers/case"]) == [0, 0, 0] and list(f["answers/round"]) == [0, 1, 2]
+        assert f["answers/wall_seconds"][0] == f["cases/solve_seconds"][0]
+        assert (f["answers/cpu_seconds"][:] > 0).all() and len(set(f["answers/wall_seconds"][:])) == 3
     assert texts(file, "cases/status") == ["ok"]
 
 
