@@ -31,6 +31,11 @@ WORK: Final = (*DISTANCES, "bound_tests", "node_visits")
 MEASURES: Final = {"distances": DISTANCES, "distances, bounds and nodes": WORK}
 
 
+def takes_seed(results: Results, row: int) -> bool:
+    """The solver leaves something to chance: its counts are of the seed that it was given."""
+    return "seed" in results.options(row)
+
+
 class Cell:
     """All rows of one label on one scene, pooled over seeds."""
 
@@ -42,6 +47,7 @@ class Cell:
             raise ResultError(f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
                               "more than their seed: give each variant a label of its own in the experiment")
         self.results, self.cases, self.rows = results, rows, len(rows)
+        self.seeded = takes_seed(results, first)
         self.failures = Counter(str(cases.status[r]) for r in rows if cases.status[r] != "ok")
         # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
         ok = not self.failures
@@ -108,8 +114,8 @@ def compare(slow: Cell, fast: Cell) -> Estimate:
 
 
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
-    """The ratio of counted work, which is exact but for seeds."""
-    return ratio_of_counts(slow.counted(names), fast.counted(names))
+    """The ratio of counted work: exact of solvers that take no seed; one seed is one draw."""
+    return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
 
 
 def clocks(results: Results) -> dict[str, list[str]]:

@@ -27,6 +27,7 @@ class Estimate:
 
     n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage is 0.
     p_above and p_below are of ratios alone: one-sided p-values against "the true ratio is at most 1" and "at least 1".
+    p_least is the least that either of them can be with so many rounds, whatever the data say.
     """
 
     value: float
@@ -36,6 +37,7 @@ class Estimate:
     coverage: float
     p_above: float = 1.0
     p_below: float = 1.0
+    p_least: float = 1.0
 
     @property
     def has_interval(self) -> bool:
@@ -98,8 +100,9 @@ def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confi
         return NO_DATA
     if not a.has_interval or not b.has_interval or b.low <= 0:
         return Estimate(a.value / b.value, math.nan, math.nan, min(a.n, b.n), 0.0)
-    return Estimate(a.value / b.value, a.low / b.high, a.high / b.low, min(a.n, b.n),
-                    max(0.0, a.coverage + b.coverage - 1), _chance(numerator, denominator), _chance(denominator, numerator))
+    n = min(a.n, b.n)
+    return Estimate(a.value / b.value, a.low / b.high, a.high / b.low, n, max(0.0, a.coverage + b.coverage - 1),
+                    _chance(numerator, denominator), _chance(denominator, numerator), min(1.0, 2 * 0.5**n))
 
 
 def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
@@ -133,27 +136,39 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
     # Ties count against either direction, so both p-values stay on the safe side.
     p_above, p_below = (float(scipy.stats.binomtest(int(count), logs.n, alternative="greater").pvalue)
                         for count in ((a > b).sum(), (a < b).sum()))
-    return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below)
+    return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below,
+                    0.5**logs.n)
 
 
 def exact(ratio: float) -> Estimate:
     """A ratio that is known without any error, such as one of counted work."""
     if math.isnan(ratio):
         return NO_DATA
-    return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0)
+    return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0, 0.0)
 
 
-def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float]) -> Estimate:
-    """Of counted work by seed. A solver without seeds has one count, which is exact; seeds that both have are paired."""
+def one_draw(ratio: float) -> Estimate:
+    """A ratio of counted work where a solver has a seed and ran with one alone: another seed would give another count."""
+    return NO_DATA if math.isnan(ratio) else Estimate(ratio, math.nan, math.nan, 1, 0.0)
+
+
+def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float],
+                    seeded: tuple[bool, bool] = (False, False)) -> Estimate:
+    """Of counted work by seed. A solver that takes no seed has one count, which is exact. Seeds that both have are paired;
+    one seed is one draw.
+    """
     if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
         return NO_DATA  # 0: a peer, which counts nothing
-    if len(numerator) == 1 and len(denominator) == 1:
+    if not any(seeded):
         return exact(next(iter(numerator.values())) / next(iter(denominator.values())))
-    if len(numerator) == 1:
+    if not seeded[0]:
         numerator = dict.fromkeys(denominator, next(iter(numerator.values())))
-    if len(denominator) == 1:
+    if not seeded[1]:
         denominator = dict.fromkeys(numerator, next(iter(denominator.values())))
-    return ratio_by_round(numerator, denominator)
+    if not (shared := sorted(numerator.keys() & denominator.keys())):
+        return NO_DATA
+    ratios = {seed: numerator[seed] / denominator[seed] for seed in shared}
+    return one_draw(ratios[shared[0]]) if len(shared) == 1 else ratio_by_round(numerator, denominator)
 
 
 def simes(chances: Iterable[float]) -> float:

@@ -66,8 +66,18 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     rest, lost = len(known) - above - below, len(ratios) - len(known)
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
         + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}"] * bool(lost) \
-        + [f"ratio {tables.number(least)} to {tables.number(most)}"]
-    return Verdict(claim, outcome, ", ".join(parts))
+        + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
+    return Verdict(claim, outcome, ", ".join(part for part in parts if part))
+
+
+def power_of(ratios: Sequence[Estimate], what: str) -> str:
+    """What `everywhere` can refute with so many rounds, whatever the data say; empty where one ratio below 1 is enough."""
+    chances, n, of = sorted(x.p_least for x in ratios), min(x.n for x in ratios), len(ratios)
+    needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
+    if needed == 1:
+        return ""
+    return (f"n = {n} cannot refute it for {of} {what}" if needed > of else
+            f"n = {n} refutes it only where at least {needed} of {of} {what} are below 1")
 
 
 def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
@@ -75,13 +85,21 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     if not ratio.n:
         return Verdict(claim, UNTESTED, "no ratio")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
-    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}")
+    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}")
 
 
-def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None) -> Verdict:
+def few(ratios: Sequence[Estimate]) -> str:
+    """Says so where some of them are of too few rounds (or of one seed) to be separated."""
+    n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
+    return f", n = {n}" if n else ""
+
+
+def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
+          against: str = "") -> Verdict:
     """A claim that something never happens. One case refutes it, and no number of cases proves it: without a case, the
     evidence is the greatest rate that `independent` trials (all of them, if not given) leave possible at 95 % (Clopper
-    and Pearson 1934). Where that is above RARE, there were too few.
+    and Pearson 1934). Where that is not below `bar`, there were too few. `against` says what the bar is, if not RARE: such
+    as the rate at which a variant goes wrong on the same trials.
     """
     if not of:
         return Verdict(claim, UNTESTED, f"no {what}")
@@ -89,9 +107,10 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
         return Verdict(claim, FAILS, f"{wrong} of {of:,} {what}")
     trials = of if independent is None else independent
     rate = scipy.stats.binomtest(0, trials, alternative="less").proportion_ci(1 - ERROR, method="exact").high
-    return Verdict(claim, NOT_REFUTED if rate <= RARE else OPEN,
+    return Verdict(claim, NOT_REFUTED if rate < bar else OPEN,
                    f"0 of {of:,} {what}; the rate is below {tables.number(100 * rate, 2)} % at 95 %"
-                   + (f", from {trials} independent trials" if trials != of else ""))
+                   + (f", from {trials} independent trials" if trials != of else "")
+                   + (f", against {tables.number(100 * bar, 2)} % {against}" if against else ""))
 
 
 def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict:
@@ -158,7 +177,7 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
         return Verdict(claim, UNTESTED, what)
     outcome = (HOLDS if all(x.n and x.separated and x.low > 1 for x in ratios) else
                FAILS if rival.n and rival.separated and rival.high < 1 else OPEN)
-    return Verdict(claim, outcome, what)
+    return Verdict(claim, outcome, what + few(known))
 
 
 def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:
@@ -175,8 +194,12 @@ def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], be
     allowed = min(ERROR / 2, ERROR / len(among))
     clear = [all(x[i].separated and x[i].p_above <= allowed for _, x in rivals) for i in range(len(among))]
     faster = [name for name, x in rivals if max(y.p_below for y in x) * len(rivals) <= ERROR]
-    level = [name for name, x in rivals if name not in faster and not any(y.separated and y.low > 1 for y in x)]
+    below = [name for name, x in rivals if name not in faster and all(y.separated and y.high < 1 for y in x)]
+    level = [name for name, x in rivals if name not in faster + below and not any(y.separated and y.low > 1 for y in x)]
     outcome = HOLDS if any(clear) else FAILS if faster else OPEN
+    blind = all(max(y.p_least for y in x) * len(rivals) > ERROR for _, x in rivals)
     parts = [f"least at {best}"] + [f"faster than {' and '.join(among)}: {', '.join(faster)}"] * bool(faster) \
-        + [f"not separated from it: {', '.join(level)}"] * bool(level)
+        + [f"less time, but no less than one of {len(rivals)} may take by chance: {', '.join(below)}"] * bool(below) \
+        + [f"not separated from it: {', '.join(level)}"] * bool(level) \
+        + [f"n = {min(y.n for _, x in rivals for y in x)} cannot refute it for {len(rivals)} rivals"] * (blind and outcome == OPEN)
     return Verdict(claim, outcome, "; ".join(parts))

@@ -57,22 +57,43 @@ def slope(points: list[int], peaks: list[float]) -> float:
 
 def verdict(workload: str, spots: list[Spot]) -> Verdict:
     """At the largest size at which INC ended, is there a solver that needs more? A peak is one number, not a sample: peaks
-    that differ by less than ALIKE of the larger, or by less than LEAST, are not told apart.
+    that differ by less than ALIKE of the larger, or by less than LEAST, are not told apart. A solver that ran out of memory
+    needs more than INC if the limit is above INC's peak: INC ended below the same limit, on the same points. What any other
+    failure would have needed is not known, so the claim cannot hold.
     """
     claim = f"{workload}: INC needs more memory than any other solver"
     known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
     if not known:
         return Verdict(claim, UNTESTED, "no memory known of INC")
     largest = max(known, key=lambda spot: spot.points)
-    others = {label: cell.peak for label, cell in largest.cells.items() if label != "inc" and cell.peak >= 0}
-    if not others:
-        return Verdict(claim, UNTESTED, "no other solver ended")
-    most = max(others, key=lambda label: others[label])
-    own = largest.cells["inc"].peak
-    alike = abs(own - others[most]) < max(LEAST, ALIKE * max(own, others[most]))
-    return Verdict(claim, OPEN if alike else HOLDS if own > others[most] else FAILS,
-                   f"{largest.size} points each: INC {tables.number(own / 2**20)} MiB, next {style.look(most).title} "
-                   f"{tables.number(others[most] / 2**20)} MiB")
+    own, rivals = largest.cells["inc"].peak, {label: cell for label, cell in largest.cells.items() if label != "inc"}
+    others = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
+    outcomes, parts = [], [f"INC {tables.number(own / 2**20)} MiB"]
+    if others:
+        most = max(others, key=lambda label: others[label])
+        outcomes.append(compared(own, others[most]))
+        parts.append(f"next {style.look(most).title} {tables.number(others[most] / 2**20)} MiB")
+    for label, cell in rivals.items():
+        if label not in others:
+            limit = memory_limit(cell)
+            outcomes.append(FAILS if compared(own, limit) == FAILS else OPEN)
+            parts.append(f"{style.look(label).title} {cell.failure_text() if cell.failures else 'of unknown memory'}"
+                         + (f" at {tables.number(limit / 2**20)} MiB" if limit > 0 else ""))
+    if not outcomes:
+        return Verdict(claim, UNTESTED, "no other solver")
+    outcome = FAILS if FAILS in outcomes else HOLDS if set(outcomes) == {HOLDS} else OPEN
+    return Verdict(claim, outcome, f"{largest.size} points each: {', '.join(parts)}")
+
+
+def compared(own: float, other: float) -> str:
+    """What one other peak says of the claim that INC's is greater."""
+    alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
+    return OPEN if alike else HOLDS if own > other else FAILS
+
+
+def memory_limit(cell: Cell) -> float:
+    """What a solver that ran out of memory needs more than; 0 for all others."""
+    return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
 
 
 def make(results: Results, out: Path) -> list[Path]:

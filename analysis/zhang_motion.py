@@ -15,9 +15,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import style, tables
-from analysis.cells import MEASURES, clock_note, clock_title, clock_word
+from analysis.cells import MEASURES, clock_note, clock_title, clock_word, takes_seed
 from analysis.load import Results, machine_line
-from analysis.statistics import NO_DATA, Estimate, exact, median, paired_ratio, ratio_by_round
+from analysis.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.verdicts import UNTESTED, Verdict, above_one, greatest
 
 WORK: Final = "distances, bounds and nodes"
@@ -70,6 +70,11 @@ class Motion:
             return math.nan
         return float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) or math.nan
 
+    def work_ratio(self, ratio: float, *labels: str) -> Estimate:
+        """Of counted work: exact, but where one of these solvers has a seed, and each has one here."""
+        rows = [pose.rows[label] for pose in self.poses[:1] for label in labels if label in pose.rows]
+        return one_draw(ratio) if any(takes_seed(self.results, row) for row in rows) else exact(ratio)
+
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
         """Of each pose of the regime at which all of these were timed."""
         return [tuple(self.time(p, label).value for label in labels) for p in self.poses
@@ -77,13 +82,13 @@ class Motion:
 
     def ratio(self, regime: str, slow: str, fast: str, what: str = "") -> Estimate:
         """The median over the poses of a regime of the ratio of times, one number a round; or of counted work, which is
-        the same in all rounds.
+        the same in all rounds, but not with every seed.
         """
         poses = [pose for pose in self.poses if pose.regime == regime]
         if what:
             ratios = [self.work(p, slow, what) / self.work(p, fast, what) for p in poses]
             known = [x for x in ratios if math.isfinite(x)]
-            return exact(float(np.median(known))) if known else NO_DATA
+            return self.work_ratio(float(np.median(known)), slow, fast) if known else NO_DATA
         pairs = [(self.rounds(p, slow), self.rounds(p, fast)) for p in poses]
         pairs = [pair for pair in pairs if all(pair)]
         shared = set.intersection(*[a.keys() & b.keys() for a, b in pairs]) if pairs else set[int]()
@@ -126,7 +131,7 @@ class Motion:
 
         def ratio(a: Pose, b: Pose, what: str) -> Estimate:
             if what:
-                return exact(self.work(a, label, what) / self.work(b, label, what))
+                return self.work_ratio(self.work(a, label, what) / self.work(b, label, what), label)
             return ratio_by_round(self.rounds(a, label), self.rounds(b, label))
 
         if not far or not all(math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES):
@@ -190,7 +195,8 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
     table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],
                    "A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
                    f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (95 % from six on). The band in the "
-                   "figure is the interval of a pose. Counted work has no interval. Which poses stand for the peak is chosen "
+                   "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others one seed is "
+                   "counted here, one draw (n = 1), which separates nothing. Which poses stand for the peak is chosen "
                    "by counted work. α is the overlap of the boxes, as a fraction of the smaller one. " + clock_note(results),
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),

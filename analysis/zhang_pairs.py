@@ -32,7 +32,9 @@ class Spec:
 
 
 class Pair:
-    """One scene. Both variants are prepared with one structure, built once for each: both get the shorter time."""
+    """One scene. Both variants are prepared with one structure, built once for each: both get the shorter time; where both
+    have several seeds, their medians even out what preparing takes by accident.
+    """
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
         cases = results.cases
@@ -47,7 +49,8 @@ class Pair:
         self.ratio = NO_DATA
         self.counted = dict.fromkeys(MEASURES, NO_DATA)
         if slow and fast and len(both) == 2:
-            slow.share_preparation(fast)
+            if slow.rows == 1 and fast.rows == 1:
+                slow.share_preparation(fast)
             self.ratio = compare(slow, fast)
             self.counted = {what: compare_work(slow, fast, names) for what, names in MEASURES.items()}
 
@@ -77,7 +80,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
         table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
                            *[tables.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
                            tables.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
-                           tables.ratio(pair.ratio), *[tables.estimate(x) for x in pair.counted.values()],
+                           tables.ratio(pair.ratio), *map(tables.ratio, pair.counted.values()),
                            *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
         for label, cell in pair.cells.items():
             records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
@@ -90,15 +93,26 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                             **{header: value for header, _, value in extra}, **cell.counters})
     verdicts = verdicts_of(spec, pairs)
     table.notes = [*[verdict.line() for verdict in verdicts],
-                   f"Ratio: without / with {spec.part}; paired by rounds in which the solvers took turns. The "
-                   "structure that both are prepared with is the same, so both are given the shorter of its two "
-                   "times in each round. Distances, bounds and nodes are counted by the solver, and the same on every "
-                   "machine.", what_it_saves(spec, pairs),
-                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values()),
+                   f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. Distances, bounds and nodes are counted "
+                   "by the solver, and the same on every machine; of a solver with a seed they are of its seeds, and one "
+                   "seed is one draw.", what_it_saves(spec, pairs),
+                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
+                   + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    clock_note(results), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
     return tables.save(table, records, out, spec.stem) + style.save(
         draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption)
+
+
+def has_seeds(pairs: list[Pair]) -> bool:
+    return any(cell.rows > 1 for pair in pairs for cell in pair.cells.values())
+
+
+def unit_of(pairs: list[Pair]) -> str:
+    if has_seeds(pairs):
+        return "seeds, of each the median of its rounds, in which the solvers took turns"
+    return ("rounds in which the solvers took turns. The structure that both are prepared with is the same, so both are given "
+            "the shorter of its two times in each round")
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:

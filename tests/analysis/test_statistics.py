@@ -159,11 +159,28 @@ def test_counts_are_exact_but_for_seeds() -> None:
     assert (x.value, x.low, x.high, x.separated) == (1.5, 1.5, 1.5, True)
     assert not exact(1.0).separated and exact(math.nan).n == 0
     seeds = {seed: 10.0 + seed for seed in range(6)}
-    y = ratio_of_counts({0: 60.0}, seeds)
+    y = ratio_of_counts({0: 60.0}, seeds, (False, True))
     assert y.n == 6 and (y.low, y.high) == pytest.approx((4.0, 6.0)) and y.separated
-    assert ratio_of_counts(seeds, {0: 60.0}).value == pytest.approx(1 / y.value, rel=1e-2)
-    assert ratio_of_counts({s: 2 * x for s, x in seeds.items()}, seeds).low == pytest.approx(2)
+    assert ratio_of_counts(seeds, {0: 60.0}, (True, False)).value == pytest.approx(1 / y.value, rel=1e-2)
+    assert ratio_of_counts({s: 2 * x for s, x in seeds.items()}, seeds, (True, True)).low == pytest.approx(2)
     assert ratio_of_counts({0: 1.0}, {0: 0.0}).n == 0 and ratio_of_counts({}, seeds).n == 0
+
+
+@pytest.mark.parametrize("seeded", [(True, False), (False, True), (True, True)])
+def test_one_seed_is_one_draw(seeded: tuple[bool, bool]) -> None:
+    x = ratio_of_counts({1: 30.0}, {1: 20.0}, seeded)
+    assert x.value == pytest.approx(1.5) and x.n == 1 and not x.has_interval and not x.separated
+    # Nor does one seed become exact beside several of the other solver.
+    several = {seed: 10.0 + seed for seed in range(6)}
+    y = ratio_of_counts({1: 60.0}, several, (True, True))
+    assert y.n == 1 and not y.separated and y.value == pytest.approx(60 / 11)
+    assert ratio_of_counts({7: 60.0}, several, (True, True)).n == 0
+
+
+@pytest.mark.parametrize("n", [1, 6, 7, 10])
+def test_the_least_chance_is_that_of_rounds_that_all_agree(n: int) -> None:
+    for x in (paired_ratio([2.0] * n, [1.0] * n), ratio_of_medians([2.0] * n, [1.0] * n)):
+        assert x.p_above == pytest.approx(x.p_least) and (n == 1 or x.p_least < 0.05)
 
 
 def test_simes() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analysis import verdicts
-from analysis.statistics import NO_DATA, Estimate, exact, paired_ratio
+from analysis.statistics import NO_DATA, Estimate, exact, one_draw, paired_ratio
 from analysis.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
 
 
@@ -29,6 +29,18 @@ FASTER, SLOWER, LEVEL, FEW = ratio(2.0), ratio(0.5), ratio(1.1, odd=4), ratio(2.
     ([ratio(2.0, 6)] * 5 + [ratio(0.5, 6)], OPEN), ([ratio(2.0, 6)] * 4 + [ratio(0.5, 6)] * 2, FAILS)])
 def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.everywhere("x", ratios).outcome == outcome
+
+
+def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
+    def evidence(rounds: int, pairs: int, below: int = 0) -> str:
+        return verdicts.everywhere("x", [ratio(1.1, rounds, odd=2)] * (pairs - below) + [ratio(0.5, rounds)] * below).evidence
+    # 15 / 2^6 = 0.23, and 15 / 2^6 / 5 = 0.047; 3 / 2^4 / 3 = 0.0625: four rounds are never enough.
+    assert evidence(6, 15, 1).endswith("n = 6 refutes it only where at least 5 of 15 pairs are below 1")
+    assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
+    assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
+    assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # it holds
+    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == OPEN
+    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("n = 1 cannot refute it for 5 pairs")
 
 
 def rate(outcome: str, verdict: Callable[[np.random.Generator], verdicts.Verdict], trials: int = 150) -> float:
@@ -60,6 +72,9 @@ def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
 def test_above_one() -> None:
     assert [verdicts.above_one("x", r).outcome for r in (FASTER, LEVEL, SLOWER, NO_DATA, FEW)] == \
         [HOLDS, OPEN, FAILS, UNTESTED, OPEN]
+    assert verdicts.above_one("x", one_draw(2.0)).evidence == "ratio 2.00, n = 1"
+    assert verdicts.above_one("x", FEW).evidence == "ratio 2.00 [2.00, 2.00], n = 2"
+    assert verdicts.above_one("x", exact(2.0)).evidence == "ratio 2.00"
 
 
 def test_never_is_never_proven() -> None:
@@ -70,6 +85,15 @@ def test_never_is_never_proven() -> None:
     few = verdicts.never("x", 0, 150, "answers are wrong", 10)
     assert few.outcome == OPEN and few.evidence.endswith("below 26 % at 95 %, from 10 independent trials")
     assert verdicts.never("x", 0, 99, "cases").line().startswith("Claim: x. Here: not refuted (0 of 99 cases; the rate is below")
+
+
+def test_never_against_the_rate_of_a_variant() -> None:
+    """Thirty trials leave 9.5 %."""
+    def of(bar: float) -> verdicts.Verdict:
+        return verdicts.never("x", 0, 6000, "answers are wrong", 30, bar, "of variants")
+    assert of(0.1).outcome == NOT_REFUTED and of(0.09).outcome == OPEN and of(0.0038).outcome == OPEN
+    assert of(0.0038).evidence.endswith("from 30 independent trials, against 0.38 % of variants")
+    assert verdicts.never("x", 1, 6000, "answers are wrong", 30, 0.5).outcome == FAILS
 
 
 def test_all_of_a_known_number() -> None:
@@ -120,6 +144,7 @@ def test_greatest() -> None:
     assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
     assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
     assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # nothing is known of one place
+    assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", OPEN, "at 0, n = 1")
     assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves: no proof
 
 
@@ -132,6 +157,20 @@ def test_least_among() -> None:
     # One-sided 2^-6 times four rivals is above 5 %.
     six = [(ratio(0.5, 6),)] + [(ratio(2.0, 6),)] * 3
     assert of(*six[:3], among=1) == FAILS and of(*six, among=1) == OPEN
+
+
+def test_least_among_tells_level_from_less() -> None:
+    """Eight rivals: below 1 in all of six rounds is 8 / 2^6; in all of ten it is enough."""
+    def evidence(rounds: int, odd: int = 0) -> str:
+        first = (ratio(0.5, rounds, odd),)
+        return verdicts.least_among("x", [("a", first), *[(c, (ratio(1.1, 10, odd=4),)) for c in "bcdefg"], ("h", (FASTER,))],
+                                    "a", ["5"]).evidence
+    assert evidence(6) == ("least at a; less time, but no less than one of 8 may take by chance: a; "
+                           "not separated from it: b, c, d, e, f, g")
+    assert "faster than 5: a" in evidence(10) and "not separated from it: a, b" in evidence(10, 3)
+    few = verdicts.least_among("x", [(c, (ratio(0.5, 6),)) for c in "abcdefgh"], "a", ["5"])
+    assert few.outcome == OPEN and few.evidence.endswith("n = 6 cannot refute it for 8 rivals")
+    assert "refute" not in evidence(6)  # seven of them have ten rounds
 
 
 def test_least_among_errs_seldom() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,6 +50,22 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
     assert first[1] == "1577" and "half a standard deviation" in text
 
 
+def test_table2_pairs_seeds(make: Make) -> None:
+    """Ten seeds, twice as long and three times the work without culling; of one seed, no more than one draw."""
+    for seeds, ratio, found in ((10, "3.00 [3.00, 3.00]", "it holds"), (1, "3.00 (not separated, n = 1)", "it is not separated")):
+        file = ResultFile("zhang2017_table2", cpu=1.0)
+        for seed in range(1, seeds + 1):
+            for label, factor in (("ohd_without_culling", 2), ("ohd", 1)):
+                file.case("ohd", "pair 1", [0.001 * factor * seed] * 6, label=label, lower=0.5, upper=0.5, rounds=6,
+                          options={"seed": seed, "culling": "none" if factor == 2 else "exact"}, prepare_seconds=0.0,
+                          counters={"point_distances": 100 * seed * (2 * factor - 1)})
+        _, rows, text = make(file)
+        header, first = rows["pair"][0], rows["1"][0]
+        assert first[header.index("here: ratio")] == "2.00 [2.00, 2.00]" and first[header.index("distances: ratio")] == ratio
+        assert f"Counted in distances {found} (above 1 for {int(seeds > 1)} of 1 pairs" in text
+        assert ("paired by seeds" in text) == (seeds > 1)
+
+
 def test_fig8_finds_the_best_depth(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.fig8())
     assert "3K points: NOHD is fastest at depth 5 or 6. Here it holds (least at 5). Counted in distances it is not" in text
@@ -89,6 +106,19 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
     assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0"
     assert "NOHD: built once and used for all 21 poses, 2500 ms saved" in text
     assert sum(r["status"] == "timeout" for r in records) == 1
+
+
+def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
+    file = synthetic_zhang.fig10()
+    for case in file.cases:
+        if case["solver"] != "nohd":
+            case["options"] = '{"seed": 1}'
+    _, rows, text = make(file)
+    header, apart = rows["models"][0], rows["ring, boxes apart"][0]
+    assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0 (not separated, n = 1)"
+    for claim in ("peaks where the models overlap most", "boxes are apart, NOHD takes less time", "0.33, OHD takes less time than"):
+        line = next(line for line in text.splitlines() if claim in line)
+        assert "Here it holds" in line and "Counted in distances it is not separated" in line and ", n = 1)" in line
 
 
 def test_motion_contradicts(make: Make) -> None:
@@ -170,6 +200,26 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
     assert "sqrt 3 times that apart) (its wrong answers here: 1 too small)" in text
     assert "without cmin = 0 (its wrong answers here: 3 too large)" in text
     assert sum(r["status"] == "unsound" for r in records) == 4
+
+
+@pytest.mark.parametrize(("seeds", "bad_blocks", "outcome"), [
+    (4, 20, "not refuted"), (4, 2, "not separated"), (1, 20, "not separated"), (4, 0, "not refuted")])
+def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: int, outcome: str, make: Make) -> None:
+    """As printed, seed 3 is wrong in so many of 40 blocks of poses: 7.2 % is what 40 without an error leave. The mended one with
+    seed 1 alone is never asked where the printed one is wrong, and has 10 blocks, which leave 26 %.
+    """
+    file = ResultFile("zhang2017_as_printed")
+    for pose in range(0, 200, 5):
+        for seed in range(1, 5):
+            wrong = seed == 3 and pose < 5 * bad_blocks
+            file.case("ohd_as_printed", "clouds", [0.1], pose_index=pose, options={"seed": seed}, lower=1.0, upper=1.0,
+                      status="unsound" if wrong else "ok", certified=0)
+            if seed <= seeds and (seeds > 1 or pose < 50):
+                file.case("ohd", "clouds", [0.1], pose_index=pose, options={"seed": seed}, lower=1.0, upper=1.0)
+    claim = next(line for line in make(file)[2].splitlines() if "OHD with cells of diagonal" in line)
+    assert f"Here: {outcome} (" in claim
+    share = {20: "50", 2: "5.0"}.get(bad_blocks) if seeds > 1 else None
+    assert (f"against {share} % of such trials in which OHD as printed is wrong" in claim) if share else "against" not in claim
 
 
 def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
@@ -282,7 +332,28 @@ def test_memory_grows(make: Make) -> None:
     assert grown[header.index("k-d tree (nanoflann)")] == "—"
     assert rows["similar"][0][header.index("INC")] == "2.00" and rows["similar"][0][-2:] == ["105", "1.00"]
     assert rows["similar"][0][header.index("scan (ours)")] == "crashed"
-    assert "Here it holds (1M points each: INC 2000 MiB, next k-d tree (nanoflann) 8.00 MiB)" in text
+    assert ("Here: not separated (1M points each: INC 2000 MiB, next k-d tree (nanoflann) 8.00 MiB, scan (ours) crashed)"
+            in text)
+
+
+@pytest.mark.parametrize(("status", "tree", "limit", "outcome", "evidence"), [
+    ("out_of_memory", 80.0, 200, "it does not hold", "next k-d tree (nanoflann) 80.0 MiB, scan (ours) out of memory at 200 MiB"),
+    ("out_of_memory", 80.0, 100, ": not separated", "scan (ours) out of memory at 100 MiB"),  # as much as INC took
+    ("out_of_memory", None, 200, "it does not hold", "INC 100 MiB, scan (ours) out of memory at 200 MiB"),
+    ("timeout", 80.0, 200, ": not separated", "next k-d tree (nanoflann) 80.0 MiB, scan (ours) timeout"),
+    ("timeout", None, 200, ": not separated", "INC 100 MiB, scan (ours) timeout"),
+    ("timeout", 120.0, 200, "it does not hold", "next k-d tree (nanoflann) 120 MiB, scan (ours) timeout")])
+def test_a_rival_without_a_peak_is_no_lesser_one(status: str, tree: float | None, limit: int, outcome: str, evidence: str,
+                                                 make: Make) -> None:
+    file = ResultFile("zhang2017_memory")
+    common: dict[str, Any] = {"lower": 1.0, "upper": 1.0, "memory_limit_bytes": limit * 2**20}
+    for solver, peak in (("inc", 100.0), ("kdtree", tree)):
+        if peak is not None:
+            file.case(solver, "similar, 1M", [0.1], peak_bytes=int(peak * 2**20), **common)
+    file.case("scan", "similar, 1M", status=status, memory_limit_bytes=limit * 2**20)
+    _, _, text = make(file)
+    claim = next(line for line in text.splitlines() if "INC needs more memory" in line)
+    assert f"Here{'' if outcome[0] == ':' else ' '}{outcome} (" in claim and claim.endswith(f"{evidence}).")
 
 
 @pytest.mark.parametrize(("inc", "other", "outcome"), [
