@@ -1,11 +1,14 @@
 """README's table of where the point solvers win, from the tables in results/reference/. `python3 -m analysis.winners`
 writes it between two marks in README.md; analysis.paper_profile does so whenever it writes those tables.
 
-A solver wins a scene where its interval lies below the interval of every other. Claims are the verdicts of the tables.
+A solver wins a scene where its interval lies below the interval of every other. Nobody wins where a solver has a single time,
+which has no interval, or where the note of the table promises less than 95 % for its intervals; a line below the table says how
+many scenes that are. Claims are the verdicts of the tables.
 """
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Sequence
@@ -38,6 +41,7 @@ class Section:
     header: list[str] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     claims: list[tuple[str, str]] = field(default_factory=list)  # claim, outcome
+    sure: bool = False  # its intervals are of 95 %, as tables.coverage_note says
 
 
 def sections(text: str) -> dict[str, Section]:
@@ -54,16 +58,18 @@ def sections(text: str) -> dict[str, Section]:
                 section.header = cells
         elif match := re.match(r"- Claim: (.*?)\. Here(?::| it) (.*?) \(", line):
             section.claims.append((match[1], match[2]))
+        elif "intervals in brackets (95 %)" in line:
+            section.sure = True
     return found
 
 
 def interval(text: str) -> tuple[float, float, float] | None:
-    """Of '2.00 [1.93, 2.08]' or '80.0', whose ends are then unknown: 2, 1.93, 2.08. None for 'timeout' and the like."""
-    match = re.match(r"([\d.]+)(?: \[([\d.]+), ([\d.]+)\])?$", text)
+    """Of '2.00 [1.93, 2.08]': 2, 1.93, 2.08. Of '80.0', whose ends are unknown: 80, NaN, NaN. None for 'timeout' and the like."""
+    digits = r"(\d[\d.]*(?:e[-+]?\d+)?)"  # as tables.number writes them
+    match = re.match(rf"{digits}(?: \[{digits}, {digits}\])?$", text)
     if not match:
         return None
-    value = float(match[1])
-    return (value, float(match[2]), float(match[3])) if match[2] else (value, value, value)
+    return float(match[1]), float(match[2] or math.nan), float(match[3] or math.nan)
 
 
 def name_of(title: str) -> str:
@@ -71,17 +77,39 @@ def name_of(title: str) -> str:
     return f"`{names[title]}`" if title in names else title
 
 
-def race(section: Section, mark: str) -> tuple[dict[str, list[float]], int]:
-    """By winner, how many times over the next best, of each scene it wins; and how many scenes there are."""
+@dataclass
+class Race:
+    """The scenes of a table."""
+
+    scenes: int = 0
+    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: of each scene how many times over the next best
+    unjudged: int = 0  # scenes in which nobody can win
+    unknown: list[str] = field(default_factory=list)  # what has single times in them
+    least: dict[str, int] = field(default_factory=dict)  # in how many of them this interval lies below all else
+
+
+def race(section: Section, mark: str) -> Race:
     titles = {i: title for i, title in enumerate(section.header)
               if title in {look.title for look in style.LOOKS.values()} | set(TITLES.values())}
     rows = [row for row in section.rows if len(row) > 1 and row[1] == mark]
-    won: dict[str, list[float]] = {}
+    found = Race(len(rows))
     for row in rows:
         known = sorted((x, titles[i]) for i in titles if (x := interval(row[i])))
-        if len(known) > 1 and known[0][0][2] < min(x[1] for x, _ in known[1:]):
-            won.setdefault(name_of(known[0][1]), []).append(known[1][0][0] / known[0][0][0])
-    return won, len(rows)
+        if len(known) < 2:
+            continue
+        single = [title for x, title in known if math.isnan(x[1])]
+        best, winner = known[0][0], name_of(known[0][1])
+        judged = section.sure and not single
+        if not judged:
+            found.unknown += [title for title in single if title not in found.unknown]
+            found.unjudged += 1
+        if not best[2] < min(x[0] if math.isnan(x[1]) else x[1] for x, _ in known[1:]):
+            continue
+        if judged:
+            found.won.setdefault(winner, []).append(known[1][0][0] / best[0])
+        elif section.sure:
+            found.least[winner] = found.least.get(winner, 0) + 1
+    return found
 
 
 def victories(found: dict[str, Section]) -> dict[str, list[str]]:
@@ -89,12 +117,44 @@ def victories(found: dict[str, Section]) -> dict[str, list[str]]:
     for stem, mark, what in RACES:
         if stem not in found:
             continue
-        won, of = race(found[stem], mark)
-        for solver, factors in won.items():
+        seen = race(found[stem], mark)
+        for solver, factors in seen.won.items():
             low, high = tables.number(min(factors), 2), tables.number(max(factors), 2)
-            texts.setdefault(solver, []).append(f"{len(factors)} of the {of} {what}, {low if low == high else f'{low} to {high}'}"
+            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {what}, {low if low == high else f'{low} to {high}'}"
                                                 " times over the next best")
     return texts
+
+
+def unjudged(found: dict[str, Section]) -> list[str]:
+    """Why scenes have no winner, one line a table."""
+    lines = []
+    for stem, mark, what in RACES:
+        seen = race(found[stem], mark) if stem in found else Race()
+        if not seen.unjudged:
+            continue
+        why = (f"{' and '.join(seen.unknown)} {'have' if len(seen.unknown) > 1 else 'has'} single times there, without an interval"
+               if seen.unknown else "their intervals are of less than 95 %")
+        least = "".join(f"; the interval of {solver} lies below all intervals and single times in {count} of them"
+                        for solver, count in seen.least.items())
+        lines.append(f"No winner in {seen.unjudged} of the {seen.scenes} {what}: {why}{least}.")
+    return lines
+
+
+def left_out(found: dict[str, Section]) -> str:
+    """How many claims the table does not show, and where they are."""
+    counts = {stem: sum(owner_of(claim) is None for claim, _ in section.claims) for stem, section in found.items()}
+    many = {stem: count for stem, count in counts.items() if count}
+    if not many:
+        return ""
+    return (f"{sum(many.values())} more claims, and what came out, are below the tables in `results/reference`: "
+            + ", ".join(f"{stem} ({count})" for stem, count in many.items()) + ".")
+
+
+def owner_of(claim: str) -> str | None:
+    """The solver in whose row the claim stands; None if the table leaves it out."""
+    if any(part in claim for part in SKIPPED):
+        return None
+    return next((solver for part, solver in CLAIMS if re.search(part, claim)), None)
 
 
 def verdicts(found: dict[str, Section]) -> dict[str, list[str]]:
@@ -102,8 +162,8 @@ def verdicts(found: dict[str, Section]) -> dict[str, list[str]]:
     grouped: dict[str, dict[str, dict[str, list[str]]]] = {}
     for section in found.values():
         for claim, outcome in section.claims:
-            owner = next((solver for part, solver in CLAIMS if re.search(part, claim)), None)
-            if owner is None or any(part in claim for part in SKIPPED):
+            owner = owner_of(claim)
+            if owner is None:
                 continue
             scene, _, text = claim.rpartition(": ")
             grouped.setdefault(owner, {}).setdefault(text, {}).setdefault(outcome, []).append(scene)
@@ -121,7 +181,8 @@ def table(folder: Path = REFERENCE) -> str:
     lines = ["| solver | fastest | what is claimed for or of it, and what came out here |", "| --- | --- | --- |"]
     for solver in solvers:
         lines.append(f"| {solver} | {'; '.join(won.get(solver, ['nowhere']))} | {'; '.join(claims.get(solver, [])) or tables.NOTHING} |")
-    return "\n".join(lines)
+    notes = [*unjudged(found), left_out(found)]
+    return "\n".join(lines + [line for note in notes if note for line in ("", note)])
 
 
 def rewritten(readme: str, text: str) -> str:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from analysis import winners
+from analysis import tables, winners
+from analysis.statistics import median
 
 TABLE3 = """## zhang2017_table3
 
@@ -20,6 +21,7 @@ TABLE3 = """## zhang2017_table3
 | (b) cow | here | 1 / 1 | 1.00 [0.900, 1.10] | timeout | 3.00 [2.90, 3.10] | 9.00 |
 | (c) cups | here | 1 / 1 | 1.00 [0.900, 1.10] | 1.05 [1.00, 1.10] | 3.00 [2.90, 3.10] | 9.00 |
 
+- Medians of n = 10 rounds, with order-statistic intervals in brackets (95 %).
 - Claim: the framework takes less time than INC. Here it does not hold (above 1 for 0 of 3 pairs). Counted in distances it holds (1).
 """
 
@@ -42,6 +44,44 @@ def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
     assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times over the next best | — |" in lines
     assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best | — |" in lines
     assert "| `adaptive` | nowhere | the framework takes less time than INC: does not hold |" in lines
+
+
+def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
+    """On (a) the tree has a single time, above or below all intervals; the other scenes stay as they are."""
+    for time, least in (("4.00", "; the interval of `scan` lies below all intervals and single times in 1 of them"), ("0.100", "")):
+        text = winners.table(kept(tmp_path, TABLE3.replace("4.00 [3.00, 5.00]", time)))
+        assert "| `scan` | nowhere |" in text and "| `kdtree` | nowhere" not in text.replace("`kdtree` | 1", "")
+        assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best |" in text
+        assert ("\n\nNo winner in 1 of the 3 pairs of Table 3: k-d tree (nanoflann) has single times there, without an interval"
+                f"{least}.") in text
+
+
+@pytest.mark.parametrize("rounds", [2, 5])
+def test_nobody_wins_by_intervals_of_less_than_95_percent(rounds: int, tmp_path: Path) -> None:
+    """The note is that of tables.coverage_note, for six rounds as for fewer."""
+    old = "Medians of n = 10 rounds, with order-statistic intervals in brackets (95 %)."
+    few, enough = (tables.coverage_note([median([1.0 + i for i in range(n)])]) for n in (rounds, 6))
+    text = winners.table(kept(tmp_path, TABLE3.replace(old, few)))
+    assert text.count("over the next best") == 0
+    assert "No winner in 3 of the 3 pairs of Table 3: their intervals are of less than 95 %." in text
+    assert winners.table(kept(tmp_path, TABLE3.replace(old, enough))).count("over the next best") == 2
+
+
+def test_small_times_have_exponents(tmp_path: Path) -> None:
+    assert winners.interval("1.2e-05 [1.1e-5, 1.3e-05]") == (1.2e-5, 1.1e-5, 1.3e-5)
+    assert winners.interval("timeout") is None and winners.interval("1.10 (not separated)") is None
+    value = winners.interval(tables.estimate(median([1e-6 * (i + 1) for i in range(6)])))
+    assert value is not None and value[1:] == (1e-6, 6e-6)
+    text = TABLE3.replace("1.05 [1.00, 1.10]", "1.2e-5 [1.1e-5, 1.3e-5]")
+    assert "| `scan` | 2 of the 3 pairs of Table 3" in winners.table(kept(tmp_path, text))
+
+
+def test_claims_left_out_are_counted(tmp_path: Path) -> None:
+    assert "more claims" not in winners.table(kept(tmp_path))
+    text = TABLE3 + "- Claim: 3K points: NOHD is fastest at depth 5 or 6. Here it holds (x).\n" \
+        "- Claim: time increases with the numbers of points. Here it holds (x).\n"
+    assert ("\n\n2 more claims, and what came out, are below the tables in `results/reference`: zhang2017_table3 (2)."
+            in winners.table(kept(tmp_path, text)))
 
 
 def test_the_table_follows_the_data(tmp_path: Path) -> None:
