@@ -15,12 +15,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables, verdicts
+from analysis.cells import takes_seed
 from analysis.load import ResultError, Results, machine_line
 from analysis.statistics import median
 from analysis.verdicts import Verdict
 
 STEM = "cliffs"
 MOST: Final = 4.0  # times the work of ratio 1: more is a cliff
+FLAT: Final = 1.02  # work that differs by no more has stopped growing
 COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
                   "polynomial_evaluations")
 ANSWERED: Final = ("ok", "floor")
@@ -137,6 +139,33 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
     return Verdict(text, outcome, "; ".join(evidence))
 
 
+def flat_from(rows: Sequence[Row]) -> Row | None:
+    """The first of at least three ratios, up to the last, whose work differs by at most FLAT; None where it goes on changing."""
+    for i in range(len(rows) - 2):
+        work = [row.work for row in rows[i:]]
+        if all(map(math.isfinite, work)) and max(work) <= FLAT * min(work):
+            return rows[i]
+    return None
+
+
+def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list[str]:
+    """Where moving A away makes a cliff after which work is flat: by how much, from where on, and why if the counters tell."""
+    found, nodes = [], results.cases.counters.get("node_visits")
+    for (key, label), rows in curves.items():
+        factor, start = largest(rows, "work")[0], flat_from(rows)
+        if not key.endswith("_away") or not factor > MOST or start is None or start is rows[0]:
+            continue
+        text = (f"{FAMILIES[key].title}: the work of {titles[label]} grows {tables.number(factor)} times and is flat from ratio "
+                f"{power(start.ratio)} on")
+        far = rows[rows.index(start):]
+        if results.cases.solver[start.case] == "ohd" and nodes is not None and nodes[rows[0].case] > 0 \
+                and not any(nodes[row.case] for row in far):
+            text += (". There it visits no node of its octree, whose cells are split only until they are as small as the first "
+                     "lower bound: that is larger than B, so each search goes through the points of B one by one")
+        found.append(text + ".")
+    return found
+
+
 def power(ratio: float) -> str:
     """'1e6' of a ratio, '32' of a degree."""
     exponent = math.log10(ratio)
@@ -170,12 +199,20 @@ def make(results: Results, out: Path) -> list[Path]:
     silent = [titles[label] for label, work in answers.items() if work and all(map(math.isnan, work))]
     table.notes += [
         "Work: distances, bounds, nodes of trees and polynomial bounds together, of one solve."
-        + f" No counts, time alone: {', '.join(silent)}." * bool(silent),
+        + f" No counts, time alone: {', '.join(silent)}." * bool(silent)
+        + f" {titles.get('kdtree')}, a peer, counts distances alone, and neither the nodes nor the bounds of its tree."
+        * any(not math.isnan(work) for work in answers.get("kdtree", [])) + one_seed(results, curves, titles),
+        *away_notes(results, curves, titles),
         "Time: preparing and solving. Ratio: a distance in the scene over the diagonal of the rest of it; base over height "
         "of a needle; degree of a surface, from 4 on; 1 / tolerance, from 10 on. A case may take "
         f"{tables.number(float(results.cases.case_seconds_limit[0]))} s.",
         f"Measured on {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(curves, labels), out, STEM, table.caption)
+
+
+def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:
+    drawn = {titles[label]: None for (_, label), rows in curves.items() if takes_seed(results, rows[0].case)}
+    return f" Of one seed, so one draw: {', '.join(drawn)}." * bool(drawn)
 
 
 def table_cells(rows: Sequence[Row]) -> list[str]:

@@ -49,6 +49,40 @@ def test_verdicts_come_from_the_data(make: Make) -> None:
     assert "work of CGAL" not in text and "No counts, time alone: CGAL." in text
 
 
+def away(work: list[int], nodes: list[int], solver: str = "ohd") -> synthetic.ResultFile:
+    """A moved away; work in all, and how much of it is nodes."""
+    file = synthetic.cliffs()
+    for k, (all_work, visited) in enumerate(zip(work, nodes)):
+        file.case(solver, "points_away", [0.01], lower=0.5, upper=0.5, pose_index=k, options={"seed": 1},
+                  pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 100.0**k, 0, 0],
+                  counters={"point_distances": all_work - visited, "node_visits": visited})
+    return file
+
+
+def test_growth_that_ends_is_told_with_its_reason(make: Make) -> None:
+    _, _, text = make(away([1000, 9000, 11_010, 11_000, 11_005], [100, 50, 0, 0, 0]))
+    assert "points, A moved away: the work of OHD grows 11.0 times and is flat from ratio 1e4 on. There it visits no node" in text
+    assert "Of one seed, so one draw: OHD." in text
+
+
+@pytest.mark.parametrize(("work", "nodes", "solver", "flat", "why"), [
+    ([1000, 11_000, 11_000, 11_000], [100, 0, 0, 10], "ohd", True, False),  # it visits nodes there
+    ([1000, 11_000, 11_000, 11_000], [0, 0, 0, 0], "ohd", True, False),  # it did not before either
+    ([1000, 11_000, 11_000, 11_000], [100, 0, 0, 0], "nohd", True, False),
+    ([1000, 11_000, 12_000, 13_000], [100, 0, 0, 0], "ohd", False, False),  # it goes on growing
+    ([1000, 3900, 3900, 3900], [100, 0, 0, 0], "ohd", False, False)])  # no cliff
+def test_growth_is_worked_out(work: list[int], nodes: list[int], solver: str, flat: bool, why: bool, make: Make) -> None:
+    _, _, text = make(away(work, nodes, solver))
+    assert ("and is flat from ratio 100 on." in text) == flat and ("visits no node" in text) == why
+
+
+def test_the_tree_of_a_peer_counts_distances_alone(make: Make) -> None:
+    file = synthetic.cliffs()
+    assert "counts distances alone" not in make(file)[2]
+    file.case("kdtree", "points_stray_in_B_1e00", [0.01], lower=0.5, upper=0.5, counters={"point_distances": 7})
+    assert "k-d tree (nanoflann), a peer, counts distances alone, and neither the nodes nor" in make(file)[2]
+
+
 @pytest.mark.parametrize(("work", "outcome"), [(4000, "holds"), (4001, "does not hold")])
 def test_verdict_at_the_limit(work: int, outcome: str) -> None:
     rows = [cliffs.Row(0, 1.0, 1000.0, 1.0, "ok"), cliffs.Row(1, 1e12, float(work), 1.0, "ok")]
