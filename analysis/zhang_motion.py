@@ -2,11 +2,13 @@
 
 Neighbouring poses are alike, and one process answers all poses of a round. So no test counts poses: each round gives one
 number (the median over the poses of a kind), and the interval is over rounds. It speaks of these poses, not of others.
+Of a solver with several seeds the times are those of the first; counted work has one number a seed.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -33,7 +35,8 @@ COMPARED: Final = (("apart", "earlybreak", "nohd", "where the boxes are apart, N
 class Pose:
     index: int
     shift: float  # along x
-    rows: dict[str, int]  # by label
+    rows: dict[str, int]  # by label; of several seeds the first
+    seeds: dict[str, list[int]]  # by label: all rows, by seed
     regime: str
     distance: float
 
@@ -44,13 +47,14 @@ class Motion:
     def __init__(self, results: Results, scene: str) -> None:
         cases = results.cases
         self.results, self.scene = results, scene
-        by_pose: dict[int, dict[str, int]] = {}
-        for row in results.rows(scene=scene):
-            by_pose.setdefault(int(cases.pose_index[row]), {})[str(cases.label[row])] = int(row)
+        by_pose: dict[int, dict[str, list[int]]] = {}
+        for row in sorted(map(int, results.rows(scene=scene)), key=lambda row: int(results.options(row).get("seed", 0))):
+            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(str(cases.label[row]), []).append(row)
         self.poses = []
-        for index, rows in sorted(by_pose.items()):
+        for index, seeds in sorted(by_pose.items()):
+            rows = {label: own[0] for label, own in seeds.items()}
             first = next(iter(rows.values()))
-            self.poses.append(Pose(index, float(cases.pose[first][9]), rows, _regime(results, rows),
+            self.poses.append(Pose(index, float(cases.pose[first][9]), rows, seeds, _regime(results, rows),
                                    float(np.mean(results.reference_of(first)))))
         first = int(results.rows(scene=scene)[0])
         self.sizes = f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}"
@@ -64,16 +68,31 @@ class Motion:
         return median(list(self.rounds(pose, label).values()))
 
     def work(self, pose: Pose, label: str, what: str) -> float:
-        """NaN where there is no answer, or nothing is counted."""
-        row, counters = pose.rows.get(label), self.results.cases.counters
-        if row is None or self.results.cases.status[row] != "ok":
-            return math.nan
-        return float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) or math.nan
+        """Of the first seed; NaN where there is no answer, or nothing is counted."""
+        return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
 
-    def work_ratio(self, ratio: float, *labels: str) -> Estimate:
-        """Of counted work: exact, but where one of these solvers has a seed, and each has one here."""
-        rows = [pose.rows[label] for pose in self.poses[:1] for label in labels if label in pose.rows]
-        return one_draw(ratio) if any(takes_seed(self.results, row) for row in rows) else exact(ratio)
+    def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
+        """Empty where one of the seeds has no answer: to leave it out would leave out one that is slow."""
+        rows, counters = pose.seeds.get(label, []), self.results.cases.counters
+        if any(self.results.cases.status[row] != "ok" for row in rows):
+            return []
+        return [float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) for row in rows]
+
+    def work_ratio(self, poses: Sequence[tuple[Pose, Pose]], slow: str, fast: str, what: str, chosen: bool = False) -> Estimate:
+        """The median over these poses of the ratio of counted work: exact of solvers that take no seed, else one number a seed.
+        Where the poses were chosen by the counts of the first seed, that one is left out.
+        """
+        known = [(a, b) for p, q in poses
+                 if (a := self.work_by_seed(p, slow, what)) and (b := self.work_by_seed(q, fast, what)) and min(a + b) > 0]
+        if not known:
+            return NO_DATA
+        seeds = min((len(x) for pair in known for x in pair if len(x) > 1), default=1)
+        ratios = [float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in known])) for i in range(seeds)]
+        alone = [p.rows[label] for pair in poses for p, label in zip(pair, (slow, fast)) if len(p.seeds.get(label, [])) == 1]
+        if any(takes_seed(self.results, row) for row in alone):
+            return one_draw(ratios[0])
+        used = ratios[1 if chosen else 0:]
+        return paired_ratio(used, [1.0] * len(used)) if seeds > 1 else exact(ratios[0])
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
         """Of each pose of the regime at which all of these were timed."""
@@ -86,9 +105,7 @@ class Motion:
         """
         poses = [pose for pose in self.poses if pose.regime == regime]
         if what:
-            ratios = [self.work(p, slow, what) / self.work(p, fast, what) for p in poses]
-            known = [x for x in ratios if math.isfinite(x)]
-            return self.work_ratio(float(np.median(known)), slow, fast) if known else NO_DATA
+            return self.work_ratio([(p, p) for p in poses], slow, fast, what)
         pairs = [(self.rounds(p, slow), self.rounds(p, fast)) for p in poses]
         pairs = [pair for pair in pairs if all(pair)]
         shared = set.intersection(*[a.keys() & b.keys() for a, b in pairs]) if pairs else set[int]()
@@ -111,7 +128,8 @@ class Motion:
 
     def peak(self, label: str) -> Verdict:
         """The time is greatest where the models overlap most, that is where the distance is least. Which pose there, and
-        which elsewhere refutes it, is chosen by counted work: to choose by the times that are compared would err too often.
+        which elsewhere refutes it, is chosen by counted work: to choose by the times that are compared would err too often. So
+        it would by the counts that are compared: of several seeds the first chooses, and the others are compared.
         """
         claim = f"{self.scene}: the time of {style.look(label).title} peaks where the models overlap most"
         timed = [p for p in self.poses if self.time(p, label).n]
@@ -131,7 +149,7 @@ class Motion:
 
         def ratio(a: Pose, b: Pose, what: str) -> Estimate:
             if what:
-                return self.work_ratio(self.work(a, label, what) / self.work(b, label, what), label)
+                return self.work_ratio([(a, b)], label, label, what, chosen=True)
             return ratio_by_round(self.rounds(a, label), self.rounds(b, label))
 
         if not far or not all(math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES):
@@ -140,12 +158,13 @@ class Motion:
 
     def reuse(self) -> list[str]:
         """What the ledger says of structures, one text a solver."""
-        ledger, found = self.results.ledger, []
+        ledger, found = self.results.ledger, dict[str, str]()
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject == f"{pair[1]} on {self.scene}"), None)
             if solver and what == "structures for each pose":
-                found.append(f"{style.look(*solver).title}: {reason}, {tables.number(1000 * seconds)} ms saved")
-        return found
+                title = style.look(*solver).title
+                found.setdefault(title, f"{title}: {reason}, {tables.number(1000 * seconds)} ms saved")
+        return list(found.values())
 
 
 def _regime(results: Results, rows: dict[str, int]) -> str:
@@ -195,9 +214,9 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
     table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],
                    "A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
                    f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (95 % from six on). The band in the "
-                   "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others one seed is "
-                   "counted here, one draw (n = 1), which separates nothing. Which poses stand for the peak is chosen "
-                   "by counted work. α is the overlap of the boxes, as a fraction of the smaller one. " + clock_note(results),
+                   "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others there is one "
+                   "number a seed, and one seed (n = 1) separates nothing. Times are of the first seed. Which poses stand for "
+                   "the peak is chosen by counted work, of the first seed. α is the overlap of the boxes, as a fraction of the smaller one. " + clock_note(results),
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
