@@ -98,6 +98,23 @@ TEST(PointTriangle, AnyGuessGivesALowerBound) {
     EXPECT_GT(told, 1000);
 }
 
+// A guess far away in the direction of the point. Products with differences of a few 2^-625 are multiples of 2^-1074, and
+// are rounded up as often as down: the quotient is then longer than the distance, and not by a rounding error.
+TEST(PointTriangle, AnyGuessGivesALowerBoundWhereProductsUnderflow) {
+    Random random(7);
+    int longer = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 direction = random.vector(), p = random.real(1, 8) * 0x1p-626 * direction, q = -0x1p-447 * direction;
+        const Triangle t{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+        const exact::Rational squared = exact::squared_distance(exact::vector(p), exact::vector(Vec3(t.a)));
+        const exact::Rational low = distance_certainly_at_least(p, t, q);
+        ASSERT_TRUE(low * low <= squared) << i;
+        const exact::Rational quotient = dot(p - q, p) / std::sqrt(squared_length(p - q)) * (1 - 0x1p-20);
+        longer += quotient * quotient > squared;
+    }
+    EXPECT_GT(longer, 500) << "the points do not show what they are for";
+}
+
 // Where coordinates are so large that the foot is off by more than the certificate loses: a second triangle, a point, is
 // then nearer than the first one, although its box seems farther.
 TEST(PointTriangle, CertifiedDistancesHoldForAllTriangles) {

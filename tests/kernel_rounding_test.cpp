@@ -146,11 +146,39 @@ TEST(SurfaceDistance, UpperBoundsCoverTheKernelAndTheMidpoints) {
     });
 }
 
+// As far apart as two points of magnitude M can be, where the sum is rounded by most; and where the square underflows.
+TEST(SurfaceDistance, UpperBoundsCoverTheRoundingOfTheSum) {
+    Random random(8);
+    for (int i = 0; i < 20000; ++i) {
+        const double magnitude = random.real(1, 2),
+                     away = i % 2 ? 2 * std::sqrt(3.0) * random.unit() : random.real(0, 1e-15);
+        // The least square that a distance can have as computed: f = d (1 - 3.5u).
+        const Rational d = away * magnitude;
+        const double f = away * magnitude * (1 - 3.5 * unit_roundoff);
+        double squared = f * f;
+        while (Rational(squared) > Rational(f) * Rational(f)) squared = next_down(squared);
+        while (Rational(std::sqrt(squared)) < d * (1 - Rational(3.5) * Rational(unit_roundoff)))
+            squared = next_up(squared);
+        for (const int level : {0, 1, 7}) {
+            const Rational others = (7 + 2 * level) * Rational(unit_roundoff) * Rational(magnitude);
+            ASSERT_TRUE(Rational(surface_distance_at_most(squared, magnitude, level)) >= d + others) << i;
+        }
+    }
+    // The square of 1.2 2^-537 is 1.44 of the least double, and counts as one.
+    const double d = 1.2 * 0x1p-537, least = smallest_safe_magnitude;
+    ASSERT_LT(std::sqrt(d * d), d);
+    EXPECT_TRUE(Rational(surface_distance_at_most(d * d, least, 0)) >=
+                Rational(d) + 7 * Rational(unit_roundoff) * Rational(least));
+}
+
 TEST(SurfaceDistance, LowerBoundsCoverTheMidpoints) {
     Random random(7);
     for_each_chain([&](const Chain& chain, double magnitude) {
         for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 q = chain.rounded[k] + std::pow(10, random.real(-14, 0)) * random.vector();
+            // Near the corner, or at the opposite one of the cube, where the difference is rounded by most.
+            const bool opposite = random.below(2) == 0;
+            const Vec3 q = opposite ? Vec3(-magnitude * Vec3::Ones() + 0.1 * random.vector().cwiseAbs())
+                                    : Vec3(chain.rounded[k] + std::pow(10, random.real(-14, 0)) * random.vector());
             const Rational squared = exact::squared_distance(exact::vector(chain.rounded[k]), exact::vector(q));
             double certified = static_cast<double>(exact::root(squared));
             while (Rational(certified) * Rational(certified) > squared) certified = next_down(certified);

@@ -68,13 +68,16 @@ inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitu
 
 // closest_point (point_triangle.h) returns a point within 7uM of the triangle, at the computed squared distance s, which
 // errs as above; the underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 8uM bounds the exact distance.
+// The sum needs no next_up. Rounding it costs u (d + 8uM) at most, in first order, with d <= 2 sqrt(3) M < 3.5M.
+// distance_at_most is at least (1 + 0.9u) d: it uses 4u where 3.5u are needed, and its next_up adds 0.4u more than rounding
+// the product takes. The other 0.1ud < 0.4uM come from the eighth uM, of which underflow uses 2^-83 at most.
 //
 // A midpoint fl((a + b) / 2) errs by u |a + b| / 2 <= uM in each coordinate, below 2uM in length, and inherits no more
 // than the larger error of its ends: a vertex after k halvings is within 2kuM of the exact one. The exact pieces cover the
 // triangle, and the distance changes no more than the point moves.
 inline double surface_distance_at_most(double squared, double magnitude, int level) {
     if (magnitude == 0) return 0;
-    return next_up(distance_at_most(squared, false) + (8 + 2 * level) * unit_roundoff * magnitude);
+    return distance_at_most(squared, false) + (8 + 2 * level) * unit_roundoff * magnitude;
 }
 
 // A certified distance of the rounded vertex becomes one of the exact point of A that it stands for.
