@@ -1,11 +1,14 @@
-// The inner loop of EARLYBREAK (earlybreak.cpp), which OHD takes its first lower bound by, and the options of OHD.
+// The inner loop of EARLYBREAK, which OHD also uses for its first lower bound, and the options of OHD.
 #pragma once
 
+#include "kernel/deadline.h"
 #include "options.h"
 #include "points/exact.h"
 #include "points/shuffle.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hausbench {
 
@@ -25,17 +28,30 @@ struct ShuffledTarget {
     }
 };
 
-// One outer loop: point i of A against B until some distance is less than the largest so far, which is updated.
-inline void early_break(const Points& a, Index i, const ShuffledTarget& b, FarthestPoint& farthest,
-                        Counters& counters) {
-    FarthestPoint nearest{std::numeric_limits<double>::infinity(), i, -1};
-    for (std::size_t j = 0; j < b.order.size(); ++j) {
-        ++counters.point_distances;
-        const double squared = squared_distance(a.row(i).data(), b.points.row(static_cast<Index>(j)).data());
-        if (squared < farthest.squared) return;
-        if (squared < nearest.squared) nearest.squared = squared, nearest.target = b.order[j];
+// One outer loop: point i of A against B until some distance is less than the largest so far, which is updated. False if
+// time ran out before that; the point then counts as not looked at.
+inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
+                        FarthestPoint& farthest, Counters& counters) {
+    constexpr Index block = 4096;  // points of B between two looks at the clock
+    const double* point = a.row(i).data();
+    const auto count = static_cast<Index>(b.order.size());
+    double nearest = std::numeric_limits<double>::infinity();
+    Index at = -1;
+    for (Index begin = 0; begin < count; begin += block) {
+        if (deadline.passed()) return false;
+        const Index end = std::min(begin + block, count);
+        for (Index j = begin; j < end; ++j) {
+            const double squared = squared_distance(point, b.points.row(j).data());
+            if (squared < farthest.squared) {
+                counters.point_distances += static_cast<std::uint64_t>(j - begin + 1);
+                return true;
+            }
+            if (squared < nearest) nearest = squared, at = j;
+        }
+        counters.point_distances += static_cast<std::uint64_t>(end - begin);
     }
-    if (nearest.squared > farthest.squared) farthest = nearest;
+    if (nearest > farthest.squared) farthest = {nearest, i, b.order[static_cast<std::size_t>(at)]};
+    return true;
 }
 
 // The first ceil(lambda |A|) of a random order.

@@ -4,9 +4,7 @@
 // given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print lacks it and may
 // return a stale minimum). The exclusion of common points is h(A, B) = h(A \ B, B): the inner set stays the whole of B.
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
-#include "kernel/deadline.h"
-#include "points/exact.h"
-#include "points/shuffle.h"
+#include "points/early_break.h"
 #include "solver.h"
 
 #include <algorithm>
@@ -32,18 +30,14 @@ public:
         Generator random(seed_);
         const Points& b = points_of(scene.target);
         source_order_ = order_of(element_count(scene.source), shuffle_, random);
-        target_order_ = order_of(element_count(scene.target), shuffle_, random);
-        shuffled_target_.resize(b.rows(), 3);
-        for (Index j = 0; j < b.rows(); ++j)
-            shuffled_target_.row(j) = b.row(target_order_[static_cast<std::size_t>(j)]);
+        target_ = ShuffledTarget(b, shuffle_, random);
         if (!exclude_common_) return;
         for (Index j = 0; j < b.rows(); ++j) sorted_target_.push_back({key_of(b, j), j});
         std::sort(sorted_target_.begin(), sorted_target_.end());
     }
 
     std::size_t prepared_bytes() const override {
-        return (source_order_.capacity() + target_order_.capacity()) * sizeof(Index) +
-               static_cast<std::size_t>(shuffled_target_.size()) * sizeof(double) +
+        return source_order_.capacity() * sizeof(Index) + target_.bytes() +
                sorted_target_.capacity() * sizeof(sorted_target_[0]);
     }
 
@@ -59,8 +53,9 @@ public:
             const Index i = source_order_[static_cast<std::size_t>(row)];
             Status stopped = Status::converged;
             if (static_cast<std::uint64_t>(row) >= query.budget) stopped = Status::budget;
-            if (stopped == Status::converged && !excluded(a, i, farthest)) {
-                stopped = scan(a, i, deadline, farthest, counters);
+            if (stopped == Status::converged && !excluded(a, i, farthest) &&
+                !early_break(a, i, target_, deadline, farthest, counters)) {
+                stopped = Status::time_limit;
             }
             if (distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::cutoff_passed;
             if (stopped != Status::converged) {
@@ -82,34 +77,11 @@ private:
         return true;
     }
 
-    Status scan(const Points& a, Index i, const Deadline& deadline, FarthestPoint& farthest, Counters& counters) const {
-        constexpr Index block = 4096;  // points of B between two looks at the clock
-        const double* point = a.row(i).data();
-        const auto count = static_cast<Index>(shuffled_target_.rows());
-        double nearest = std::numeric_limits<double>::infinity();
-        Index at = -1;
-        for (Index begin = 0; begin < count; begin += block) {
-            if (deadline.passed()) return Status::time_limit;
-            const Index end = std::min(begin + block, count);
-            for (Index j = begin; j < end; ++j) {
-                const double squared = squared_distance(point, shuffled_target_.row(j).data());
-                if (squared < farthest.squared) {
-                    counters.point_distances += static_cast<std::uint64_t>(j - begin + 1);
-                    return Status::converged;
-                }
-                if (squared < nearest) nearest = squared, at = j;
-            }
-            counters.point_distances += static_cast<std::uint64_t>(end - begin);
-        }
-        if (nearest > farthest.squared) farthest = {nearest, i, target_order_[static_cast<std::size_t>(at)]};
-        return Status::converged;
-    }
-
     std::uint64_t seed_;
     bool shuffle_, exclude_common_;
     const Scene* scene_ = nullptr;
-    std::vector<Index> source_order_, target_order_;
-    Points shuffled_target_;
+    std::vector<Index> source_order_;
+    ShuffledTarget target_;
     std::vector<std::pair<std::array<double, 3>, Index>> sorted_target_;
 };
 

@@ -13,25 +13,14 @@
 // The octree is built once in A's frame, down to single points; `depth` cuts through it. Under motion a cell becomes the
 // box around the posed cell. O(|A| |B|) time at worst; O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
 // Budget: cells taken from the queue.
+#include "points/nohd.h"
 #include "kernel/deadline.h"
-#include "kernel/posed_box.h"
-#include "points/exact.h"
 #include "solver.h"
 
 #include <algorithm>
 
 namespace hausbench {
 namespace {
-
-struct Entry {
-    double squared_upper;
-    std::uint64_t number;  // of ties the first comes first
-    Cursor cell;
-
-    bool operator<(const Entry& other) const {
-        return squared_upper != other.squared_upper ? squared_upper < other.squared_upper : number > other.number;
-    }
-};
 
 // One query.
 class Search {
@@ -47,12 +36,12 @@ public:
           deadline_(query.time_limit) {}
 
     Result run() {
-        std::vector<Entry> queue{{std::numeric_limits<double>::infinity(), 0, root_of(tree_)}};
+        std::vector<NohdEntry> queue{{std::numeric_limits<double>::infinity(), 0, root_of(tree_)}};
         witness_cell_ = queue.front().cell;
         std::uint64_t taken = 0;
         while (!queue.empty()) {
             std::pop_heap(queue.begin(), queue.end());
-            const Entry head = queue.back();
+            const NohdEntry head = queue.back();
             if (head.squared_upper <= squared_lower_) break;
             Status stopped = Status::converged;
             if (taken++ >= query_.budget) stopped = Status::budget;
@@ -65,10 +54,12 @@ public:
                 continue;
             }
             for_each_part(tree_, head.cell, [&](const Cursor& part) {
-                double squared_upper = 0;
-                if (!bound(part, squared_upper)) return;
+                const Box box = posed_box(part.cell, query_.pose, a_box_);
+                const auto [upper, lower, undecided] = cell_to_points(box, b_, squared_lower_, early_break_, counters_);
+                if (!undecided) return;
+                if (lower > squared_lower_) squared_lower_ = lower, witness_cell_ = part;
                 ++counters_.queue_pushes;
-                queue.push_back({squared_upper, counters_.queue_pushes, part});
+                queue.push_back({upper, counters_.queue_pushes, part});
                 std::push_heap(queue.begin(), queue.end());
             });
         }
@@ -76,29 +67,6 @@ public:
     }
 
 private:
-    // Algorithm 4. False if no point of the cell can be farther than the lower bound, and early breaking found that out.
-    bool bound(const Cursor& cell, double& squared_upper) {
-        ++counters_.node_visits;
-        const Box box = posed_box(cell.cell, query_.pose, a_box_);
-        double upper = std::numeric_limits<double>::infinity(), lower = upper;
-        Index j = 0;
-        for (; j < b_.rows(); ++j) {
-            const Vec3 y = b_.row(j);
-            const double most = squared_distance_at_most(y, box);
-            upper = std::min(upper, most);
-            if (early_break_ && most <= squared_lower_) break;
-            lower = std::min(lower, squared_distance_to_box(y, box));
-        }
-        counters_.bound_tests += static_cast<std::uint64_t>(std::min<Index>(j + 1, static_cast<Index>(b_.rows())));
-        if (early_break_ && upper <= squared_lower_) return false;
-        if (lower > squared_lower_) {
-            squared_lower_ = lower;
-            witness_cell_ = cell;
-        }
-        squared_upper = upper;
-        return true;
-    }
-
     // Algorithm 5, for the points of a cell. False if time ran out.
     bool look_at_points(const Cursor& cell) {
         const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(cell.node)];
@@ -128,8 +96,7 @@ private:
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;
         if (!shown || squared_lower_ > std::max(farthest_.squared, 0.0)) {
-            const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(witness_cell_.node)];
-            const Index i = tree_.order()[static_cast<std::size_t>(node.first)];
+            const Index i = first_point(tree_, witness_cell_);
             farthest_ = {std::numeric_limits<double>::infinity(), i, -1};
             for (Index j = 0; j < b_.rows(); ++j) {
                 const double squared = squared_distance(a_.row(i).data(), b_.row(j).data());
@@ -191,14 +158,7 @@ SolverEntry nohd_solver() {
     info.exact = true;
     info.may_need = {{Structure::point_octree, Side::source}};
     info.parameters = {
-        {.name = "depth",
-         .default_value = std::int64_t{6},
-         .unit = "",
-         .paper_value = "6",
-         .description = "of the octree: cells of the largest extent of A over 2^depth",
-         .choices = {},
-         .least = 0,
-         .most = PointOctree::max_depth},
+        nohd_depth_parameter(),
         {.name = "early_break",
          .default_value = true,
          .unit = "",

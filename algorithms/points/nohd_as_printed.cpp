@@ -1,25 +1,16 @@
-// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 to 5.
+// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 and 5, and 4 in nohd.h.
 //
 // The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points before, even infinity. nohd.cpp
 // has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
 // drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
-#include "kernel/posed_box.h"
-#include "points/exact.h"
+#include "points/nohd.h"
 #include "solver.h"
 
 #include <queue>
-#include <tuple>
 
 namespace hausbench {
 namespace {
-
-struct Entry {
-    double squared_upper;  // MinUB
-    Cursor cell;
-
-    bool operator<(const Entry& other) const { return squared_upper < other.squared_upper; }
-};
 
 class NohdAsPrinted final : public Solver {
 public:
@@ -42,11 +33,11 @@ public:
         Counters counters;
         FarthestPoint farthest;
         double max_lb = 0;                        // MaxLB, squared
-        Index shows_it = tree_->order().front();  // a point of the last cell that raised it
-        std::priority_queue<Entry> queue;
-        queue.push({infinity, root_of(*tree_)});
+        Index shows_it = tree_->order().front();  // a point of the cell that MaxLB is from
+        std::priority_queue<NohdEntry> queue;
+        queue.push({infinity, 0, root_of(*tree_)});
         for (std::uint64_t taken = 0; !queue.empty(); ++taken) {
-            const Entry head = queue.top();
+            const NohdEntry head = queue.top();
             if (head.squared_upper <= max_lb) break;
             const Status stopped = taken >= query.budget ? Status::budget
                                    : deadline.passed()   ? Status::time_limit
@@ -60,13 +51,11 @@ public:
             if (head.cell.depth < depth_) {
                 for_each_part(*tree_, head.cell, [&](const Cursor& part) {
                     const Box box = posed_box(part.cell, query.pose, around);
-                    const auto [upper, lower, flag] = cube_to_points(box, b, max_lb, counters);
-                    if (!flag) return;
-                    const PointOctree::Node& below = tree_->nodes()[static_cast<std::size_t>(part.node)];
-                    if (lower > max_lb)
-                        max_lb = lower, shows_it = tree_->order()[static_cast<std::size_t>(below.first)];
+                    const auto [upper, lower, undecided] = cell_to_points(box, b, max_lb, true, counters);
+                    if (!undecided) return;
+                    if (lower > max_lb) max_lb = lower, shows_it = first_point(*tree_, part);
                     ++counters.queue_pushes;
-                    queue.push({upper, part});
+                    queue.push({upper, counters.queue_pushes, part});
                 });
                 continue;
             }
@@ -84,22 +73,6 @@ public:
 
 private:
     static constexpr double infinity = std::numeric_limits<double>::infinity();
-
-    // Algorithm 4: UB, LB, Flag.
-    static std::tuple<double, double, bool> cube_to_points(const Box& cell, const Points& b, double squared_max_lb,
-                                                           Counters& counters) {
-        ++counters.node_visits;
-        double upper = infinity, lower = infinity;
-        for (Index j = 0; j < b.rows(); ++j) {
-            ++counters.bound_tests;
-            const Vec3 y = b.row(j);
-            const double most = squared_distance_at_most(y, cell);
-            if (most <= squared_max_lb) return {upper, lower, false};
-            upper = std::min(upper, most);
-            lower = std::min(lower, squared_distance_to_box(y, cell));
-        }
-        return {upper, lower, true};
-    }
 
     // Algorithm 5, and which point of B it found.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
@@ -131,14 +104,7 @@ SolverEntry nohd_as_printed_solver() {
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
     info.may_need = {{Structure::point_octree, Side::source}};
     info.parameters = {
-        {.name = "depth",
-         .default_value = std::int64_t{6},
-         .unit = "",
-         .paper_value = "6",
-         .description = "of the octree: cells of the largest extent of A over 2^depth",
-         .choices = {},
-         .least = 0,
-         .most = PointOctree::max_depth},
+        nohd_depth_parameter(),
     };
     return {info,
             [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<NohdAsPrinted>(options); }};

@@ -33,7 +33,7 @@ public:
         std::uint64_t taken = 0, culled = 0;
         for (const Index i : sample) {
             if (const Status stopped = stop(taken++, true); stopped != Status::converged) return finish(0, 0, stopped);
-            early_break(a_, i, target, farthest_, counters_);
+            if (!early_break(a_, i, target, deadline_, farthest_, counters_)) return finish(0, 0, Status::time_limit);
         }
         squared_resolution_ = farthest_.squared;
         for (Index i = 0; i < a_.rows(); ++i) {

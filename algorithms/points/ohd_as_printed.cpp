@@ -146,7 +146,7 @@ Result OhdAsPrinted::solve(const Query& query, Trace&) const {
     };
     for (const Index i : sample_) {
         if (const Status stopped = stop(true); stopped != Status::converged) return finish(0, stopped);
-        early_break(a, i, target_, farthest, counters);
+        if (!early_break(a, i, target_, deadline, farthest, counters)) return finish(0, Status::time_limit);
     }
     const CellsOfB cells(b, std::sqrt(std::max(farthest.squared, 0.0)));
     for (Index i = 0; i < a.rows(); ++i) {
