@@ -175,10 +175,7 @@ TEST(SurfaceDistance, LowerBoundsCoverTheMidpoints) {
     Random random(7);
     for_each_chain([&](const Chain& chain, double magnitude) {
         for (std::size_t k = 0; k < 3; ++k) {
-            // Near the corner, or at the opposite one of the cube, where the difference is rounded by most.
-            const bool opposite = random.below(2) == 0;
-            const Vec3 q = opposite ? Vec3(-magnitude * Vec3::Ones() + 0.1 * random.vector().cwiseAbs())
-                                    : Vec3(chain.rounded[k] + std::pow(10, random.real(-14, 0)) * random.vector());
+            const Vec3 q = chain.rounded[k] + std::pow(10, random.real(-14, 0)) * random.vector();
             const Rational squared = exact::squared_distance(exact::vector(chain.rounded[k]), exact::vector(q));
             double certified = static_cast<double>(exact::root(squared));
             while (Rational(certified) * Rational(certified) > squared) certified = next_down(certified);
@@ -189,6 +186,30 @@ TEST(SurfaceDistance, LowerBoundsCoverTheMidpoints) {
             }
         }
     });
+}
+
+// Where the distance is more than 4 and M less than 2, the difference is rounded to the distance itself: 2uM is less than half
+// its last place. The exact midpoint may be nearer by sqrt(3) u.
+TEST(SurfaceDistance, LowerBoundsCoverTheRoundingOfTheDifference) {
+    Random random(9);
+    int absorbed = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const auto corner = [&] { return Vec3(random.real(1.5, 1.9), random.real(1.5, 1.9), random.real(1.5, 1.9)); };
+        Chain chain;
+        chain.rounded = {corner(), corner(), corner()};
+        for (std::size_t k = 0; k < 3; ++k) chain.exact[k] = exact::vector(chain.rounded[k]);
+        Vec3 middle;
+        RVec3 exact_middle;
+        chain.halve(0, 1, middle, exact_middle);
+        const Vec3 q = -corner();
+        const Rational squared = exact::squared_distance(exact::vector(middle), exact::vector(q));
+        double certified = static_cast<double>(exact::root(squared));
+        while (Rational(certified) * Rational(certified) > squared) certified = next_down(certified);
+        const Rational low = surface_distance_at_least(certified, 1.9, 1);
+        ASSERT_TRUE(low * low <= exact::squared_distance(exact_middle, exact::vector(q))) << i;
+        absorbed += certified - 2 * unit_roundoff * 1.9 == certified;
+    }
+    EXPECT_GT(absorbed, 19000);
 }
 
 TEST(SurfaceDistance, AllAtTheOriginIsZero) {
