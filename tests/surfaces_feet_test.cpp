@@ -1,6 +1,7 @@
 // The lemmas behind surface_feet.h and surface_mesh.h, against exact rational arithmetic and known distances.
 #include "kernel/taylor_model.h"
 #include "random.h"
+#include "surfaces/surface_beside.h"
 #include "surfaces/surface_feet.h"
 #include "surfaces/surface_mesh.h"
 
@@ -195,6 +196,32 @@ TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
     b.box(1, 1) = 0.25;
     EXPECT_GE(bound(surface("z", 2), b, {0, 0.5, 0}, 0.05, {0, 0.25, 0}), 0.3);
     EXPECT_LT(bound(surface("z", 2), b, {0, 0.1, 0}, 0.05, {0, 0.1, 0}), 1e-9);
+}
+
+// The bound for the piece of `a` in a box, with the way from p to `foot`.
+double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const Box& box, const Vec3& p,
+                    const Vec3& foot) {
+    const UpwardRounding upward;
+    SurfaceTree source(a), target(b);
+    Counters counters;
+    SurfaceTree::Node piece;
+    piece.box = box;
+    piece.form = source.form(box, counters);
+    return beside(piece, target, p, foot, 1e300, counters);
+}
+
+// z = x crosses the piece of z = 0: moved by 0.15 all of it is above B, and yet (-1, 0, 0) is 0.7 from B.
+TEST(Beside, WantsOneSignOnThePiece) {
+    const Box box{{-1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
+    EXPECT_GE(bound_beside(surface("z", 2), surface("z - x", 2), box, {0, 0, 0}, {0, 0, 0.15}), 0.7);
+}
+
+// From the middle of the piece it is 1 to B, z = 1 + x^2 + y^2, and from its corners more.
+TEST(Beside, GoesFartherThanTheFoot) {
+    const Box box{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
+    const double most = bound_beside(surface("z", 2), surface("x^2 + y^2 + 1 - z", 2), box, {0, 0, 0}, {0, 0, 1});
+    EXPECT_GE(most, 1.019);
+    EXPECT_LT(most, 1.05);
 }
 
 // Exact squared distance of p = a + s (b - a) + t (c - a) + h n to the triangle, with n normal to it and s, t inside: |h n|^2.
