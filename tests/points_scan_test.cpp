@@ -381,6 +381,54 @@ TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     expect_same(pair, Pose{}, answer("scan", pair, Pose{}), "scan");
 }
 
+std::uint64_t work_of(const Pair& pair) {
+    const Result result = answer("scan", pair, Pose{});
+    EXPECT_EQ(result.status, Status::converged) << pair.name;
+    std::uint64_t sum = 0;
+    for (const CounterField& field : counter_fields) sum += result.counters.*field.member;
+    return sum;
+}
+
+Index candidates_beyond(double radius, const Points& a, const Points& b) {
+    const NearGrid grid(b, extent_of(b).box);
+    Index count = 0;
+    for (Index i = 0; i < a.rows(); ++i)
+        count += squared_distance(a.row(i).data(), grid.candidate(a.row(i).data()).point) > radius * radius;
+    return count;
+}
+
+// The grid must not take its scale from outliers, wherever in the order of B they are: here at every row that a sample of
+// equal steps would take. The same points in random order are the measure.
+TEST(Scan, OutliersAtEqualStepsCostNoMore) {
+    Random random(41);
+    const Points tame = cloud(random, 40'000);
+    Points b = tame;
+    for (Index i = 0; i < 1024; ++i) b.row(40'000 * i / 1024) = 1e4 * random.vector();
+    const Points scattered = shuffled(random, b), near = noisy(random, tame, 1e-3),
+                 a = stacked(near, rows({{1.5, 1.5, 1.5}}));
+    EXPECT_LT(candidates_beyond(0.5, near, scattered), 400);
+    EXPECT_LT(candidates_beyond(0.5, near, b), 400);
+    const std::uint64_t work = work_of({"outliers at equal steps", a, b}),
+                        measure = work_of({"outliers in random order", a, scattered});
+    EXPECT_LT(static_cast<double>(work), 1.02 * static_cast<double>(measure));
+}
+
+// Nor must it where most points of B coincide. The measure is B without the copies; each copy may cost no more than the twelve
+// points of A that are compared with all of B.
+TEST(Scan, CopiesOfOnePointCostAFewPasses) {
+    Random random(42);
+    const Points tame = cloud(random, 4'000), outliers = cloud(random, 4, 1e4);
+    const Points near = noisy(random, tame, 1e-3), a = stacked(near, rows({{1.5, 1.5, 1.5}}));
+    const std::uint64_t without = work_of({"outliers", a, stacked(tame, outliers)});
+    for (const Index copies : {Index{40'000}, Index{100'000}}) {
+        Points same(copies, 3);
+        same.rowwise() = tame.row(7);
+        const Points b = shuffled(random, stacked(stacked(tame, outliers), same));
+        EXPECT_LT(candidates_beyond(0.5, near, b), 40) << copies;
+        EXPECT_LE(work_of({"copies of one point", a, b}), without + 12 * static_cast<std::uint64_t>(copies)) << copies;
+    }
+}
+
 TEST(Extent, EqualsThePlainPass) {
     Random random(37);
     for (Index count = 1; count < 60; ++count) {

@@ -1,6 +1,7 @@
 #include "near_grid.h"
 
 #include <algorithm>
+#include <array>
 
 namespace hausbench {
 namespace {
@@ -15,24 +16,42 @@ int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
+// Up to 1024 points, one from each of so many parts of equal length: its place there follows the golden ratio, so that no
+// regular order of the points can put the same kind of point at all places. Each coordinate triple once: copies tell nothing of
+// the extent.
+std::vector<std::array<double, 3>> sample_of(const Points& points) {
+    const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
+    std::vector<std::array<double, 3>> sample;
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const Eigen::Index begin = points.rows() * i / count, end = points.rows() * (i + 1) / count;
+        const std::uint64_t place = (static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15) >> 32;
+        const auto row = begin + static_cast<Eigen::Index>(place % static_cast<std::uint64_t>(end - begin));
+        sample.push_back({points(row, 0), points(row, 1), points(row, 2)});
+    }
+    std::sort(sample.begin(), sample.end());
+    sample.erase(std::unique(sample.begin(), sample.end()), sample.end());
+    return sample;
+}
+
 // The box, less what outliers add to it: an axis that is more than eight times as long as the span between the quantiles of
-// 1/16 and 15/16 (of a sample) is cut down to that span and as much again on both sides.
+// 1/16 and 15/16 (of a sample of distinct points) is cut down to that span and as much again on both sides. Where nearly all
+// points coincide the sample has few distinct ones, and an outlier among fewer than 16 of them keeps the whole box.
 Box dense_part(const Points& points, const Box& box) {
-    constexpr Eigen::Index most = 1024;
-    const Eigen::Index count = std::min(points.rows(), most);
+    const std::vector<std::array<double, 3>> sample = sample_of(points);
+    std::vector<double> along(sample.size());
     Box part = box;
-    std::vector<double> sample(static_cast<std::size_t>(count));
-    for (int k = 0; k < 3; ++k) {
-        for (Eigen::Index i = 0; i < count; ++i)
-            sample[static_cast<std::size_t>(i)] = points(points.rows() * i / count, k);
-        const auto low = sample.begin() + count / 16, high = sample.end() - 1 - count / 16;
-        std::nth_element(sample.begin(), low, sample.end());
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < sample.size(); ++i) along[i] = sample[i][k];
+        const auto cut = static_cast<std::ptrdiff_t>(sample.size() / 16);
+        const auto low = along.begin() + cut, high = along.end() - 1 - cut;
+        std::nth_element(along.begin(), low, along.end());
         const double least = *low;
-        std::nth_element(low, high, sample.end());
+        std::nth_element(low, high, along.end());
         const double width = *high - least;
-        if (box.high[k] - box.low[k] <= 8 * width) continue;
-        part.low[k] = std::max(part.low[k], least - width);
-        part.high[k] = std::min(part.high[k], *high + width);
+        const auto axis = static_cast<Eigen::Index>(k);
+        if (box.high[axis] - box.low[axis] <= 8 * width) continue;
+        part.low[axis] = std::max(part.low[axis], least - width);
+        part.high[axis] = std::min(part.high[axis], *high + width);
     }
     return part.low == part.high ? box : part;
 }
