@@ -103,7 +103,7 @@ endef
 build: build/release/build.ninja
 	$(call compile,release,hausbench hausbench_commit)
 
-# A package that cannot be had is no error: the cases that need it are skipped, and say so.
+# A missing package is no error: the cases that need it are skipped, and say so.
 FETCH := $(PYTHON) datasets/fetch.py
 
 datasets: $(DEPS)

@@ -118,7 +118,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
         status = str(cases.status[row])
         value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.STATUS_WORDS.get(status, status)
         if not drawn:
-            value += " (points not to be had)"
+            value += " (points not available)"
         ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "
                      f"points, {value}",
                      fontsize=7, pad=2)

@@ -62,7 +62,7 @@ public:
             catalogue_.find(scene.source);
             catalogue_.find(scene.target);
         }
-        catalogue_.make_folders();  // without them nothing can be had: that is an error, not a sweep of failed rows
+        catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             if (!chosen(choice.scenes, experiment.scenes[i].name)) continue;
             const SceneModels models = resolve(experiment.scenes[i]);

@@ -88,7 +88,7 @@ enum class Verdict {
     holds,        // lower: proven by its witness; upper: above every verified lower bound
     unsound,      // lower above what its witness shows, or upper below a verified lower bound
     no_witness,   // the solver gives none: nothing to re-check the lower bound by
-    not_checked,  // no bounds, or the shapes are not to be had
+    not_checked,  // no bounds, or the shapes are not available
 };
 std::string_view to_string(Verdict verdict);
 

@@ -104,7 +104,7 @@ TEST(Targets, TreesAnswerAndCountAlike) {
                 const TriangleTree& tree = i % 2 == 0 ? static_cast<const TriangleTree&>(bvh) : octree;
                 ClosestHints hints;
                 hints.warm_triangle = i % 3 == 0 ? -1 : warm;
-                if (i % 5 == 0) hints.squared_enough = 0.01;
+                if (i % 5 == 0) hints.early_out_squared = 0.01;
                 Answer answer{tree.closest(p, hints, counters), tree.certified_distance(p, counters),
                               points.nearest(p, std::numeric_limits<double>::infinity(), -1, counters)};
                 warm = answer.closest.triangle;

@@ -81,7 +81,7 @@ TYPED_TEST(Trees, EarlyOutStopsAtATriangleNearEnough) {
     for (int i = 0; i < 300; ++i) {
         const Vec3 point = random.vector();
         ClosestHints hints;
-        hints.squared_enough = 0.01;
+        hints.early_out_squared = 0.01;
         const double nearest = tree.closest(point, {}, full).squared_distance;
         const ClosestPoint found = tree.closest(point, hints, early);
         EXPECT_GE(found.squared_distance, nearest);

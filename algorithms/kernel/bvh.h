@@ -25,8 +25,8 @@ public:
     explicit PointBvh(const Points& points);
 
     // The point of smallest squared_length(point - p), as rounded, among those at squared distance <= squared_radius; the
-    // search ends early at one at squared distance <= squared_enough (negative: never). O(log n) on well-behaved points.
-    NearestPoint nearest(const Vec3& p, double squared_radius, double squared_enough, Counters& counters) const;
+    // search ends early at one at squared distance <= early_out_squared (negative: never). O(log n) on well-behaved points.
+    NearestPoint nearest(const Vec3& p, double squared_radius, double early_out_squared, Counters& counters) const;
 
     const WideTree& tree() const { return tree_; }
     std::size_t bytes() const;

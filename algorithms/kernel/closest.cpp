@@ -14,7 +14,7 @@ ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const 
     for (Index i = 0; i < mesh.triangles.rows(); ++i) {
         ++counters.point_triangle_distances;
         offer(best, closest_point(point, triangle_of(mesh, i)), i);
-        if (best.triangle >= 0 && best.squared_distance <= hints.squared_enough) break;
+        if (best.triangle >= 0 && best.squared_distance <= hints.early_out_squared) break;
     }
     return best;
 }

@@ -20,7 +20,7 @@ struct ClosestHints {
     double squared_radius = std::numeric_limits<double>::infinity();
     // Early-out: stop as soon as some triangle is at most this far (squared); the answer is then that triangle, not the
     // closest one. Negative: never.
-    double squared_enough = -1;
+    double early_out_squared = -1;
     // Looked at first, if it seems near, to start with a small radius; -1 for none. Without early-out the answer is the same
     // bits.
     Index warm_triangle = -1;

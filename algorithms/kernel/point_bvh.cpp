@@ -31,18 +31,18 @@ HWY_INLINE void offer_block(const V3& p, const PointBlock& block, NearestPoint& 
     }
 }
 
-void tree_nearest(const WideTree& tree, const PointBlock* blocks, const Vec3& point, double squared_enough,
+void tree_nearest(const WideTree& tree, const PointBlock* blocks, const Vec3& point, double early_out_squared,
                   NearestPoint& best, Counters& counters) {
     const V3 p = set(point);
     Walk walk(tree, blocks, point, counters.node_visits);
     const std::size_t first = walk.greedy_descent();
     offer_block(p, blocks[first], best, counters);
-    if (best.point >= 0 && best.squared_distance <= squared_enough) return;
+    if (best.point >= 0 && best.squared_distance <= early_out_squared) return;
     walk.visit_leaves(best.squared_distance, [&](std::size_t leaf, double& squared) HWY_ATTR {
         if (leaf == first) return true;
         offer_block(p, blocks[leaf], best, counters);
         squared = best.squared_distance;
-        return best.point < 0 || best.squared_distance > squared_enough;
+        return best.point < 0 || best.squared_distance > early_out_squared;
     });
 }
 
@@ -66,11 +66,12 @@ void PointBvh::refit(const Points& points) {
     tree_.fit(boxes);
 }
 
-NearestPoint PointBvh::nearest(const Vec3& p, double squared_radius, double squared_enough, Counters& counters) const {
+NearestPoint PointBvh::nearest(const Vec3& p, double squared_radius, double early_out_squared,
+                               Counters& counters) const {
     ++counters.closest_point_queries;
     NearestPoint best;
     best.squared_distance = squared_radius;
-    HWY_DYNAMIC_DISPATCH(tree_nearest)(tree_, blocks_.get(), p, squared_enough, best, counters);
+    HWY_DYNAMIC_DISPATCH(tree_nearest)(tree_, blocks_.get(), p, early_out_squared, best, counters);
     return best;
 }
 

@@ -94,9 +94,9 @@ static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& lea
 // `first_leaf`: that of the hint, or negative. A hint that turns out farther than the size of a triangle is as good as
 // none: searching with such a radius takes longer than finding a better leaf. Where one corner is farther than twice that,
 // the leaf is not even looked at.
-void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double squared_enough,
+void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double early_out_squared,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
-    const auto enough = [&] { return best.triangle >= 0 && best.squared_distance <= squared_enough; };
+    const auto early_out = [&] { return best.triangle >= 0 && best.squared_distance <= early_out_squared; };
     auto first = static_cast<std::size_t>(first_leaf);
     bool searched = false;
     if (first_leaf >= 0) {
@@ -104,7 +104,7 @@ void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3
         const double squared_size = squared_length(triangle.b - triangle.a);
         if (squared_length(point - triangle.a) <= 4 * squared_size) {
             offer_leaf(point, leaves, first, best, counters);
-            if (enough()) return;
+            if (early_out()) return;
             searched = best.squared_distance <= squared_size;
         }
     }
@@ -112,17 +112,17 @@ void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3
     if (!searched) {
         first = walk.greedy_descent();
         offer_leaf(point, leaves, first, best, counters);
-        if (enough()) return;
+        if (early_out()) return;
     }
     walk.visit_leaves(best.squared_distance, [&](std::size_t leaf, double& squared) HWY_ATTR {
         if (leaf == first) return true;
         offer_leaf(point, leaves, leaf, best, counters);
         squared = best.squared_distance;
-        return !enough();
+        return !early_out();
     });
 }
 
-void tree_textbook(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double squared_enough,
+void tree_textbook(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double early_out_squared,
                    ClosestPoint& best, Counters& counters) {
     Walk(tree, leaves.leaf, point, counters.node_visits)
         .visit_leaves(best.squared_distance, [&](std::size_t number, double& squared) HWY_ATTR {
@@ -133,7 +133,7 @@ void tree_textbook(const WideTree& tree, const TriangleLeaves& leaves, const Vec
                 if (found.squared_distance <= best.squared_distance) offer(best, found, leaves.order[leaf.first + i]);
             }
             squared = best.squared_distance;
-            return best.triangle < 0 || best.squared_distance > squared_enough;
+            return best.triangle < 0 || best.squared_distance > early_out_squared;
         });
 }
 
@@ -212,7 +212,8 @@ ClosestPoint TriangleTree::closest(const Vec3& point, const ClosestHints& hints,
     best.squared_distance = hints.squared_radius;
     const std::int32_t first = hints.warm_triangle >= 0 ? leaf_of_[static_cast<std::size_t>(hints.warm_triangle)] : -1;
     HWY_DYNAMIC_DISPATCH(tree_closest)
-    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.squared_enough, first, best, counters);
+    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.early_out_squared, first, best,
+     counters);
     return best;
 }
 
@@ -221,7 +222,7 @@ ClosestPoint TriangleTree::textbook_closest(const Vec3& point, const ClosestHint
     ClosestPoint best;
     best.squared_distance = hints.squared_radius;
     HWY_DYNAMIC_DISPATCH(tree_textbook)
-    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.squared_enough, best, counters);
+    (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, hints.early_out_squared, best, counters);
     return best;
 }
 

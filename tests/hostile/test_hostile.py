@@ -1,7 +1,7 @@
 """Files of the world that break programs which read meshes: each loads, or is refused with its reason, and none takes the harness down.
 
 `make test` takes those files whose packages the models of datasets/manifest.toml come from anyway; `make hostile`, which sets
-HAUSBENCH_HOSTILE=all, takes all. A package that cannot be had is skipped, and so is one of which another version holds other files
+HAUSBENCH_HOSTILE=all, takes all. A package that is not available is skipped, and so is one of which another version holds other files
 under the same names.
 """
 
@@ -46,7 +46,7 @@ def name_of(entry: dict[str, Any]) -> str:
 
 @functools.cache
 def fetch_all_of(package: str) -> tuple[str, list[str]]:
-    """Fetches what is missing of the package's files, once: why it cannot be had, if so, and what is wrong with its files."""
+    """Fetches what is missing of the package's files, once: why it is not available, if so, and what is wrong with its files."""
     meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
     try:
         return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
@@ -63,7 +63,7 @@ def fetched(entry: dict[str, Any]) -> Path:
         pytest.skip(f"only `make hostile` fetches the package {mesh.package}")
     why, problems = fetch_all_of(mesh.package)
     if why:
-        pytest.skip(f"{mesh.source} package {mesh.package} cannot be had: {why}")
+        pytest.skip(f"{mesh.source} package {mesh.package} is not available: {why}")
     assert place.exists(), problems
     return place
 
