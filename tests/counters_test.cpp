@@ -206,6 +206,22 @@ template <class Map> std::set<std::string> keys(const Map& map) {
     return all;
 }
 
+// Solvers without a baseline, and why.
+const std::map<std::string, std::string> without_baseline = {
+    {"cgal", "CGAL counts nothing"},
+    {"external", "counts nothing: another program does the work"},
+    {"kdtree", "its count depends on the version of nanoflann"},
+};
+
+TEST(Counters, EverySolverHasABaselineOrAReasonForNone) {
+    const auto baseline = keys(toml::parse_file(file));
+    for (const SolverEntry& entry : solvers()) {
+        const std::string& name = entry.info.name;
+        EXPECT_NE(baseline.contains(name), without_baseline.contains(name))
+            << name << " must be either in " << file << " or in the list of solvers without a baseline";
+    }
+}
+
 TEST(Counters, AreThoseOfTheBaseline) {
     const auto all = all_counts();
     if (const char* reason = std::getenv("HAUSBENCH_BASELINE_REASON")) {
