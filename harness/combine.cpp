@@ -50,7 +50,7 @@ bool any_unsound(const ResultFile& result) {
 namespace {
 
 bool was_run(const Outcome& o) {
-    return (o.status != "skipped" && o.status != "not_built") || !o.solver_status.empty();
+    return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
 }
 
 // Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
@@ -66,8 +66,8 @@ bool same_options(const Row& a, const Row& b) {
         return std::all_of(few.begin(), few.end(),
                            [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
     };
-    if (a.outcome.status == "not_built") return within(a.asked.options, b.asked.options);
-    if (b.outcome.status == "not_built") return within(b.asked.options, a.asked.options);
+    if (a.outcome.status == RowStatus::not_built) return within(a.asked.options, b.asked.options);
+    if (b.outcome.status == RowStatus::not_built) return within(b.asked.options, a.asked.options);
     return a.asked.options == b.asked.options;
 }
 
@@ -134,8 +134,9 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
                                        name_of(row.asked)));
                 } else if (!same_answer(mine.outcome, row.outcome)) {
                     refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
-                                       mine.outcome.status, mine.outcome.bounds.lower, mine.outcome.bounds.upper,
-                                       row.outcome.status, row.outcome.bounds.lower, row.outcome.bounds.upper));
+                                       to_string(mine.outcome.status), mine.outcome.bounds.lower,
+                                       mine.outcome.bounds.upper, to_string(row.outcome.status),
+                                       row.outcome.bounds.lower, row.outcome.bounds.upper));
                 }
             }
             if (found) continue;
@@ -172,9 +173,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         ++matched;
         const Outcome &a = at->second->outcome, &b = row.outcome;
         if (!same_answer(a, b)) {
-            differing +=
-                fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked), a.status,
-                            a.bounds.lower, a.bounds.upper, b.status, b.bounds.lower, b.bounds.upper);
+            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked),
+                                     to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
+                                     b.bounds.lower, b.bounds.upper);
         }
         if (b.from_trace) continue;                             // its times are those of the row it was read off
         const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h

@@ -67,7 +67,7 @@ private:
     void learn(const Row& row) {
         const Outcome& o = row.outcome;
         if (o.machine != this_machine().id || o.from_trace) return;
-        const bool killed = o.status == "timeout" && !std::isfinite(o.solve_seconds);
+        const bool killed = o.status == RowStatus::timeout && !std::isfinite(o.solve_seconds);
         if (!killed && !std::isfinite(o.solve_seconds)) return;
         Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds,
                     expected_work(row.asked), true};

@@ -1,5 +1,6 @@
 // The program: verbs run, explain, list, measure, export, verify, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
+#include "columns.h"
 #include "combine.h"
 #include "error.h"
 #include "experiment.h"
@@ -61,7 +62,7 @@ int run(const RunArguments& arguments) {
         run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
     std::string counts;
     for (const auto& [status, count] : summary.statuses)
-        counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
+        counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, to_string(status));
     const auto expected = summary.unsound_expected;
     fmt::print("{}: {}{}\n", summary.file.string(), counts,
                expected ? fmt::format(" ({} of the unsound as expected)", expected) : "");
@@ -184,13 +185,18 @@ int dispatch(int argc, char** argv) {
         std::fputs(explain(plan, results_of(explain_arguments)).c_str(), stdout);
     });
 
-    bool list_json = false;
+    bool list_json = false, list_columns = false;
     auto* list_verb =
         app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
     list_verb->add_flag("--json", list_json, "print one JSON object");
+    list_verb->add_flag("--columns", list_columns, "print the columns of result files instead, as JSON");
     takes_plugins(list_verb);
-    list_verb->callback(
-        [&] { std::fputs((list_json ? list_as_json().dump(2) + "\n" : list_as_text()).c_str(), stdout); });
+    list_verb->callback([&] {
+        const std::string text = list_columns ? columns_json().dump(1) + "\n"
+                                 : list_json  ? list_as_json().dump(2) + "\n"
+                                              : list_as_text();
+        std::fputs(text.c_str(), stdout);
+    });
 
     MeasureRequest request;
     std::vector<std::string> parameters;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <set>
 
 namespace hausbench {
@@ -18,8 +19,8 @@ namespace {
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
     std::vector<Pose> poses{Pose{}};
-    std::string missing;          // why it cannot run, empty if it can
-    std::string row = "skipped";  // the status of its rows then
+    std::string missing;                 // why it cannot run, empty if it can
+    RowStatus row = RowStatus::skipped;  // the status of its rows then
 };
 
 void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
@@ -88,7 +89,7 @@ private:
     }
 
     SceneModels resolve(const ScenePlan& scene) {
-        SceneModels models{MissingModel{}, MissingModel{}, {Pose{}}, "", "skipped"};
+        SceneModels models{MissingModel{}, MissingModel{}, {Pose{}}, "", RowStatus::skipped};
         try {
             models.source = resolve(scene.source);
             models.target = resolve(scene.target);
@@ -101,7 +102,7 @@ private:
             }
         } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
             models.missing = error.what();
-            models.row = "failed";
+            models.row = RowStatus::failed;
         }
         return models;
     }
@@ -109,24 +110,24 @@ private:
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
         const Experiment& experiment = plan_.experiment;
         const ScenePlan& scene = experiment.scenes[scene_number];
-        Outcome decided;
-        decided.status = "";
+        std::optional<Outcome> decided;  // where there is nothing to run
+        const auto decide = [&](RowStatus status, const std::string& reason) {
+            decided.emplace();
+            decided->status = status;
+            decided->reason = reason;
+        };
         const SolverEntry* entry = nullptr;
         for (const NotBuilt& absent : solvers_not_built()) {
             if (absent.name != solver.name) continue;
-            decided.status = "not_built";
-            decided.reason = absent.reason;
+            decide(RowStatus::not_built, absent.reason);
         }
-        if (decided.status.empty()) entry = &find_solver(solver.name);
-        if (decided.status.empty() && !models.missing.empty()) {
-            decided.status = models.row;
-            decided.reason = models.missing;
-        }
+        if (!decided) entry = &find_solver(solver.name);
+        if (!decided && !models.missing.empty()) decide(models.row, models.missing);
         const auto* source = std::get_if<ResolvedModel>(&models.source);
         const auto* target = std::get_if<ResolvedModel>(&models.target);
-        if (decided.status.empty()) {
-            decided.reason = refusal(entry->info, source->kind, target->kind);
-            if (!decided.reason.empty()) decided.status = "skipped";
+        if (!decided) {
+            const std::string no = refusal(entry->info, source->kind, target->kind);
+            if (!no.empty()) decide(RowStatus::skipped, no);
         }
 
         Job job;
@@ -168,8 +169,8 @@ private:
                 asked.identity = identify(asked);
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));
-                if (!decided.status.empty()) {
-                    plan_.decided[row] = decided;
+                if (decided) {
+                    plan_.decided[row] = *decided;
                 } else if (t > 0 && reads_trace) {
                     plan_.read_off(row, {finest, entry->info.exact});
                 } else {
@@ -189,11 +190,11 @@ private:
         plan_.jobs.push_back(std::move(job));
     }
 
-    void note(const Job& job, const SolverEntry* entry, const Outcome& decided, std::size_t asked) {
+    void note(const Job& job, const SolverEntry* entry, const std::optional<Outcome>& decided, std::size_t asked) {
         auto& ledger = plan_.ledger;
-        if (!decided.status.empty()) {
-            ledger.push_back({decided.status == "not_built" ? "not_built" : "not_run", job.label, "all cases",
-                              decided.reason, std::int64_t(asked)});
+        if (decided) {
+            ledger.push_back({decided->status == RowStatus::not_built ? "not_built" : "not_run", job.label, "all cases",
+                              decided->reason, std::int64_t(asked)});
         } else if (asked > job.cases.size()) {
             ledger.push_back({"not_run", job.label, coarser_tolerances,
                               entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"

@@ -32,13 +32,6 @@ struct FromTrace {
 inline constexpr const char* coarser_tolerances = "coarser tolerances";
 inline constexpr const char* structures_for_each_pose = "structures for each pose";
 
-struct LedgerEntry {
-    std::string kind;  // not_built | not_prepared | not_run
-    std::string subject, what, reason;
-    std::int64_t count = 1;
-    double seconds_saved = std::numeric_limits<double>::quiet_NaN();  // known only afterwards, and not for all
-};
-
 struct ModelRow {
     const ModelInfo* info;
     ResolvedModel resolved;

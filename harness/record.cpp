@@ -1,5 +1,6 @@
 #include "record.h"
 
+#include "columns.h"
 #include "hash.h"
 
 #include <fmt/format.h>
@@ -24,14 +25,6 @@ double number(const json& value) {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-namespace {
-
-json vector_json(const Vec3& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
-
-Vec3 vector_of(const json& j) { return {number(j.at(0)), number(j.at(1)), number(j.at(2))}; }
-
-}  // namespace
-
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
     return {Tolerance::Of::absolute, tolerance_of == "diagonal" ? tolerance * source_diagonal : tolerance};
@@ -55,21 +48,35 @@ ParameterValue parameter_of(const json& value) {
 
 std::string identify(const Case& asked) {
     Sha256 hash;
-    hash.add("case 1")
-        .add(asked.source_hash)
-        .add(asked.target_hash)
-        .add(asked.solver)
-        .add(options_json(asked.options).dump());
-    // A model that is missing has no bytes: its name stands in, so that such cases still differ.
-    if (asked.source_hash.empty()) hash.add(asked.source);
-    if (asked.target_hash.empty()) hash.add(asked.target);
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) hash.add(&asked.pose.rotation(i, k), sizeof(double));
+    hash.add("case 1").add(asked.source_hash).add(asked.target_hash);
+    const Case usual;
+    const auto values_of = [](const Column<Case>::Real& real, const Case& row) {
+        std::vector<double> values(real.width);
+        real.get(row, values.data());
+        return values;
+    };
+    for (const Column<Case>& column : case_columns()) {
+        if (column.identity == Identity::no) continue;
+        if (column.name == "source" && !asked.source_hash.empty()) continue;
+        if (column.name == "target" && !asked.target_hash.empty()) continue;
+        const bool later = column.identity == Identity::where_given;
+        if (const auto* text = std::get_if<Column<Case>::Text>(&column.value)) {
+            if (later && text->get(asked) == text->get(usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(text->get(asked));
+        } else if (const auto* integer = std::get_if<Column<Case>::Integer>(&column.value)) {
+            const std::int64_t value = integer->get(asked);
+            if (later && value == integer->get(usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(&value, sizeof value);
+        } else {
+            const auto& real = std::get<Column<Case>::Real>(column.value);
+            const std::vector<double> values = values_of(real, asked);
+            if (later && values == values_of(real, usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(values.data(), values.size() * sizeof(double));
+        }
     }
-    hash.add(asked.pose.translation.data(), 3 * sizeof(double));
-    hash.add(asked.tolerance_of).add(&asked.tolerance, sizeof asked.tolerance);
-    hash.add(&asked.limits.case_seconds, sizeof(double)).add(&asked.limits.prepare_seconds, sizeof(double));
-    hash.add(&asked.limits.memory_bytes, sizeof(std::int64_t));
     return hash.hex();
 }
 
@@ -78,21 +85,28 @@ std::string name_of(const Case& c) {
                        c.tolerance_of);
 }
 
-std::string row_status(Status status) {
+RowStatus row_status(Status status) {
     switch (status) {
         case Status::converged:
         case Status::cutoff_passed:
-            return "ok";
+            return RowStatus::ok;
         case Status::time_limit:
-            return "timeout";
+            return RowStatus::timeout;
         case Status::budget:
-            return "budget";
+            return RowStatus::budget;
         case Status::precision_floor:
-            return "floor";
+            return RowStatus::floor;
         case Status::stalled:
-            return "failed";
+            return RowStatus::failed;
     }
     throw std::logic_error("row_status: not a status");
+}
+
+std::string_view to_string(RowStatus status) {
+    constexpr std::string_view names[] = {"ok",     "timeout", "out_of_memory", "signal", "skipped",
+                                          "failed", "unsound", "not_built",     "floor",  "budget"};
+    static_assert(std::size(names) == count_of<RowStatus>);
+    return names[std::size_t(status)];
 }
 
 std::string_view to_string(Verdict verdict) {
@@ -112,68 +126,55 @@ std::map<std::string, double> extras_of(const json& object) {
     return extras;
 }
 
+namespace {
+
+// An array a column, which is short where there are many rows.
+template <class Row> json rows_json(const Columns<Row>& columns, const std::vector<Row>& rows) {
+    json out = json::object();
+    for (const Row& row : rows) {
+        const json one = row_json(columns, row);  // outlives its items()
+        for (const auto& [name, value] : one.items()) out[name].push_back(value);
+    }
+    return out;
+}
+
+template <class Row> std::vector<Row> rows_of(const Columns<Row>& columns, const json& arrays) {
+    std::size_t count = 0;
+    for (const auto& [name, values] : arrays.items()) count = values.size();
+    std::vector<Row> rows(count);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        json one = json::object();
+        for (const auto& [name, values] : arrays.items()) one[name] = values.at(i);
+        read_row(columns, one, rows[i]);
+    }
+    return rows;
+}
+
+}  // namespace
+
 json to_json(const Outcome& o) {
-    json counters = json::object();
+    json out = row_json(outcome_columns(), o);
+    json& counters = out["counters"] = json::object();
     for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
-    json preparation = json::array(), answers = json::array(), repeats = json::array(), trace = json::array();
-    for (const auto& p : o.preparation) preparation.push_back({p.round, p.name, number(p.seconds), p.bytes});
-    for (const auto& a : o.answers) answers.push_back({a.round, number(a.wall_seconds), number(a.cpu_seconds)});
-    for (const auto& r : o.repeats)
-        repeats.push_back({r.round, number(r.wall_seconds), number(r.cpu_seconds), r.iterations});
-    for (const auto& s : o.trace) trace.push_back({number(s.seconds), number(s.lower), number(s.upper)});
-    return {{"status", o.status},
-            {"reason", o.reason},
-            {"solver_status", o.solver_status},
-            {"lower", number(o.bounds.lower)},
-            {"upper", number(o.bounds.upper)},
-            {"witness",
-             {vector_json(o.witness.source_point), vector_json(o.witness.target_point), o.witness.source_element,
-              o.witness.target_element}},
-            {"counters", counters},
-            {"extras", extras_json(o.extras)},
-            {"facts", o.facts},
-            {"prepare_seconds", number(o.prepare_seconds)},
-            {"prepare_bytes", o.prepare_bytes},
-            {"solve_seconds", number(o.solve_seconds)},
-            {"reported_seconds", number(o.reported_seconds)},
-            {"peak_bytes", o.peak_bytes},
-            {"clock", o.clock},
-            {"preparation", preparation},
-            {"answers", answers},
-            {"repeats", repeats},
-            {"repeats_asked", o.repeats_asked},
-            {"trace", trace},
-            {"from_trace", o.from_trace},
-            {"build", o.build},
-            {"machine", o.machine}};
+    out["answers"] = rows_json(answer_columns(), o.answers);
+    out["preparation"] = rows_json(preparation_columns(), o.preparation);
+    out["repeats"] = rows_json(repeat_columns(), o.repeats);
+    out["repeats_asked"] = o.repeats_asked;
+    out["trace"] = rows_json(trace_columns(), o.trace);
+    return out;
 }
 
 Outcome outcome_from_json(const json& j) {
     Outcome o;
-    o.status = j.at("status");
-    o.reason = j.at("reason");
-    o.solver_status = j.at("solver_status");
-    o.bounds = {number(j.at("lower")), number(j.at("upper"))};
-    const json& w = j.at("witness");
-    o.witness = {vector_of(w.at(0)), vector_of(w.at(1)), w.at(2), w.at(3)};
+    j.at("status");  // whatever has none is no outcome
+    read_row(outcome_columns(), j, o);
     for (const CounterField& field : counter_fields)
         o.counters.*field.member = j.at("counters").at(std::string(field.name));
-    o.extras = extras_of(j.at("extras"));
-    o.facts = j.at("facts").get<Facts>();
-    o.prepare_seconds = number(j.at("prepare_seconds"));
-    o.prepare_bytes = j.at("prepare_bytes");
-    o.solve_seconds = number(j.at("solve_seconds"));
-    o.reported_seconds = number(j.at("reported_seconds"));
-    o.peak_bytes = j.at("peak_bytes");
-    o.clock = j.at("clock");
-    for (const json& p : j.at("preparation")) o.preparation.push_back({p.at(0), p.at(1), number(p.at(2)), p.at(3)});
-    for (const json& a : j.at("answers")) o.answers.push_back({a.at(0), number(a.at(1)), number(a.at(2))});
-    for (const json& r : j.at("repeats")) o.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
+    o.answers = rows_of(answer_columns(), j.at("answers"));
+    o.preparation = rows_of(preparation_columns(), j.at("preparation"));
+    o.repeats = rows_of(repeat_columns(), j.at("repeats"));
     o.repeats_asked = j.at("repeats_asked");
-    for (const json& s : j.at("trace")) o.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
-    o.from_trace = j.at("from_trace");
-    o.build = j.at("build");
-    o.machine = j.at("machine");
+    o.trace = rows_of(trace_columns(), j.at("trace"));
     return o;
 }
 

@@ -1,4 +1,5 @@
-// A case that was asked for, and what became of it: the rows of a result file, and their JSON in journals and pipes.
+// What a result file holds, in memory: a case that was asked for, what became of it, models, the ledger. columns.h is the table of
+// the files' columns; JSON of the same rows goes into journals and pipes.
 #pragma once
 
 #include "experiment.h"
@@ -6,12 +7,23 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace hausbench {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// What became of a case; results/README.md says when.
+enum class RowStatus { ok, timeout, out_of_memory, signal, skipped, failed, unsound, not_built, floor, budget };
+std::string_view to_string(RowStatus status);
+
+template <class E> inline constexpr int count_of = 0;  // of the values of an enumeration that a column holds by name
+template <> inline constexpr int count_of<RowStatus> = 10;
 
 // What was asked for. Everything that can change the answer goes into `identity`.
 struct Case {
@@ -27,7 +39,7 @@ struct Case {
     double tolerance = 0;
     std::string tolerance_of;
     Limits limits;
-    double exact = std::numeric_limits<double>::quiet_NaN();  // the true distance, where the experiment gives it
+    double exact = unknown;  // the true distance, where the experiment gives it
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
     Tolerance resolved_tolerance() const;  // relative to the diagonal becomes absolute: here and nowhere else
@@ -59,19 +71,19 @@ struct Preparation {
 
 // What became of it.
 struct Outcome {
-    std::string status = "skipped";  // see results/README.md
+    RowStatus status = RowStatus::skipped;
     std::string reason;
     std::string solver_status;
-    Bounds bounds{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-    Witness witness{Vec3::Constant(std::numeric_limits<double>::quiet_NaN()),
-                    Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), -1, -1};
+    Bounds bounds{unknown, unknown};
+    Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;
+    std::map<std::string, std::uint64_t> other_counters;  // of a file from a program that counts more
     std::map<std::string, double> extras;  // what the solver reports of itself, where that is a single number
     Facts facts;                           // and in words
-    double prepare_seconds = std::numeric_limits<double>::quiet_NaN();
+    double prepare_seconds = unknown;
     std::int64_t prepare_bytes = -1;
-    double solve_seconds = std::numeric_limits<double>::quiet_NaN();
-    double reported_seconds = std::numeric_limits<double>::quiet_NaN();
+    double solve_seconds = unknown;
+    double reported_seconds = unknown;
     std::int64_t peak_bytes = -1;
     std::string clock;  // "cpu" or "wall": which is the time of the case, see timing.h; empty where there was no answer
     std::vector<Preparation> preparation;
@@ -91,6 +103,7 @@ enum class Verdict {
     not_checked,  // no bounds, or the shapes are not available
 };
 std::string_view to_string(Verdict verdict);
+template <> inline constexpr int count_of<Verdict> = 4;
 
 struct Check {
     Verdict lower = Verdict::not_checked, upper = Verdict::not_checked;
@@ -104,8 +117,26 @@ struct Row {
     Check check;
 };
 
+inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
+
+// One row of /models. The polynomial and the box are those of an algebraic surface.
+struct ModelRecord {
+    std::string name, sha256, kind, precision, source, licence, note, polynomial;
+    std::int64_t elements = 0, vertices = 0, unreferenced = -1;
+    double diagonal = 0;
+    std::array<double, 6> box = no_box;  // from, to in x, y and z
+};
+
+// What was left out, and why.
+struct LedgerEntry {
+    std::string kind;  // not_built | not_prepared | not_run
+    std::string subject, what, reason;
+    std::int64_t count = 1;
+    double seconds_saved = unknown;  // known only afterwards, and not for all
+};
+
 // The status of a row for a solver's own status: converged and cutoff_passed are `ok`.
-std::string row_status(Status status);
+RowStatus row_status(Status status);
 
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);

@@ -3,10 +3,8 @@
 
 #include "plan.h"
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,17 +12,6 @@
 namespace hausbench {
 
 inline constexpr int result_schema = 2;
-
-inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
-
-// One row of /models. The polynomial and the box are those of an algebraic surface.
-struct ModelRecord {
-    std::string name, sha256, kind, precision, source, licence, note, polynomial;
-    std::int64_t elements = 0, vertices = 0, unreferenced = -1;
-    double diagonal = 0;
-    std::array<double, 6> box = no_box;  // of an algebraic surface: from, to in x, y and z
-};
 
 // Everything in a result file.
 struct ResultFile {

@@ -1,6 +1,8 @@
+#include "result_file.h"
+
+#include "columns.h"
 #include "error.h"
 #include "hdf5.h"
-#include "result_columns.h"
 
 #include <fmt/format.h>
 
@@ -24,214 +26,112 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads columns of one group and checks that they are equally long.
-class Reading {
-public:
-    Reading(const h5::File& file, std::string group, std::size_t rows)
-        : file_(file), group_(std::move(group)), rows_(rows) {}
-
-    std::vector<std::string> texts(const std::string& name) const {
-        return checked(name, file_.read_texts(path(name)), 1);
-    }
-    std::vector<double> reals(const std::string& name, std::size_t width = 1) const {
-        return checked(name, file_.read_doubles(path(name)), width);
-    }
-    std::vector<std::int64_t> integers(const std::string& name) const {
-        return checked(name, file_.read_integers(path(name)), 1);
-    }
-    // Of which only the values of a narrower type are legal.
-    template <class T> std::vector<T> integers_as(const std::string& name) const {
-        std::vector<T> values;
-        for (const std::int64_t value : integers(name)) {
-            if (!std::in_range<T>(value)) throw std::runtime_error(fmt::format("{} holds {}", path(name), value));
-            values.push_back(static_cast<T>(value));
+// Reads the columns that the file has, of a group of so many rows; `part` finds in `whole` what is filled in. A column that is
+// missing leaves the default: the file is older. Which columns may be missing, see `needed` in read_trusting().
+template <class Row, class Whole, class Part>
+void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
+                  std::vector<Whole>& whole, Part part) {
+    for (const Column<Row>& column : columns) {
+        const std::string name = group + "/" + std::string(column.name);
+        if (!file.has(name)) continue;
+        const auto checked = [&](auto values, std::size_t width) {
+            if (values.size() != whole.size() * width) {
+                throw std::runtime_error(
+                    fmt::format("{} has {} values where {} are due", name, values.size(), whole.size() * width));
+            }
+            return values;
+        };
+        const auto each = [&](const auto& set) {
+            for (std::size_t i = 0; i < whole.size(); ++i) {
+                try {
+                    set(i);
+                } catch (const std::exception& error) {
+                    throw std::runtime_error(fmt::format("{} {}", name, error.what()));
+                }
+            }
+        };
+        if (const auto* text = std::get_if<typename Column<Row>::Text>(&column.value)) {
+            const auto values = checked(file.read_texts(name), 1);
+            if (text->set) each([&](std::size_t i) { text->set(part(whole[i]), values[i]); });
+        } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
+            const auto values = checked(file.read_integers(name), 1);
+            if (integer->set) each([&](std::size_t i) { integer->set(part(whole[i]), values[i]); });
+        } else {
+            const auto& real = std::get<typename Column<Row>::Real>(column.value);
+            const auto values = checked(file.read_doubles(name), real.width);
+            if (real.set) each([&](std::size_t i) { real.set(part(whole[i]), values.data() + i * real.width); });
         }
-        return values;
     }
-    std::vector<std::uint64_t> counts(const std::string& name) const {
-        return checked(name, file_.read_unsigned(path(name)), 1);
-    }
-
-private:
-    std::string path(const std::string& name) const { return group_ + "/" + name; }
-    template <class T> std::vector<T> checked(const std::string& name, std::vector<T> column, std::size_t width) const {
-        if (column.size() != rows_ * width) {
-            throw std::runtime_error(
-                fmt::format("{} has {} values where {} are due", path(name), column.size(), rows_ * width));
-        }
-        return column;
-    }
-
-    const h5::File& file_;
-    std::string group_;
-    std::size_t rows_;
-};
-
-Vec3 vector_at(const std::vector<double>& column, std::size_t i) {
-    return {column[3 * i], column[3 * i + 1], column[3 * i + 2]};
 }
 
-Verdict verdict_of(const std::string& text) {
-    for (Verdict v : {Verdict::holds, Verdict::unsound, Verdict::no_witness, Verdict::not_checked}) {
-        if (text == to_string(v)) return v;
-    }
-    throw std::runtime_error(fmt::format("'{}' is not what a check says", text));
-}
-
-std::string status_of(const std::string& text) {
-    for (const char* known :
-         {"ok", "timeout", "out_of_memory", "signal", "skipped", "failed", "unsound", "not_built", "floor", "budget"}) {
-        if (text == known) return text;
-    }
-    throw std::runtime_error(fmt::format("'{}' is no status of a case", text));
-}
-
-ParameterMap options_of(const std::string& text) {
-    ParameterMap options;
-    const auto object = nlohmann::json::parse(text);  // outlives its items()
-    for (const auto& [name, value] : object.items()) options[name] = parameter_of(value);
-    return options;
-}
+template <class Row> Row& itself(Row& row) { return row; }
 
 std::vector<Row> read_cases(const h5::File& file) {
-    const std::size_t n = file.read_texts("cases/identity").size();
-    const Reading c(file, "cases", n);
-    std::vector<Row> rows(n);
-    const auto each = [&](const auto& column, auto set) {
-        for (std::size_t i = 0; i < n; ++i) set(rows[i], column[i]);
-    };
-    using Text = const std::string&;
-    each(c.texts("identity"), [](Row& r, Text v) { r.asked.identity = v; });
-    each(c.texts("solver"), [](Row& r, Text v) { r.asked.solver = v; });
-    each(c.texts("label"), [](Row& r, Text v) { r.asked.label = v; });
-    each(c.integers_as<int>("certified"), [](Row& r, int v) { r.asked.certified = v; });
-    each(c.texts("options"), [](Row& r, Text v) { r.asked.options = options_of(v); });
-    each(c.texts("scene"), [](Row& r, Text v) { r.asked.scene = v; });
-    each(c.texts("scene_note"), [](Row& r, Text v) { r.asked.note = v; });
-    each(c.reals("exact"), [](Row& r, double v) { r.asked.exact = v; });
-    each(c.texts("source"), [](Row& r, Text v) { r.asked.source = v; });
-    each(c.texts("target"), [](Row& r, Text v) { r.asked.target = v; });
-    each(c.integers("source_elements"), [](Row& r, auto v) { r.asked.source_elements = v; });
-    each(c.integers("target_elements"), [](Row& r, auto v) { r.asked.target_elements = v; });
-    each(c.reals("source_diagonal"), [](Row& r, double v) { r.asked.source_diagonal = v; });
-    each(c.integers_as<int>("pose_index"), [](Row& r, int v) { r.asked.pose_index = v; });
-    const auto poses = c.reals("pose", 12);
-    for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < 9; ++k)
-            rows[i].asked.pose.rotation(Eigen::Index(k / 3), Eigen::Index(k % 3)) = poses[12 * i + k];
-        for (std::size_t k = 0; k < 3; ++k) rows[i].asked.pose.translation[Eigen::Index(k)] = poses[12 * i + 9 + k];
-    }
-    each(c.reals("tolerance"), [](Row& r, double v) { r.asked.tolerance = v; });
-    each(c.texts("tolerance_of"), [](Row& r, Text v) { r.asked.tolerance_of = v; });
-    each(c.reals("case_seconds_limit"), [](Row& r, double v) { r.asked.limits.case_seconds = v; });
-    each(c.reals("prepare_seconds_limit"), [](Row& r, double v) { r.asked.limits.prepare_seconds = v; });
-    each(c.integers("memory_limit_bytes"), [](Row& r, auto v) { r.asked.limits.memory_bytes = v; });
-    each(c.texts("status"), [](Row& r, Text v) { r.outcome.status = status_of(v); });
-    each(c.texts("reason"), [](Row& r, Text v) { r.outcome.reason = v; });
-    each(c.texts("solver_status"), [](Row& r, Text v) { r.outcome.solver_status = v; });
-    each(c.reals("lower"), [](Row& r, double v) { r.outcome.bounds.lower = v; });
-    each(c.reals("upper"), [](Row& r, double v) { r.outcome.bounds.upper = v; });
-    const auto on_source = c.reals("witness_source", 3), on_target = c.reals("witness_target", 3);
-    const auto source_element = c.integers_as<Index>("witness_source_element"),
-               target_element = c.integers_as<Index>("witness_target_element");
-    for (std::size_t i = 0; i < n; ++i)
-        rows[i].outcome.witness = {vector_at(on_source, i), vector_at(on_target, i), source_element[i],
-                                   target_element[i]};
-    each(c.reals("prepare_seconds"), [](Row& r, double v) { r.outcome.prepare_seconds = v; });
-    each(c.integers("prepare_bytes"), [](Row& r, auto v) { r.outcome.prepare_bytes = v; });
-    each(c.reals("solve_seconds"), [](Row& r, double v) { r.outcome.solve_seconds = v; });
-    each(c.reals("reported_seconds"), [](Row& r, double v) { r.outcome.reported_seconds = v; });
-    each(c.integers("peak_bytes"), [](Row& r, auto v) { r.outcome.peak_bytes = v; });
-    each(c.texts("clock"), [](Row& r, Text v) { r.outcome.clock = v; });
-    each(c.integers("from_trace"), [](Row& r, auto v) { r.outcome.from_trace = v != 0; });
-    each(c.texts("lower_check"), [](Row& r, Text v) { r.check.lower = verdict_of(v); });
-    each(c.texts("extras"), [](Row& r, Text v) { r.outcome.extras = extras_of(nlohmann::json::parse(v)); });
-    each(c.texts("facts"), [](Row& r, Text v) { r.outcome.facts = nlohmann::json::parse(v).get<Facts>(); });
-    each(c.texts("upper_check"), [](Row& r, Text v) { r.check.upper = verdict_of(v); });
-    each(c.texts("build"), [](Row& r, Text v) { r.outcome.build = v; });
-    each(c.texts("machine"), [](Row& r, Text v) { r.outcome.machine = v; });
-    for (const CounterField& field : counter_fields) {
-        each(c.counts(fmt::format("counter_{}", field.name)),
-             [&](Row& r, auto v) { r.outcome.counters.*field.member = v; });
+    std::vector<Row> rows(file.read_texts("cases/identity").size());
+    read_columns(file, "cases", case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
+    read_columns(file, "cases", outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; });
+    read_columns(file, "cases", check_columns(), rows, [](Row& r) -> Check& { return r.check; });
+    for (const std::string& child : file.children("cases")) {
+        constexpr std::string_view prefix = "counter_";
+        if (!child.starts_with(prefix)) continue;
+        const auto counts = file.read_unsigned("cases/" + child);
+        if (counts.size() != rows.size())
+            throw std::runtime_error(
+                fmt::format("cases/{} has {} values where {} are due", child, counts.size(), rows.size()));
+        const std::string name = child.substr(prefix.size());
+        const auto known = std::find_if(counter_fields.begin(), counter_fields.end(),
+                                        [&](const CounterField& field) { return field.name == name; });
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (known != counter_fields.end())
+                rows[i].outcome.counters.*known->member = counts[i];
+            else
+                rows[i].outcome.other_counters[name] = counts[i];
+        }
     }
     return rows;
 }
 
-void read_details(const h5::File& file, std::vector<Row>& rows) {
-    const auto row = [&](std::int64_t i) -> Outcome& {
-        if (i < 0 || std::size_t(i) >= rows.size()) throw std::runtime_error("a detail belongs to no case");
-        return rows[std::size_t(i)].outcome;
-    };
-    const auto answer_of = file.read_integers("answers/case");
-    const Reading a(file, "answers", answer_of.size());
-    const auto answer_rounds = a.integers_as<int>("round");
-    const auto answer_wall = a.reals("wall_seconds"), answer_cpu = a.reals("cpu_seconds");
-    for (std::size_t i = 0; i < answer_of.size(); ++i)
-        row(answer_of[i]).answers.push_back({answer_rounds[i], answer_wall[i], answer_cpu[i]});
+template <class Detail>
+void read_details(const h5::File& file, const std::string& group, const Columns<Detail>& columns,
+                  std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
+    if (!file.has(group)) return;  // of an older program
+    const auto of = file.read_integers(group + "/case");
+    std::vector<Detail> all(of.size());
+    read_columns(file, group, columns, all, itself<Detail>);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
+            throw std::runtime_error(fmt::format("a row of {} belongs to no case", group));
+        (rows[std::size_t(of[i])].outcome.*member).push_back(all[i]);
+    }
+}
 
-    const auto of = file.read_integers("repeats/case");
-    const Reading r(file, "repeats", of.size());
-    const auto rounds = r.integers_as<int>("round");
-    const auto iterations = r.integers("iterations");
-    const auto wall = r.reals("wall_seconds"), cpu = r.reals("cpu_seconds");
-    for (std::size_t i = 0; i < of.size(); ++i)
-        row(of[i]).repeats.push_back({rounds[i], wall[i], cpu[i], iterations[i]});
-
-    const auto part_of = file.read_integers("preparation/case");
-    const Reading p(file, "preparation", part_of.size());
-    const auto names = p.texts("name");
-    const auto seconds = p.reals("seconds");
-    const auto bytes = p.integers_as<std::size_t>("bytes");
-    const auto part_rounds = p.integers_as<int>("round");
-    for (std::size_t i = 0; i < part_of.size(); ++i)
-        row(part_of[i]).preparation.push_back({part_rounds[i], names[i], seconds[i], std::int64_t(bytes[i])});
-
-    const auto at = file.read_doubles("trace/seconds");
-    const Reading t(file, "trace", at.size()), c(file, "cases", rows.size());
-    const auto lower = t.reals("lower"), upper = t.reals("upper");
-    const auto begins = c.integers("trace_begin"), ends = c.integers("trace_end");
+void read_traces(const h5::File& file, std::vector<Row>& rows) {
+    std::vector<TraceSample> all(file.read_doubles("trace/seconds").size());
+    read_columns(file, "trace", trace_columns(), all, itself<TraceSample>);
+    const auto begins = file.read_integers("cases/trace_begin"), ends = file.read_integers("cases/trace_end");
+    if (begins.size() != rows.size() || ends.size() != rows.size())
+        throw std::runtime_error("cases/trace_begin and trace_end are not as many as the cases");
     std::int64_t used = 0;  // traces stand one after the other; where they overlap, a small file could fill the memory
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (begins[i] >= ends[i]) continue;
         if (begins[i] < used) throw std::runtime_error("two cases share samples of a trace");
-        if (std::size_t(ends[i]) > at.size()) throw std::runtime_error("a trace reaches past the samples");
+        if (std::size_t(ends[i]) > all.size()) throw std::runtime_error("a trace reaches past the samples");
         used = ends[i];
-        for (auto s = std::size_t(begins[i]); s < std::size_t(ends[i]); ++s)
-            rows[i].outcome.trace.push_back({at[s], lower[s], upper[s]});
+        rows[i].outcome.trace.assign(all.begin() + begins[i], all.begin() + ends[i]);
     }
 }
 
-std::vector<ModelRecord> read_models(const h5::File& file) {
-    const std::size_t n = file.read_texts("models/name").size();
-    const Reading c(file, "models", n);
-    std::vector<ModelRecord> models(n);
-    for (const auto& [name, member] : model_texts) {
-        const auto column = c.texts(name);
-        for (std::size_t i = 0; i < n; ++i) models[i].*member = column[i];
-    }
-    for (const auto& [name, member] : model_integers) {
-        const auto column = c.integers(name);
-        for (std::size_t i = 0; i < n; ++i) models[i].*member = column[i];
-    }
-    const auto diagonals = c.reals("diagonal");
-    const auto boxes = c.reals("box", 6);
-    for (std::size_t i = 0; i < n; ++i) {
-        models[i].diagonal = diagonals[i];
-        for (std::size_t k = 0; k < 6; ++k) models[i].box[k] = boxes[6 * i + k];
-    }
-    return models;
+template <class Row>
+std::vector<Row> read_group(const h5::File& file, const std::string& group, const Columns<Row>& columns,
+                            const std::string& counted) {
+    std::vector<Row> rows(file.read_texts(group + "/" + counted).size());
+    read_columns(file, group, columns, rows, itself<Row>);
+    return rows;
 }
 
-std::vector<LedgerEntry> read_ledger(const h5::File& file) {
-    const std::size_t n = file.read_texts("ledger/kind").size();
-    const Reading c(file, "ledger", n);
-    const auto kind = c.texts("kind"), subject = c.texts("subject"), what = c.texts("what"), reason = c.texts("reason");
-    const auto count = c.integers("count");
-    const auto saved = c.reals("seconds_saved");
-    std::vector<LedgerEntry> ledger;
-    for (std::size_t i = 0; i < n; ++i) ledger.push_back({kind[i], subject[i], what[i], reason[i], count[i], saved[i]});
-    return ledger;
-}
+// Without these a file says nothing of use, whichever program wrote it.
+constexpr const char* needed[] = {"cases/solver", "cases/scene",     "cases/status", "cases/lower",
+                                  "cases/upper",  "cases/tolerance", "models/sha256"};
 
 constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "profile",   "experiment_toml",
                                       "started",  "finished", "commit",     "dirty",     "build",
@@ -245,18 +145,23 @@ ResultFile read_trusting(const fs::path& file) {
         throw InputError(
             fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
     }
-    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema != result_schema) {
-        throw InputError(
-            fmt::format("{}: has schema version {}, this program reads {}: {}", file.string(), schema, result_schema,
-                        schema > result_schema ? "use a newer hausbench" : "run its experiment again with --fresh"));
+    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema > result_schema || schema < 1) {
+        throw InputError(fmt::format("{}: has schema version {}, this program reads 1 to {}: use a newer hausbench",
+                                     file.string(), schema, result_schema));
+    }
+    for (const char* column : needed) {
+        if (!in.has(column)) throw std::runtime_error(fmt::format("it has no {}", column));
     }
     ResultFile result;
     for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);
     for (const char* name : meta_integers) result.integers[name] = in.integer_attribute("meta", name);
-    result.models = read_models(in);
+    result.models = read_group(in, "models", model_columns(), "name");
     result.rows = read_cases(in);
-    read_details(in, result.rows);
-    result.ledger = read_ledger(in);
+    read_details(in, "answers", answer_columns(), result.rows, &Outcome::answers);
+    read_details(in, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
+    read_details(in, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
+    read_traces(in, result.rows);
+    result.ledger = read_group(in, "ledger", ledger_columns(), "kind");
     for (Row& row : result.rows) {
         for (const ModelRecord& model : result.models) {
             if (model.name == row.asked.source) row.asked.source_hash = model.sha256;

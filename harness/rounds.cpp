@@ -15,13 +15,13 @@ namespace {
 
 // The solver said itself why it ended, and ends like that again on the same input. Limits and crashes strike anywhere.
 bool ended_by_itself(const Outcome& o) {
-    return o.status == "ok" || o.status == "floor" || o.status == "budget" ||
-           (o.status == "failed" && o.solver_status == to_string(Status::stalled));
+    return o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget ||
+           (o.status == RowStatus::failed && o.solver_status == to_string(Status::stalled));
 }
 
 // It gave bounds, and failed all the same: two runs of it differ, or it ended while it was timed.
 bool contradicts_itself(const Outcome& o) {
-    return o.status == "failed" && !o.solver_status.empty() && !ended_by_itself(o);
+    return o.status == RowStatus::failed && !o.solver_status.empty() && !ended_by_itself(o);
 }
 
 void add_round(Outcome& outcome, const Outcome& first, int round, const Outcome& next) {
@@ -33,9 +33,9 @@ void add_round(Outcome& outcome, const Outcome& first, int round, const Outcome&
         outcome.solver_status = next.solver_status;
     } else if (ended_by_itself(first) && (next.status != first.status || next.bounds.lower != first.bounds.lower ||
                                           next.bounds.upper != first.bounds.upper)) {
-        outcome.status = "failed";
-        outcome.reason = fmt::format("round {} gave {} [{}, {}]: the solver is not deterministic", round, next.status,
-                                     next.bounds.lower, next.bounds.upper);
+        outcome.status = RowStatus::failed;
+        outcome.reason = fmt::format("round {} gave {} [{}, {}]: the solver is not deterministic", round,
+                                     to_string(next.status), next.bounds.lower, next.bounds.upper);
         outcome.solver_status = first.solver_status;
     }
 }
@@ -72,8 +72,8 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds) {
 Outcome read_off_exact(const Outcome& fine, double gap) {
     Outcome outcome = fine;
     outcome.from_trace = true;
-    if (outcome.status == "floor" && outcome.bounds.gap() <= gap) {
-        outcome.status = "ok";
+    if (outcome.status == RowStatus::floor && outcome.bounds.gap() <= gap) {
+        outcome.status = RowStatus::ok;
         outcome.reason.clear();
         outcome.solver_status = to_string(Status::converged);
     }
@@ -91,7 +91,7 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
         if (!(sample.upper - sample.lower <= gap)) continue;
         outcome.bounds = {sample.lower, sample.upper};
         outcome.solve_seconds = sample.seconds;
-        outcome.status = "ok";
+        outcome.status = RowStatus::ok;
         outcome.reason.clear();
         outcome.solver_status = to_string(Status::converged);
         break;

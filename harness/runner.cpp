@@ -96,9 +96,10 @@ private:
             (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id))
             return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
-        const bool timed = outcome.status == "ok" || outcome.status == "floor";
+        const bool timed = outcome.status == RowStatus::ok || outcome.status == RowStatus::floor;
         if (timed && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
-        if (round == 0 && outcome.status == "ok" && outcome.trace.empty() && !plan_.marks(row).empty()) return nullptr;
+        if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && !plan_.marks(row).empty())
+            return nullptr;
         return &outcome;
     }
 
@@ -107,14 +108,14 @@ private:
         for (std::size_t row : job.cases) {
             if (kept(row, round)) continue;
             const Outcome* first = round == 0 ? nullptr : kept(row, 0);
-            if (round > 0 && !(first && (first->status == "ok" || first->status == "floor")))
+            if (round > 0 && !(first && (first->status == RowStatus::ok || first->status == RowStatus::floor)))
                 continue;  // nothing to time
             rows.push_back(row);
         }
         progress_.done(job.cases.size() - rows.size());
         if (rows.empty()) return;
         progress_.doing(job.label);
-        std::map<std::string, int> statuses;
+        std::map<RowStatus, int> statuses;
         while (!rows.empty() && !interrupted) {
             const std::size_t finished = supervise(
                 order(job, round, rows), {.prepared = [&](const json& left_out) { note_left_out(job, left_out); },
@@ -132,7 +133,7 @@ private:
         }
         std::string text;
         for (const auto& [status, count] : statuses)
-            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, status);
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(status));
         if (!text.empty()) progress_.line(fmt::format("{}: {}", job.label, text));
     }
 
@@ -257,7 +258,7 @@ private:
             [] { return interrupted != 0; });
         for (const Row& row : result.rows) {
             ++summary.statuses[row.outcome.status];
-            if (row.outcome.status != "unsound") continue;
+            if (row.outcome.status != RowStatus::unsound) continue;
             if (unsound_expected(row.asked, plan_.experiment))
                 ++summary.unsound_expected;
             else

@@ -20,9 +20,9 @@ struct RunOptions {
 
 struct RunSummary {
     std::filesystem::path file;
-    std::map<std::string, std::size_t> statuses;  // how many rows of each
-    std::vector<std::string> unsound;             // a line for each row that should not be
-    std::size_t unsound_expected = 0;             // how many were, see plan.h
+    std::map<RowStatus, std::size_t> statuses;  // how many rows of each
+    std::vector<std::string> unsound;           // a line for each row that should not be
+    std::size_t unsound_expected = 0;           // how many were, see plan.h
     bool interrupted = false;
 };
 

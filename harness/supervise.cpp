@@ -40,17 +40,17 @@ public:
                 case WorkerProcess::Heard::closed: {
                     if (finished_ == order_.items.size()) return finished_;
                     if (!worker_.ended_within(std::chrono::seconds(1))) {
-                        fail("failed", "the worker closed its events and went on");
+                        fail(RowStatus::failed, "the worker closed its events and went on");
                         return finished_;
                     }
                     const std::string how = worker_.end();
-                    fail(worker_.signal() ? "signal" : "failed",
+                    fail(worker_.signal() ? RowStatus::signal : RowStatus::failed,
                          how.empty() ? "the worker ended early" : "ended by " + how);
                     return finished_;
                 }
                 case WorkerProcess::Heard::line:
                     if (!hear(line)) {
-                        fail("failed", "the worker wrote something that is not an event");
+                        fail(RowStatus::failed, "the worker wrote something that is not an event");
                         return finished_;
                     }
             }
@@ -67,7 +67,7 @@ private:
         if (Clock::now() < next_look_) return true;
         const std::int64_t limit = order_.limits.memory_bytes;
         if (worker_.resident_bytes() > limit) {
-            fail("out_of_memory", fmt::format("more than {} MB resident", limit >> 20));
+            fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
             return false;
         }
         next_look_ = Clock::now() + turn;
@@ -78,8 +78,9 @@ private:
     bool within_time() {
         if (Clock::now() <= deadline_) return true;
         const Limits& limits = order_.limits;
-        fail("timeout", prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                                  : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
+        fail(RowStatus::timeout,
+             prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
+                       : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
         return false;
     }
 
@@ -124,7 +125,7 @@ private:
             for (const json& s : event.at("samples"))
                 outcome_.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
             if (event.at("differs").get<bool>()) {
-                outcome_.status = "failed";
+                outcome_.status = RowStatus::failed;
                 outcome_.reason =
                     "the traced run ended with other bounds than the first: the solver is not deterministic";
             }
@@ -136,7 +137,7 @@ private:
     }
 
     // The worker has ended or has to end: the case in flight gets its row, or all cases if it never got to the first.
-    void fail(const std::string& status, const std::string& reason) {
+    void fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.end();
         if (finished_ == order_.items.size()) return;  // all are answered: how it ends does not matter
@@ -148,7 +149,7 @@ private:
             while (finished_ < order_.items.size()) close(outcome);
         } else if (answered_) {  // the answer counts where only its timing was cut short, by time
             const bool untimed = outcome_.repeats.empty() && order_.repeats > 0;
-            if (outcome_.status == "ok" && (untimed || status == "out_of_memory")) {
+            if (outcome_.status == RowStatus::ok && (untimed || status == RowStatus::out_of_memory)) {
                 outcome_.status = status;
                 outcome_.reason = (untimed ? "answered, but not while it was timed: "
                                            : "answered, but was killed while it was timed: ") +

@@ -143,7 +143,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     }
     for (Row& row : rows) {
         if (row.check.lower != Verdict::unsound && row.check.upper != Verdict::unsound) continue;
-        row.outcome.status = "unsound";
+        row.outcome.status = RowStatus::unsound;
         row.outcome.reason = row.check.reason;
     }
 }

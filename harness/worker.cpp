@@ -88,19 +88,19 @@ private:
         try {
             result = session_->solve(query, untraced);
         } catch (const std::bad_alloc&) {
-            give_up(item, "out_of_memory", "the solver was refused memory that it asked for");
+            give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
             return;
         } catch (const std::exception& error) {
-            give_up(item, "failed", std::string("the solver threw: ") + error.what());
+            give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
             return;
         } catch (...) {
-            give_up(item, "failed", "the solver threw something that is not a std::exception");
+            give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
             return;
         }
         const Spent spent = watch.spent();
         outcome.status = row_status(result.status);
         outcome.solver_status = to_string(result.status);
-        if (outcome.status != "ok")
+        if (outcome.status != RowStatus::ok)
             outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
         outcome.bounds = result.bounds;
         outcome.witness = result.witness;
@@ -117,13 +117,14 @@ private:
         outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
 
-        if (outcome.status == "ok" || outcome.status == "floor") time_repeats(item, query, spent.wall_seconds);
+        if (outcome.status == RowStatus::ok || outcome.status == RowStatus::floor)
+            time_repeats(item, query, spent.wall_seconds);
         if (item.trace) trace(item, query, result);
         send({{"event", "end"}, {"row", item.row}});
     }
 
     // No answer, and none to time; the solver may do better on the next case.
-    void give_up(const WorkOrder::Item& item, const std::string& status, const std::string& reason) {
+    void give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
         outcome.reason = one_line(reason);

@@ -8,7 +8,7 @@ namespace {
 
 Outcome answered(double lower, double upper, double prepare_seconds, int round) {
     Outcome o;
-    o.status = "ok";
+    o.status = RowStatus::ok;
     o.solver_status = "converged";
     o.bounds = {lower, upper};
     o.prepare_seconds = prepare_seconds;
@@ -20,7 +20,7 @@ Outcome answered(double lower, double upper, double prepare_seconds, int round) 
     return o;
 }
 
-Outcome killed(const std::string& status, const std::string& reason) {
+Outcome killed(RowStatus status, const std::string& reason) {
     Outcome o;
     o.status = status;
     o.reason = reason;
@@ -35,7 +35,7 @@ Outcome gathered(const std::vector<Outcome>& rounds) {
 
 TEST(Rounds, EveryRoundsPreparationIsKept) {
     const Outcome o = gathered({answered(1, 2, 4, 0), answered(1, 2, 1, 1), answered(1, 2, 2, 2)});
-    EXPECT_EQ(o.status, "ok");
+    EXPECT_EQ(o.status, RowStatus::ok);
     EXPECT_EQ(o.prepare_seconds, 2);
     ASSERT_EQ(o.preparation.size(), 6u);
     for (int i = 0; i < 6; ++i) EXPECT_EQ(o.preparation[std::size_t(i)].round, i / 2);
@@ -52,30 +52,30 @@ TEST(Rounds, EveryRoundsPreparationIsKept) {
 TEST(Rounds, OtherBoundsAreAFailure) {
     for (const Outcome& other : {answered(1, 2.5, 1, 1), answered(0.5, 2, 1, 1)}) {
         const Outcome o = gathered({answered(1, 2, 1, 0), other, answered(1, 2, 1, 2)});
-        EXPECT_EQ(o.status, "failed");
+        EXPECT_EQ(o.status, RowStatus::failed);
         EXPECT_NE(o.reason.find("round 1"), std::string::npos) << o.reason;
         EXPECT_NE(o.reason.find("not deterministic"), std::string::npos) << o.reason;
     }
     Outcome floor = answered(1, 2, 1, 1);
-    floor.status = "floor", floor.solver_status = "precision_floor";
-    EXPECT_EQ(gathered({answered(1, 2, 1, 0), floor}).status, "failed");
+    floor.status = RowStatus::floor, floor.solver_status = "precision_floor";
+    EXPECT_EQ(gathered({answered(1, 2, 1, 0), floor}).status, RowStatus::failed);
 }
 
 TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
     Outcome own = answered(0.5, 3, 1, 2);  // the solver's own deadline: its bounds are other ones, and hold
-    own.status = "timeout", own.solver_status = "time_limit", own.reason = "not within 1 s";
+    own.status = RowStatus::timeout, own.solver_status = "time_limit", own.reason = "not within 1 s";
     Outcome untimed = answered(1, 2, 1, 1);  // killed while it was timed
-    untimed.status = "timeout", untimed.repeats.clear(), untimed.reason = "not while it was timed";
-    for (const Outcome& late : {killed("timeout", "killed: no answer within 1 s"), own, untimed,
-                                killed("out_of_memory", "too much"), killed("signal", "signal 11")}) {
+    untimed.status = RowStatus::timeout, untimed.repeats.clear(), untimed.reason = "not while it was timed";
+    for (const Outcome& late : {killed(RowStatus::timeout, "killed: no answer within 1 s"), own, untimed,
+                                killed(RowStatus::out_of_memory, "too much"), killed(RowStatus::signal, "signal 11")}) {
         const Outcome o = gathered({answered(1, 2, 1, 0), answered(1, 2, 1, 1), late});
         EXPECT_EQ(o.status, late.status);
         EXPECT_EQ(o.reason, "in round 2: " + late.reason);
         EXPECT_EQ(o.bounds.lower, 1);
         EXPECT_EQ(o.bounds.upper, 2);
         // Two answers that differ weigh more, whichever comes first.
-        EXPECT_EQ(gathered({answered(1, 2, 1, 0), late, answered(1, 3, 1, 2)}).status, "failed");
-        EXPECT_EQ(gathered({answered(1, 2, 1, 0), answered(1, 3, 1, 1), late}).status, "failed");
+        EXPECT_EQ(gathered({answered(1, 2, 1, 0), late, answered(1, 3, 1, 2)}).status, RowStatus::failed);
+        EXPECT_EQ(gathered({answered(1, 2, 1, 0), answered(1, 3, 1, 1), late}).status, RowStatus::failed);
     }
 }
 
@@ -97,33 +97,33 @@ Outcome traced() {
 
 TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     const Outcome o = read_off_trace(traced(), 0.25);
-    EXPECT_EQ(o.status, "ok");
+    EXPECT_EQ(o.status, RowStatus::ok);
     EXPECT_EQ(o.bounds.lower, 0.9);
     EXPECT_EQ(o.solve_seconds, 0.2);
     EXPECT_TRUE(o.answers.empty());  // nothing was timed for it
     EXPECT_TRUE(o.from_trace && o.repeats.empty() && o.trace.empty());
     // Also where the finer one ran out of time, or stalled.
     Outcome late = traced();
-    late.status = "timeout", late.solver_status = "time_limit";
-    EXPECT_EQ(read_off_trace(late, 0.25).status, "ok");
-    EXPECT_EQ(read_off_trace(late, 0.001).status, "timeout");
+    late.status = RowStatus::timeout, late.solver_status = "time_limit";
+    EXPECT_EQ(read_off_trace(late, 0.25).status, RowStatus::ok);
+    EXPECT_EQ(read_off_trace(late, 0.001).status, RowStatus::timeout);
     Outcome stalled = traced();
-    stalled.status = "failed", stalled.solver_status = "stalled";
-    EXPECT_EQ(read_off_trace(stalled, 0.25).status, "ok");
+    stalled.status = RowStatus::failed, stalled.solver_status = "stalled";
+    EXPECT_EQ(read_off_trace(stalled, 0.25).status, RowStatus::ok);
 }
 
 TEST(Rounds, WhatIsNotDeterministicHoldsNoAnswerAtAnyTolerance) {
     Outcome other = traced();
     other.bounds.upper = 1.02;
     const Outcome fine = gathered({traced(), other});
-    ASSERT_EQ(fine.status, "failed");
+    ASSERT_EQ(fine.status, RowStatus::failed);
     const Outcome coarse = read_off_trace(fine, 0.25);
-    EXPECT_EQ(coarse.status, "failed");
+    EXPECT_EQ(coarse.status, RowStatus::failed);
     EXPECT_EQ(coarse.reason, fine.reason);
     Outcome differs = traced();  // as the traced run found it
-    differs.status = "failed", differs.reason = "the traced run ended with other bounds";
-    EXPECT_EQ(read_off_trace(differs, 0.25).status, "failed");
-    EXPECT_EQ(read_off_exact(fine, 0.25).status, "failed");
+    differs.status = RowStatus::failed, differs.reason = "the traced run ended with other bounds";
+    EXPECT_EQ(read_off_trace(differs, 0.25).status, RowStatus::failed);
+    EXPECT_EQ(read_off_exact(fine, 0.25).status, RowStatus::failed);
 }
 
 }  // namespace

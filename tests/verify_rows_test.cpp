@@ -27,7 +27,7 @@ Row answer(double lower, double upper, const Vec3& witness) {
     Row row;
     row.asked.source = "a";
     row.asked.target = "b";
-    row.outcome.status = "ok";
+    row.outcome.status = RowStatus::ok;
     row.outcome.solver_status = "converged";
     row.outcome.bounds = {lower, upper};
     row.outcome.witness.source_point = witness;
@@ -54,7 +54,7 @@ TEST_F(VerifyRows, TheDistanceHoldsAndTheNextDoubleDoesNot) {
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);
     EXPECT_EQ(rows[0].check.upper, Verdict::holds);
     EXPECT_EQ(rows[1].check.lower, Verdict::unsound);
-    EXPECT_EQ(rows[1].outcome.status, "unsound");
+    EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound);
     EXPECT_NE(rows[1].outcome.reason.find("(2)"), std::string::npos) << rows[1].outcome.reason;
     EXPECT_EQ(rows[2].check.lower, Verdict::holds);
     EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // below the verified lower bound of the first
@@ -69,7 +69,7 @@ TEST_F(VerifyRows, StoppedItSaysNothingOfWhatIsLeft) {
     for (const Row& row : rows) {
         EXPECT_EQ(row.check.lower, Verdict::not_checked);
         EXPECT_EQ(row.check.upper, Verdict::not_checked);
-        EXPECT_EQ(row.outcome.status, "ok");
+        EXPECT_EQ(row.outcome.status, RowStatus::ok);
     }
 }
 

@@ -1,0 +1,390 @@
+#include "columns.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+template <class T>
+constexpr bool is_json_text =
+    std::is_same_v<T, ParameterMap> || std::is_same_v<T, std::map<std::string, double>> || std::is_same_v<T, Facts>;
+
+template <class T> std::string json_text(const T& value) {
+    if constexpr (std::is_same_v<T, ParameterMap>)
+        return options_json(value).dump();
+    else if constexpr (std::is_same_v<T, Facts>)
+        return json(value).dump();
+    else
+        return extras_json(value).dump();
+}
+
+template <class T> T from_json_text(const std::string& text) {
+    const json object = json::parse(text);
+    if constexpr (std::is_same_v<T, ParameterMap>) {
+        ParameterMap options;
+        for (const auto& [name, value] : object.items()) options[name] = parameter_of(value);
+        return options;
+    } else if constexpr (std::is_same_v<T, Facts>) {
+        return object.get<Facts>();
+    } else {
+        return extras_of(object);
+    }
+}
+
+template <class T> constexpr std::size_t width_of() {
+    if constexpr (std::is_same_v<T, double>) return 1;
+    if constexpr (std::is_same_v<T, Vec3>) return 3;
+    if constexpr (std::is_same_v<T, Pose>) return 12;
+    if constexpr (std::is_same_v<T, std::array<double, 6>>) return 6;
+    return 0;
+}
+
+// The doubles of a value, in the order of the file: a rotation goes row by row.
+template <class T, class F> void each_double(T& value, F take) {
+    using Plain = std::remove_const_t<T>;
+    if constexpr (std::is_same_v<Plain, double>) {
+        take(value);
+    } else if constexpr (std::is_same_v<Plain, Pose>) {
+        for (int i = 0; i < 9; ++i) take(value.rotation(i / 3, i % 3));
+        for (int i = 0; i < 3; ++i) take(value.translation[i]);
+    } else {
+        for (auto& v : value) take(v);
+    }
+}
+
+template <class E> E named(const std::string& text) {
+    for (int i = 0; i < count_of<E>; ++i) {
+        if (text == to_string(E(i))) return E(i);
+    }
+    throw std::runtime_error(fmt::format("'{}' is not one of its values", text));
+}
+
+// `member` is a lambda that returns a reference to where the value is.
+template <class Row, auto member>
+Column<Row> at(std::string_view name, std::string_view meaning, Identity identity = Identity::no) {
+    using T = std::remove_cvref_t<decltype(member(std::declval<Row&>()))>;
+    if constexpr (std::is_same_v<T, std::string>) {
+        return {name, meaning,
+                typename Column<Row>::Text{[](const Row& row) { return member(row); },
+                                           [](Row& row, const std::string& text) { member(row) = text; }},
+                identity};
+    } else if constexpr (is_json_text<T>) {
+        return {name, meaning,
+                typename Column<Row>::Text{
+                    [](const Row& row) { return json_text<T>(member(row)); },
+                    [](Row& row, const std::string& text) { member(row) = from_json_text<T>(text); }},
+                identity};
+    } else if constexpr (std::is_enum_v<T>) {
+        return {name, meaning,
+                typename Column<Row>::Text{[](const Row& row) { return std::string(to_string(member(row))); },
+                                           [](Row& row, const std::string& text) { member(row) = named<T>(text); }},
+                identity};
+    } else if constexpr (width_of<T>() > 0) {
+        return {name, meaning,
+                typename Column<Row>::Real{
+                    width_of<T>(),
+                    [](const Row& row, double* out) { each_double(member(row), [&](const double& v) { *out++ = v; }); },
+                    [](Row& row, const double* in) { each_double(member(row), [&](double& v) { v = *in++; }); }},
+                identity};
+    } else {
+        static_assert(std::is_integral_v<T>);
+        return {name, meaning,
+                typename Column<Row>::Integer{
+                    [](const Row& row) { return std::int64_t(member(row)); },
+                    [](Row& row, std::int64_t value) {
+                        const bool fits =
+                            std::is_same_v<T, bool>
+                                ? value == 0 || value == 1
+                                : std::in_range<std::conditional_t<std::is_same_v<T, bool>, std::int64_t, T>>(value);
+                        if (!fits) throw std::runtime_error(fmt::format("holds {}", value));
+                        member(row) = T(value);
+                    }},
+                identity};
+    }
+}
+
+#define MEMBER(where) \
+    [](auto& row) -> auto& { return row.where; }
+
+}  // namespace
+
+const Columns<Case>& case_columns() {
+    // Those of the identity stand first, in the order in which they are hashed.
+    static const Columns<Case> columns = {
+        at<Case, MEMBER(solver)>("solver", "registry name", Identity::always),
+        at<Case, MEMBER(options)>("options", "JSON object of every parameter", Identity::always),
+        at<Case, MEMBER(source)>("source", "model of the scene that is A", Identity::of_missing),
+        at<Case, MEMBER(target)>("target", "model of the scene that is B", Identity::of_missing),
+        at<Case, MEMBER(pose)>("pose", "of A: rotation row by row, then translation", Identity::always),
+        at<Case, MEMBER(tolerance_of)>(
+            "tolerance_of",
+            "what the tolerance is a fraction of: the `diagonal` of A, or `lower`; or `absolute`: a length",
+            Identity::always),
+        at<Case, MEMBER(tolerance)>("tolerance", "as asked", Identity::always),
+        at<Case, MEMBER(limits.case_seconds)>("case_seconds_limit", "for one answer", Identity::always),
+        at<Case, MEMBER(limits.prepare_seconds)>("prepare_seconds_limit", "for loading and preparing",
+                                                 Identity::always),
+        at<Case, MEMBER(limits.memory_bytes)>("memory_limit_bytes", "of resident memory", Identity::always),
+        at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, pose, solver, options, tolerance, limits"),
+        at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
+        at<Case, MEMBER(certified)>("certified",
+                                    "1: the solver's bounds hold under the rounding of its own arithmetic; 0: they "
+                                    "hold in exact arithmetic, or it promises less; -1: unknown, since the solver is "
+                                    "not built"),
+        at<Case, MEMBER(scene)>("scene", "of the experiment"),
+        at<Case, MEMBER(note)>("scene_note",
+                               "the experiment's remark on the scene, such as the model that it stands in for"),
+        at<Case, MEMBER(exact)>("exact", "the true h(A,B), where the experiment gives it; else NaN"),
+        at<Case, MEMBER(source_elements)>("source_elements", "points or triangles of A"),
+        at<Case, MEMBER(target_elements)>("target_elements", "points or triangles of B"),
+        at<Case, MEMBER(source_diagonal)>("source_diagonal", "length"),
+        at<Case, MEMBER(pose_index)>("pose_index", "number in the motion"),
+        {"tolerance_absolute", "as a length (NaN for `lower`)",
+         Column<Case>::Real{1,
+                            [](const Case& asked, double* out) {
+                                const Tolerance t = asked.resolved_tolerance();
+                                *out = t.of == Tolerance::Of::absolute ? t.value : unknown;
+                            },
+                            nullptr}},
+    };
+    return columns;
+}
+
+const Columns<Outcome>& outcome_columns() {
+    static const Columns<Outcome> columns = {
+        at<Outcome, MEMBER(status)>("status",
+                                    "`ok`, `timeout`, `out_of_memory`, `signal`, `skipped`, `failed`, `unsound`, "
+                                    "`not_built`, `floor`, `budget`: see below"),
+        at<Outcome, MEMBER(reason)>("reason", "one line, where the status is not `ok`"),
+        at<Outcome, MEMBER(solver_status)>("solver_status",
+                                           "the status that the solver returned: `converged`, `time_limit`, ..."),
+        at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B)"),
+        at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= h(A posed, B)"),
+        at<Outcome, MEMBER(witness.source_point)>("witness_source", "the point on A posed that proves the lower bound"),
+        at<Outcome, MEMBER(witness.target_point)>("witness_target", "its closest point on B"),
+        at<Outcome, MEMBER(witness.source_element)>("witness_source_element", "point or triangle number, -1 unknown"),
+        at<Outcome, MEMBER(witness.target_element)>("witness_target_element", "likewise"),
+        at<Outcome, MEMBER(prepare_seconds)>(
+            "prepare_seconds",
+            "all structures together; each round prepares once, and this is the median of the rounds"),
+        at<Outcome, MEMBER(prepare_bytes)>("prepare_bytes", "all structures together"),
+        at<Outcome, MEMBER(solve_seconds)>(
+            "solve_seconds",
+            "wall time of the first answer of round 0; those of all rounds are in `/answers`. Where `from_trace` is 1 "
+            "and there is no row in `/answers`, of the sample of the trace"),
+        at<Outcome, MEMBER(reported_seconds)>(
+            "reported_seconds",
+            "the time that an outside program reports (solver `external`), else NaN; `solve_seconds` and `/repeats` "
+            "also include starting it and reading and writing files"),
+        at<Outcome, MEMBER(peak_bytes)>(
+            "peak_bytes",
+            "what the solver took, as in `measure`: peak resident set while preparing and solving less the resident "
+            "set before preparing; of an outside program its own peak; -1 unknown"),
+        at<Outcome, MEMBER(clock)>(
+            "clock",
+            "which of the times in `/answers` and `/repeats` is the time of the case: `cpu` where one thread works at "
+            "a time, `wall` where several do (another thread of the process took more than a hundredth of its CPU "
+            "time, or CPU time with children is more than 1.1 times wall time, in any round); empty without an "
+            "answer. `solve_seconds` is wall time all the same"),
+        at<Outcome, MEMBER(from_trace)>("from_trace",
+                                        "1: not run; the answer is read from the trace of a finer tolerance"),
+        at<Outcome, MEMBER(extras)>("extras",
+                                    "JSON object of further numbers that the solver reports, such as `alpha` of "
+                                    "`adaptive`; each solver's file says what they mean"),
+        at<Outcome, MEMBER(facts)>("facts",
+                                   "JSON object of texts that the solver reports, such as `chosen` of `adaptive`"),
+        at<Outcome, MEMBER(build)>("build",
+                                   "as in `/meta`; a resumed file may hold several; for a solver of a plug-in, a hash "
+                                   "of the program and the plug-in"),
+        at<Outcome, MEMBER(machine)>("machine", "as in `/meta`"),
+    };
+    return columns;
+}
+
+const Columns<Check>& check_columns() {
+    static const Columns<Check> columns = {
+        at<Check, MEMBER(lower)>("lower_check",
+                                 "the harness's own check, not timed: `holds`, `unsound`, `no witness`, `not checked`"),
+        at<Check, MEMBER(upper)>("upper_check", "likewise"),
+    };
+    return columns;
+}
+
+const Columns<ModelRecord>& model_columns() {
+    static const Columns<ModelRecord> columns = {
+        at<ModelRecord, MEMBER(name)>("name", "as in the catalogue"),
+        at<ModelRecord, MEMBER(sha256)>("sha256", "of the float64 coordinates and indices"),
+        at<ModelRecord, MEMBER(kind)>("kind", "`points`, `mesh` or `surface`"),
+        at<ModelRecord, MEMBER(polynomial)>("polynomial", "of a surface: the surface is where it vanishes; else empty"),
+        at<ModelRecord, MEMBER(box)>("box", "of a surface: from and to in x, y and z; else NaN"),
+        at<ModelRecord, MEMBER(elements)>("elements", "points or triangles; of a surface 1"),
+        at<ModelRecord, MEMBER(vertices)>("vertices", "of a surface the two corners of its box"),
+        at<ModelRecord, MEMBER(diagonal)>("diagonal", "of the box of its points"),
+        at<ModelRecord, MEMBER(precision)>("precision", "`float64`, or `float32` if the reader rounds to it"),
+        at<ModelRecord, MEMBER(unreferenced)>("unreferenced", "vertices dropped; -1 unknown"),
+        at<ModelRecord, MEMBER(source)>("source", "where it comes from"),
+        at<ModelRecord, MEMBER(licence)>("licence", "SPDX where there is one"),
+        at<ModelRecord, MEMBER(note)>("note", "the catalogue's remark"),
+    };
+    return columns;
+}
+
+const Columns<FirstAnswer>& answer_columns() {
+    static const Columns<FirstAnswer> columns = {
+        at<FirstAnswer, MEMBER(round)>("round", "each in fresh processes"),
+        at<FirstAnswer, MEMBER(wall_seconds)>("wall_seconds", ""),
+        at<FirstAnswer, MEMBER(cpu_seconds)>(
+            "cpu_seconds",
+            "of the process, all its threads and its children that ended; it includes what the harness spends "
+            "meanwhile, such as reading what an outside program prints"),
+    };
+    return columns;
+}
+
+const Columns<Repeat>& repeat_columns() {
+    static const Columns<Repeat> columns = {
+        at<Repeat, MEMBER(round)>("round", ""),
+        at<Repeat, MEMBER(wall_seconds)>("wall_seconds", "of one solve"),
+        at<Repeat, MEMBER(cpu_seconds)>("cpu_seconds", "of one solve, as in `/answers`"),
+        at<Repeat, MEMBER(iterations)>("iterations", "number of solves in one timing"),
+    };
+    return columns;
+}
+
+const Columns<Preparation>& preparation_columns() {
+    static const Columns<Preparation> columns = {
+        at<Preparation, MEMBER(round)>("round", ""),
+        at<Preparation, MEMBER(name)>("name", "of the structure, or `solver` for what the solver built itself"),
+        at<Preparation, MEMBER(seconds)>("seconds", "wall time"),
+        at<Preparation, MEMBER(bytes)>("bytes", ""),
+    };
+    return columns;
+}
+
+const Columns<TraceSample>& trace_columns() {
+    static const Columns<TraceSample> columns = {
+        at<TraceSample, MEMBER(seconds)>("seconds", "since solve began"),
+        at<TraceSample, MEMBER(lower)>("lower", ""),
+        at<TraceSample, MEMBER(upper)>("upper", ""),
+    };
+    return columns;
+}
+
+const Columns<LedgerEntry>& ledger_columns() {
+    static const Columns<LedgerEntry> columns = {
+        at<LedgerEntry, MEMBER(kind)>("kind", "`not_built`, `not_prepared`, `not_run`"),
+        at<LedgerEntry, MEMBER(subject)>("subject", "solver and scene"),
+        at<LedgerEntry, MEMBER(what)>("what",
+                                      "such as a structure. For motions, `structures for each pose` counts the poses "
+                                      "that reused structures: one process prepares once and answers all poses"),
+        at<LedgerEntry, MEMBER(reason)>("reason", "why this was safe"),
+        at<LedgerEntry, MEMBER(count)>("count", "cases, structures, or poses"),
+        at<LedgerEntry, MEMBER(seconds_saved)>("seconds_saved", "NaN if unknown"),
+    };
+    return columns;
+}
+
+template <class Row> json row_json(const Columns<Row>& columns, const Row& row) {
+    json object = json::object();
+    for (const Column<Row>& column : columns) {
+        json& field = object[std::string(column.name)];
+        if (const auto* text = std::get_if<typename Column<Row>::Text>(&column.value)) {
+            field = text->get(row);
+        } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
+            field = integer->get(row);
+        } else {
+            const auto& real = std::get<typename Column<Row>::Real>(column.value);
+            double values[12];
+            real.get(row, values);
+            if (real.width == 1)
+                field = number(values[0]);
+            else
+                for (std::size_t k = 0; k < real.width; ++k) field.push_back(number(values[k]));
+        }
+    }
+    return object;
+}
+
+template <class Row> void read_row(const Columns<Row>& columns, const json& object, Row& row) {
+    for (const Column<Row>& column : columns) {
+        const auto at = object.find(column.name);
+        if (at == object.end()) continue;
+        if (const auto* text = std::get_if<typename Column<Row>::Text>(&column.value)) {
+            if (text->set) text->set(row, at->template get<std::string>());
+        } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
+            if (integer->set) integer->set(row, at->template get<std::int64_t>());
+        } else {
+            const auto& real = std::get<typename Column<Row>::Real>(column.value);
+            double values[12];
+            for (std::size_t k = 0; k < real.width; ++k) values[k] = number(real.width == 1 ? *at : at->at(k));
+            if (real.set) real.set(row, values);
+        }
+    }
+}
+
+template json row_json(const Columns<Case>&, const Case&);
+template json row_json(const Columns<Outcome>&, const Outcome&);
+template json row_json(const Columns<FirstAnswer>&, const FirstAnswer&);
+template json row_json(const Columns<Repeat>&, const Repeat&);
+template json row_json(const Columns<Preparation>&, const Preparation&);
+template json row_json(const Columns<TraceSample>&, const TraceSample&);
+template void read_row(const Columns<Outcome>&, const json&, Outcome&);
+template void read_row(const Columns<FirstAnswer>&, const json&, FirstAnswer&);
+template void read_row(const Columns<Repeat>&, const json&, Repeat&);
+template void read_row(const Columns<Preparation>&, const json&, Preparation&);
+template void read_row(const Columns<TraceSample>&, const json&, TraceSample&);
+
+namespace {
+
+template <class Row> void describe(const Columns<Row>& columns, json& group) {
+    for (const Column<Row>& column : columns) {
+        const auto* real = std::get_if<typename Column<Row>::Real>(&column.value);
+        const bool text = std::holds_alternative<typename Column<Row>::Text>(column.value);
+        group.push_back({{"name", column.name},
+                         {"type", real   ? "real"
+                                  : text ? "text"
+                                         : "integer"},
+                         {"width", real ? real->width : 1},
+                         {"meaning", column.meaning},
+                         {"identity", column.identity != Identity::no}});
+    }
+}
+
+}  // namespace
+
+json columns_json() {
+    const auto integer = [](const char* name, const char* meaning) {
+        return json{{"name", name}, {"type", "integer"}, {"width", 1}, {"meaning", meaning}, {"identity", false}};
+    };
+    json groups = json::object();
+    describe(model_columns(), groups["models"]);
+    json& cases = groups["cases"];
+    describe(case_columns(), cases);
+    describe(outcome_columns(), cases);
+    cases.push_back(integer("trace_begin", "first row in `/trace`"));
+    cases.push_back(integer("trace_end", "the row after the last; equal to `trace_begin` where there is none"));
+    cases.push_back({{"name", "counter_*"},
+                     {"type", "count"},
+                     {"width", 1},
+                     {"meaning", "work counters of one solve"},
+                     {"identity", false}});
+    describe(check_columns(), cases);
+    for (const char* name : {"answers", "repeats", "preparation"})
+        groups[name].push_back(integer("case", "row of `/cases`"));
+    describe(answer_columns(), groups["answers"]);
+    describe(repeat_columns(), groups["repeats"]);
+    describe(preparation_columns(), groups["preparation"]);
+    describe(trace_columns(), groups["trace"]);
+    describe(ledger_columns(), groups["ledger"]);
+    return groups;
+}
+
+}  // namespace hausbench
