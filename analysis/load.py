@@ -15,15 +15,24 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from analysis.columns import (
+    DEFAULTS,
+    Answers,
+    Cases,
+    Counters,
+    Floats,
+    Ints,
+    Ledger,
+    Models,
+    Preparation,
+    Repeats,
+    Texts,
+    Trace,
+)
 from analysis.statistics import by_round
 
 SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parent.parent / "results" / "reference"
-
-Texts = npt.NDArray[Any]  # of str
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Counters = dict[str, npt.NDArray[np.uint64]]
 
 class ResultError(Exception):
     """A result file that cannot be used: one line with its name and the remedy."""
@@ -32,125 +41,6 @@ class ResultError(Exception):
 class Interval(NamedTuple):
     lower: float
     upper: float
-
-
-@dataclass(frozen=True)
-class Models:
-    name: Texts
-    sha256: Texts
-    kind: Texts
-    elements: Ints
-    vertices: Ints
-    diagonal: Floats
-    precision: Texts
-    unreferenced: Ints
-    source: Texts
-    licence: Texts
-    note: Texts
-    polynomial: Texts  # of an algebraic surface, empty for other models
-    box: Floats  # likewise: from, to in x, y and z; NaN for other models
-
-
-@dataclass(frozen=True)
-class Cases:
-    identity: Texts
-    solver: Texts
-    label: Texts
-    certified: Ints
-    options: Texts
-    scene: Texts
-    source: Texts
-    target: Texts
-    exact: Floats
-    scene_note: Texts
-    source_elements: Ints
-    target_elements: Ints
-    source_diagonal: Floats
-    pose_index: Ints
-    pose: Floats
-    tolerance: Floats
-    tolerance_of: Texts
-    tolerance_absolute: Floats
-    case_seconds_limit: Floats
-    prepare_seconds_limit: Floats
-    memory_limit_bytes: Ints
-    status: Texts
-    reason: Texts
-    solver_status: Texts
-    lower: Floats
-    upper: Floats
-    witness_source: Floats
-    witness_target: Floats
-    witness_source_element: Ints
-    witness_target_element: Ints
-    prepare_seconds: Floats
-    prepare_bytes: Ints
-    solve_seconds: Floats
-    reported_seconds: Floats
-    peak_bytes: Ints
-    clock: Texts
-    trace_begin: Ints
-    trace_end: Ints
-    from_trace: Ints
-    extras: Texts
-    facts: Texts
-    lower_check: Texts
-    upper_check: Texts
-    build: Texts
-    machine: Texts
-    counters: Counters  # every counter_* column, without the prefix
-
-    def __len__(self) -> int:
-        return len(self.identity)
-
-
-@dataclass(frozen=True)
-class Answers:
-    """The first answer of each process to a case."""
-
-    case: Ints
-    round: Ints
-    wall_seconds: Floats
-    cpu_seconds: Floats
-
-
-@dataclass(frozen=True)
-class Repeats:
-    case: Ints
-    repeat: Ints
-    round: Ints
-    wall_seconds: Floats
-    cpu_seconds: Floats
-    iterations: Ints
-
-
-@dataclass(frozen=True)
-class Preparation:
-    case: Ints
-    round: Ints
-    name: Texts
-    seconds: Floats
-    bytes: Ints
-
-
-@dataclass(frozen=True)
-class Trace:
-    seconds: Floats
-    lower: Floats
-    upper: Floats
-
-    def __len__(self) -> int:
-        return len(self.seconds)
-
-
-@dataclass(frozen=True)
-class Ledger:
-    kind: Texts
-    subject: Texts
-    what: Texts
-    reason: Texts
-    count: Ints
-    seconds_saved: Floats
 
 
 @dataclass(frozen=True)
@@ -334,19 +224,36 @@ def _column(group: Any, name: str, kind: str) -> npt.NDArray[Any]:
     return np.asarray(data[()], dtype={"Floats": np.float64, "Ints": np.int64, "Counters": np.uint64}[kind])
 
 
+NEEDED = ("cases/identity", "cases/solver", "cases/scene", "cases/status", "cases/lower", "cases/upper", "cases/tolerance",
+          "models/name", "models/sha256", "ledger/kind", "trace/seconds")
+
+
 def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
-    group, values = file[name], dict[str, Any]()
+    """The columns of a group that are known here. A file may have others, and what an older one lacks takes its default."""
+    group, values = file.get(name, {}), dict[str, Any]()
+    for path in NEEDED:
+        if path.startswith(f"{name}/") and path not in file:
+            raise KeyError(path)
     for field in dataclasses.fields(kind):
         if field.type == "Counters":
             values[field.name] = {key.removeprefix("counter_"): _column(group, key, "Counters")
                                   for key in group if key.startswith("counter_")}
-        else:
+        elif field.name in group:
             values[field.name] = _column(group, field.name, str(field.type))
     lengths = {len(column) for field, column in values.items() if field != "counters"}
     lengths |= {len(column) for column in values.get("counters", {}).values()}
     if len(lengths) > 1:
         raise KeyError(f"/{name} with columns of one length")
+    count = max(lengths, default=0)
+    for field in dataclasses.fields(kind):
+        if field.name not in values:
+            values[field.name] = _usual(DEFAULTS[f"{name}/{field.name}"], count, str(field.type))
     return kind(**values)
+
+
+def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
+    dtype: Any = {"Texts": object, "Floats": np.float64, "Ints": np.int64}[kind]
+    return np.array([value] * count, dtype=dtype).reshape(count, *np.shape(value))
 
 
 def _attribute(value: Any) -> Any:
@@ -368,9 +275,6 @@ def load(path: Path) -> Results:
                 raise ResultError(f"{path}: schema version {meta['schema_version']} is newer than {SCHEMA_VERSION}, "
                                   f"the newest that analysis/load.py reads: use the analysis/ of hausbench "
                                   f"{meta.get('hausbench_version', 'that wrote it')}")
-            if int(meta["schema_version"]) < SCHEMA_VERSION:
-                raise ResultError(f"{path}: schema version {meta['schema_version']} is older than {SCHEMA_VERSION}, "
-                                  f"which analysis/load.py reads: measure again with 'make {stem} RUN_ARGS=--fresh'")
             results = Results(path, meta, _columns(Models, file, "models"), _columns(Cases, file, "cases"),
                               _columns(Answers, file, "answers"), _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
                               _columns(Trace, file, "trace"), _columns(Ledger, file, "ledger"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import tempfile
 from pathlib import Path
@@ -10,13 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from analysis.load import Floats
+from analysis.program import ROOT, program
 
-ROOT = Path(__file__).resolve().parent.parent
-
-
-def program() -> Path:
-    """HAUSBENCH_PROGRAM, else the program that `make build` builds."""
-    return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
 def points_of(model: str, count: int) -> Floats | None:

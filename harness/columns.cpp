@@ -162,7 +162,7 @@ const Columns<Outcome>& outcome_columns() {
     static const Columns<Outcome> columns = {
         at<Outcome, MEMBER(status)>("status",
                                     "`ok`, `timeout`, `out_of_memory`, `signal`, `skipped`, `failed`, `unsound`, "
-                                    "`not_built`, `floor`, `budget`: see below"),
+                                    "`not_built`, `floor`, `budget`: see the table below"),
         at<Outcome, MEMBER(reason)>("reason", "one line, where the status is not `ok`"),
         at<Outcome, MEMBER(solver_status)>("solver_status",
                                            "the status that the solver returned: `converged`, `time_limit`, ..."),
@@ -336,6 +336,9 @@ template json row_json(const Columns<FirstAnswer>&, const FirstAnswer&);
 template json row_json(const Columns<Repeat>&, const Repeat&);
 template json row_json(const Columns<Preparation>&, const Preparation&);
 template json row_json(const Columns<TraceSample>&, const TraceSample&);
+template json row_json(const Columns<Check>&, const Check&);
+template json row_json(const Columns<ModelRecord>&, const ModelRecord&);
+template json row_json(const Columns<LedgerEntry>&, const LedgerEntry&);
 template void read_row(const Columns<Outcome>&, const json&, Outcome&);
 template void read_row(const Columns<FirstAnswer>&, const json&, FirstAnswer&);
 template void read_row(const Columns<Repeat>&, const json&, Repeat&);
@@ -345,6 +348,7 @@ template void read_row(const Columns<TraceSample>&, const json&, TraceSample&);
 namespace {
 
 template <class Row> void describe(const Columns<Row>& columns, json& group) {
+    const json usual = row_json(columns, Row{});
     for (const Column<Row>& column : columns) {
         const auto* real = std::get_if<typename Column<Row>::Real>(&column.value);
         const bool text = std::holds_alternative<typename Column<Row>::Text>(column.value);
@@ -354,6 +358,7 @@ template <class Row> void describe(const Columns<Row>& columns, json& group) {
                                          : "integer"},
                          {"width", real ? real->width : 1},
                          {"meaning", column.meaning},
+                         {"default", usual.at(std::string(column.name))},
                          {"identity", column.identity != Identity::no}});
     }
 }
@@ -362,7 +367,7 @@ template <class Row> void describe(const Columns<Row>& columns, json& group) {
 
 json columns_json() {
     const auto integer = [](const char* name, const char* meaning) {
-        return json{{"name", name}, {"type", "integer"}, {"width", 1}, {"meaning", meaning}, {"identity", false}};
+        return json{{"name", name}, {"type", "integer"}, {"width", 1}, {"meaning", meaning}, {"default", 0}, {"identity", false}};
     };
     json groups = json::object();
     describe(model_columns(), groups["models"]);
@@ -375,6 +380,7 @@ json columns_json() {
                      {"type", "count"},
                      {"width", 1},
                      {"meaning", "work counters of one solve"},
+                     {"default", 0},
                      {"identity", false}});
     describe(check_columns(), cases);
     for (const char* name : {"answers", "repeats", "preparation"})

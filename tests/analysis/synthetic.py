@@ -45,7 +45,7 @@ MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1
                          "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
                          "polynomial": "", "box": [NAN] * 6}
 ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN}
-REPEAT: dict[str, Any] = {"case": 0, "repeat": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
+REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
 PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
 LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
@@ -86,7 +86,7 @@ class ResultFile:
             new["tolerance_absolute"] = new["tolerance"] * new["source_diagonal"]
         new["trace_begin"], new["trace_end"] = len(self.trace), len(self.trace) + len(trace)
         self.trace += [dict(zip(TRACE, sample)) for sample in trace]
-        self.repeats += [{**REPEAT, "case": row, "repeat": i, "round": i * rounds // len(seconds), "wall_seconds": self.wall * x,
+        self.repeats += [{**REPEAT, "case": row, "round": i * rounds // len(seconds), "wall_seconds": self.wall * x,
                           "cpu_seconds": self.cpu * x}
                          for i, x in enumerate(seconds)]
         of_round = [[x for i, x in enumerate(seconds) if i * rounds // len(seconds) == number] for number in range(rounds)]

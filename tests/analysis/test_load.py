@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import re
 from pathlib import Path
 
 import h5py
@@ -12,34 +10,24 @@ import pytest
 import synthetic
 from synthetic import ResultFile, spread
 
-from analysis import load
-
-README = Path(__file__).resolve().parents[2] / "results" / "README.md"
-
-
-def described() -> dict[str, set[str]]:
-    """The columns that results/README.md names, by group: in its tables' first cells, or its first sentence."""
-    columns: dict[str, set[str]] = {}
-    for section in README.read_text(encoding="utf-8").split("\n## ")[1:]:
-        name = re.match(r"`/(\w+)", section)
-        assert name
-        rows = re.findall(r"^\| (`.*?) \|", section, re.MULTILINE)
-        # Without a table, in prose: what stands in brackets explains values, not columns.
-        texts = rows or [re.sub(r"\([^)]*\)", "", section.split("\n", 1)[1])]
-        columns[name[1]] = {word for text in texts for word in re.findall(r"`(\w+\*?)`", text)}
-    return columns
+from analysis import load, schema
+from analysis.program import program
 
 
-def test_loader_and_generator_know_the_columns_that_are_described() -> None:
-    groups = {"models": (load.Models, synthetic.MODEL), "cases": (load.Cases, synthetic.CASE),
-              "answers": (load.Answers, synthetic.ANSWER), "repeats": (load.Repeats, synthetic.REPEAT), "preparation": (load.Preparation, synthetic.PREPARATION),
-              "trace": (load.Trace, synthetic.TRACE), "ledger": (load.Ledger, synthetic.LEDGER)}
-    found = described()
-    assert found["meta"] <= set(synthetic.META)  # some attributes stand in the second column
-    for name, (reader, writer) in groups.items():
-        read = {field.name for field in dataclasses.fields(reader)}
-        assert {"counter_*" if column == "counters" else column for column in read} == found[name], name
-        assert {"counter_*" if column.startswith("counter_") else column for column in writer} == found[name], name
+
+def test_columns_follow_from_the_program() -> None:
+    """analysis/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
+    if not program().is_file():
+        pytest.skip("the program is not built")
+    groups = schema.columns()
+    assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
+    text = schema.README.read_text(encoding="utf-8")
+    assert text == schema.readme(text, groups), "run python3 -m analysis.schema"
+    written = {"models": synthetic.MODEL, "cases": synthetic.CASE, "answers": synthetic.ANSWER, "repeats": synthetic.REPEAT,
+               "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "ledger": synthetic.LEDGER}
+    for group, known in groups.items():
+        names = {column["name"] for column in known}
+        assert {"counter_*" if name.startswith("counter_") else name for name in written[group]} == names, group
 
 
 @pytest.fixture()
@@ -172,11 +160,29 @@ def test_newer_schema(tmp_path: Path) -> None:
         load.load(file.write(tmp_path))
 
 
-def test_older_schema(tmp_path: Path) -> None:
+def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
+    """Of a program that knew no first answers, no clock and no rounds of preparation: wall times are what it has."""
     file = ResultFile("older", meta={"schema_version": 1})
-    file.case("naive", "x")
-    with pytest.raises(load.ResultError, match=r"older\.h5: schema version 1 is older than 2.*make older RUN_ARGS=--fresh"):
-        load.load(file.write(tmp_path))
+    file.case("naive", "x", [3.0], prepare_seconds=0.5, lower=1.0, upper=1.0, solve_seconds=4.0)
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        for name in ("answers", "cases/clock", "cases/facts", "cases/exact", "preparation/round", "models/box", "models/polynomial"):
+            del opened[name]
+    results = load.load(path)
+    assert results.clock_of(0) == "wall" and results.solve_by_round(0) == {0: 3.0} and results.total_by_round(0) == {0: 4.5}
+    assert results.facts(0) == {} and np.isnan(results.cases.exact[0]) and np.isnan(results.models.box).all()
+    assert results.models.box.shape == (2, 6) and results.models.polynomial[0] == ""
+
+
+def test_a_newer_file_has_more_columns(tmp_path: Path) -> None:
+    file = ResultFile("more")
+    file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        opened["cases/colour"] = [3.0]
+        opened["cases/counter_roots"] = np.array([7], dtype=np.uint64)
+    results = load.load(path)
+    assert int(results.cases.counters["roots"][0]) == 7 and results.total_by_round(0) == {0: 0.9}
 
 
 def test_no_hdf5(tmp_path: Path) -> None:
@@ -205,7 +211,7 @@ def test_ragged_column(tmp_path: Path, column: str) -> None:
         load.load(path)
 
 
-@pytest.mark.parametrize("column", ["cases/upper", "ledger/what", "models/sha256"])
+@pytest.mark.parametrize("column", ["cases/upper", "trace/seconds", "models/sha256"])
 def test_missing_column(tmp_path: Path, column: str) -> None:
     file = ResultFile("short")
     file.case("naive", "x", spread(1.0, 3))

@@ -127,7 +127,7 @@ HOSTILE: dict[str, tuple[Change, str]] = {
     "a repeat of case -1": (value("repeats/case", 0, -1), "belongs to no case"),
     "a repeat of case 2^62": (value("repeats/case", 0, 2**62), "belongs to no case"),
     "a preparation of case 4": (value("preparation/case", 0, 4), "belongs to no case"),
-    "a preparation of -1 bytes": (value("preparation/bytes", 0, -1), "preparation/bytes holds -1"),
+    "a preparation in round 2^40": (value("preparation/round", 0, 2**40), "preparation/round holds"),
     "a trace from -1": (value("cases/trace_begin", 0, -1), "share samples"),
     "a trace to 2^62": (value("cases/trace_end", 1, 2**62), "past the samples"),
     "traces on top of each other": (shared_samples, "share samples"),

@@ -1,0 +1,215 @@
+"""The columns of result files, as analysis/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Texts = npt.NDArray[Any]  # of str
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Counters = dict[str, npt.NDArray[np.uint64]]
+
+
+@dataclass(frozen=True)
+class Answers:
+    case: Ints
+    round: Ints
+    wall_seconds: Floats
+    cpu_seconds: Floats
+
+
+@dataclass(frozen=True)
+class Cases:
+    solver: Texts
+    options: Texts
+    source: Texts
+    target: Texts
+    pose: Floats
+    tolerance_of: Texts
+    tolerance: Floats
+    case_seconds_limit: Floats
+    prepare_seconds_limit: Floats
+    memory_limit_bytes: Ints
+    identity: Texts
+    label: Texts
+    certified: Ints
+    scene: Texts
+    scene_note: Texts
+    exact: Floats
+    source_elements: Ints
+    target_elements: Ints
+    source_diagonal: Floats
+    pose_index: Ints
+    tolerance_absolute: Floats
+    status: Texts
+    reason: Texts
+    solver_status: Texts
+    lower: Floats
+    upper: Floats
+    witness_source: Floats
+    witness_target: Floats
+    witness_source_element: Ints
+    witness_target_element: Ints
+    prepare_seconds: Floats
+    prepare_bytes: Ints
+    solve_seconds: Floats
+    reported_seconds: Floats
+    peak_bytes: Ints
+    clock: Texts
+    from_trace: Ints
+    extras: Texts
+    facts: Texts
+    build: Texts
+    machine: Texts
+    trace_begin: Ints
+    trace_end: Ints
+    lower_check: Texts
+    upper_check: Texts
+    counters: Counters  # every counter_* column, without the prefix
+
+    def __len__(self) -> int:
+        return len(self.identity)
+
+
+@dataclass(frozen=True)
+class Ledger:
+    kind: Texts
+    subject: Texts
+    what: Texts
+    reason: Texts
+    count: Ints
+    seconds_saved: Floats
+
+
+@dataclass(frozen=True)
+class Models:
+    name: Texts
+    sha256: Texts
+    kind: Texts
+    polynomial: Texts
+    box: Floats
+    elements: Ints
+    vertices: Ints
+    diagonal: Floats
+    precision: Texts
+    unreferenced: Ints
+    source: Texts
+    licence: Texts
+    note: Texts
+
+
+@dataclass(frozen=True)
+class Preparation:
+    case: Ints
+    round: Ints
+    name: Texts
+    seconds: Floats
+    bytes: Ints
+
+
+@dataclass(frozen=True)
+class Repeats:
+    case: Ints
+    round: Ints
+    wall_seconds: Floats
+    cpu_seconds: Floats
+    iterations: Ints
+
+
+@dataclass(frozen=True)
+class Trace:
+    seconds: Floats
+    lower: Floats
+    upper: Floats
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+
+DEFAULTS: dict[str, Any] = {
+    "answers/case": 0,
+    "answers/round": 0,
+    "answers/wall_seconds": 0.0,
+    "answers/cpu_seconds": 0.0,
+    "cases/solver": "",
+    "cases/options": "{}",
+    "cases/source": "",
+    "cases/target": "",
+    "cases/pose": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+    "cases/tolerance_of": "",
+    "cases/tolerance": 0.0,
+    "cases/case_seconds_limit": 60.0,
+    "cases/prepare_seconds_limit": 120.0,
+    "cases/memory_limit_bytes": 8589934592,
+    "cases/identity": "",
+    "cases/label": "",
+    "cases/certified": -1,
+    "cases/scene": "",
+    "cases/scene_note": "",
+    "cases/exact": float("nan"),
+    "cases/source_elements": 0,
+    "cases/target_elements": 0,
+    "cases/source_diagonal": 0.0,
+    "cases/pose_index": 0,
+    "cases/tolerance_absolute": 0.0,
+    "cases/status": "skipped",
+    "cases/reason": "",
+    "cases/solver_status": "",
+    "cases/lower": float("nan"),
+    "cases/upper": float("nan"),
+    "cases/witness_source": [float("nan"), float("nan"), float("nan")],
+    "cases/witness_target": [float("nan"), float("nan"), float("nan")],
+    "cases/witness_source_element": -1,
+    "cases/witness_target_element": -1,
+    "cases/prepare_seconds": float("nan"),
+    "cases/prepare_bytes": -1,
+    "cases/solve_seconds": float("nan"),
+    "cases/reported_seconds": float("nan"),
+    "cases/peak_bytes": -1,
+    "cases/clock": "",
+    "cases/from_trace": 0,
+    "cases/extras": "{}",
+    "cases/facts": "{}",
+    "cases/build": "",
+    "cases/machine": "",
+    "cases/trace_begin": 0,
+    "cases/trace_end": 0,
+    "cases/lower_check": "not checked",
+    "cases/upper_check": "not checked",
+    "ledger/kind": "",
+    "ledger/subject": "",
+    "ledger/what": "",
+    "ledger/reason": "",
+    "ledger/count": 1,
+    "ledger/seconds_saved": float("nan"),
+    "models/name": "",
+    "models/sha256": "",
+    "models/kind": "",
+    "models/polynomial": "",
+    "models/box": [float("nan"), float("nan"), float("nan"), float("nan"), float("nan"), float("nan")],
+    "models/elements": 0,
+    "models/vertices": 0,
+    "models/diagonal": 0.0,
+    "models/precision": "",
+    "models/unreferenced": -1,
+    "models/source": "",
+    "models/licence": "",
+    "models/note": "",
+    "preparation/case": 0,
+    "preparation/round": 0,
+    "preparation/name": "",
+    "preparation/seconds": 0.0,
+    "preparation/bytes": 0,
+    "repeats/case": 0,
+    "repeats/round": 0,
+    "repeats/wall_seconds": 0.0,
+    "repeats/cpu_seconds": 0.0,
+    "repeats/iterations": 1,
+    "trace/seconds": 0.0,
+    "trace/lower": 0.0,
+    "trace/upper": 0.0,
+}
