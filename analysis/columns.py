@@ -20,6 +20,7 @@ class Answers:
     round: Ints
     wall_seconds: Floats
     cpu_seconds: Floats
+    reported_seconds: Floats
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,7 @@ DEFAULTS: dict[str, Any] = {
     "answers/round": 0,
     "answers/wall_seconds": 0.0,
     "answers/cpu_seconds": 0.0,
+    "answers/reported_seconds": float("nan"),
     "cases/solver": "",
     "cases/options": "{}",
     "cases/source": "",

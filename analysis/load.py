@@ -121,6 +121,13 @@ class Results:
         first = float(self.cases.solve_seconds[case])
         return {} if np.isnan(first) else {0: first}
 
+    def reported_by_round(self, case: int) -> dict[int, float]:
+        """What an outside program says of its time, by round; empty where it says nothing."""
+        order, begin = self._answers_by_case
+        rows = order[begin[case]:begin[case + 1]]
+        return {int(self.answers.round[row]): float(self.answers.reported_seconds[row]) for row in rows
+                if not np.isnan(self.answers.reported_seconds[row])}
+
     def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
         """Time of solving once more, by the clock of the case or the one named: the median over the repeats of each
         round, which is a fresh process. Where none was timed, of the first answers.

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.load import Floats
+from analysis.columns import Floats
 from analysis.program import ROOT, program
 
 

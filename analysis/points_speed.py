@@ -28,12 +28,8 @@ class Cell:
         cases = results.cases
         self.row, self.status = row, str(cases.status[row])
         self.reported = not math.isnan(cases.reported_seconds[row])  # a program outside, by its own clock
-        if self.status != "ok":
-            self.time = NO_DATA
-        elif self.reported:
-            self.time = median([float(cases.reported_seconds[row])])
-        else:
-            self.time = median(results.total_seconds(row))
+        self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
+        self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
         peak = int(cases.peak_bytes[row])
         self.mebibytes = peak / 2**20 if peak >= 0 and self.status == "ok" else math.nan
 
@@ -47,14 +43,10 @@ def title_of(solver: str, label: str) -> str:
     return TITLES.get(label, style.look(solver, label).title)
 
 
-def ratio(results: Results, other: Cell, ours: Cell) -> Estimate:
+def ratio(other: Cell, ours: Cell) -> Estimate:
     """How many times as long the other takes; paired by round where both have rounds."""
-    if not other.reported:
-        paired = ratio_by_round(results.total_by_round(other.row), results.total_by_round(ours.row))
-        if paired.n:
-            return paired
-    return ratio_of_medians(results.total_seconds(other.row) if not other.reported else [other.time.value],
-                            results.total_seconds(ours.row))
+    paired = ratio_by_round(other.rounds, ours.rounds)
+    return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(ours.rounds.values()))
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -73,7 +65,7 @@ def make(results: Results, out: Path) -> list[Path]:
         ours = cells.get((scene, OURS))
         rivals = [cell for (_, label), cell in zip(labels, own) if label != OURS and cell and cell.time.n]
         best = min(rivals, key=lambda cell: cell.time.value, default=None)
-        speedup = ratio(results, best, ours) if best and ours and ours.time.n else NO_DATA
+        speedup = ratio(best, ours) if best and ours and ours.time.n else NO_DATA
         if speedup.n:
             ratios.append(speedup.value)
         table.rules.add(len(table.rows))
@@ -98,8 +90,8 @@ def make(results: Results, out: Path) -> list[Path]:
         f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of "
         f"{len(scenes)} workloads. Solvers that did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are "
         "left out of it: they took longer.",
-        tables.coverage_note(cell.time for cell in cells.values() if not cell.reported) + " " + clock_note(results)
-        + " SciPy: the best of up to three, by its own clock, without starting Python and reading files; its memory is "
+        tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results)
+        + " SciPy: by its own clock, without starting Python and reading files; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption)

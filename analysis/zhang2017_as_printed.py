@@ -14,7 +14,8 @@ import numpy as np
 import scipy.stats
 
 from analysis import command, style, tables
-from analysis.load import Floats, Results, machine_line
+from analysis.columns import Floats
+from analysis.load import Results, machine_line
 from analysis.verdicts import RARE, Verdict, never
 
 STEM = "zhang2017_as_printed"

@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables
-from analysis.load import Floats, Results, machine_line, paper_numbers
+from analysis.columns import Floats
+from analysis.load import Results, machine_line, paper_numbers
 from analysis.points import points_of, posed
 from analysis.verdicts import all_of
 

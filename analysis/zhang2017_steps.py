@@ -12,7 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables
-from analysis.load import Floats, Results, machine_line
+from analysis.columns import Floats
+from analysis.load import Results, machine_line
 from analysis.points import points_of, posed
 from analysis.statistics import Estimate, median
 from analysis.verdicts import Verdict, constant, rising_by_run

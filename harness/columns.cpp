@@ -180,10 +180,10 @@ const Columns<Outcome>& outcome_columns() {
             "solve_seconds",
             "wall time of the first answer of round 0; those of all rounds are in `/answers`. Where `from_trace` is 1 "
             "and there is no row in `/answers`, of the sample of the trace"),
-        at<Outcome, MEMBER(reported_seconds)>(
-            "reported_seconds",
-            "the time that an outside program reports (solver `external`), else NaN; `solve_seconds` and `/repeats` "
-            "also include starting it and reading and writing files"),
+        at<Outcome, MEMBER(reported_seconds)>("reported_seconds",
+                                              "the time that an outside program reports in round 0 (solver "
+                                              "`external`), else NaN; `solve_seconds` and `/repeats` "
+                                              "also include starting it and reading and writing files"),
         at<Outcome, MEMBER(peak_bytes)>(
             "peak_bytes",
             "what the solver took, as in `measure`: peak resident set while preparing and solving less the resident "
@@ -245,6 +245,8 @@ const Columns<FirstAnswer>& answer_columns() {
             "cpu_seconds",
             "of the process, all its threads and its children that ended; it includes what the harness spends "
             "meanwhile, such as reading what an outside program prints"),
+        at<FirstAnswer, MEMBER(reported_seconds)>("reported_seconds",
+                                                  "the time that an outside program reports, else NaN"),
     };
     return columns;
 }
@@ -367,7 +369,8 @@ template <class Row> void describe(const Columns<Row>& columns, json& group) {
 
 json columns_json() {
     const auto integer = [](const char* name, const char* meaning) {
-        return json{{"name", name}, {"type", "integer"}, {"width", 1}, {"meaning", meaning}, {"default", 0}, {"identity", false}};
+        return json{{"name", name},       {"type", "integer"}, {"width", 1},
+                    {"meaning", meaning}, {"default", 0},      {"identity", false}};
     };
     json groups = json::object();
     describe(model_columns(), groups["models"]);

@@ -60,6 +60,7 @@ struct Repeat {
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;
+    double reported_seconds = unknown;  // see Result
 };
 
 struct Preparation {

@@ -111,7 +111,7 @@ private:
         for (const auto& [name, text] : result.facts) outcome.facts[one_line(name)] = one_line(text);
         add_preparation(outcome);
         outcome.solve_seconds = spent.wall_seconds;
-        outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds});
+        outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});
         outcome.clock = spent.several_threads ? "wall" : "cpu";
         outcome.reported_seconds = result.reported_seconds;
         outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);

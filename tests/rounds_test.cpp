@@ -14,7 +14,7 @@ Outcome answered(double lower, double upper, double prepare_seconds, int round) 
     o.prepare_seconds = prepare_seconds;
     o.preparation = {{round, "octree of the source", 0.75 * prepare_seconds, 100},
                      {round, "solver", 0.25 * prepare_seconds, 10}};
-    o.answers = {{round, 0.6 + round, 0.5}};
+    o.answers = {{round, 0.6 + round, 0.5, 0.1}};
     o.repeats = {{round, 0.5, 0.4, 1}};
     o.clock = "cpu";
     return o;

@@ -44,7 +44,7 @@ CASE: dict[str, Any] = {
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
                          "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
                          "polynomial": "", "box": [NAN] * 6}
-ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN}
+ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "reported_seconds": NAN}
 REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
 PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
@@ -91,7 +91,8 @@ class ResultFile:
                          for i, x in enumerate(seconds)]
         of_round = [[x for i, x in enumerate(seconds) if i * rounds // len(seconds) == number] for number in range(rounds)]
         first = first or [float(np.median(repeats)) for repeats in of_round if repeats]
-        self.answers += [{"case": row, "round": number, "wall_seconds": self.wall * x, "cpu_seconds": self.cpu * x}
+        self.answers += [{"case": row, "round": number, "wall_seconds": self.wall * x, "cpu_seconds": self.cpu * x,
+                          "reported_seconds": new["reported_seconds"]}
                          for number, x in enumerate(first)]
         if not np.isnan(new["prepare_seconds"]):
             for number in range(rounds):
