@@ -177,7 +177,7 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     Counters counters;
     ClosestHints hints;
     if (ask == Ask::radius) hints.squared_radius = near * near;
-    if (ask == Ask::enough) hints.squared_enough = near * near;
+    if (ask == Ask::enough) hints.early_out_squared = near * near;
     for (auto _ : state) {
         for (Index i = 0; i < subject.queries.rows(); ++i) {
             const Vec3 point = subject.queries.row(i);
