@@ -73,7 +73,7 @@ static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& lea
     for (int line = 0; line < 4; ++line) hwy::Prefetch(vertices + 8 * line);  // most leaves share 10 vertices
     unsigned mask = (1U << leaf.count) - 1;
     if (best.squared_distance < std::numeric_limits<double>::infinity()) {
-        alignas(64) double distances[tree_width];
+        BoxDistances distances;
         mask = near_boxes(leaf.boxes, leaf.count, point, best.squared_distance, distances);
     }
     counters.point_triangle_distances += static_cast<std::uint64_t>(std::popcount(mask));
@@ -142,7 +142,7 @@ void tree_certify(const WideTree& tree, const TriangleLeaves& leaves, const Vec3
     Walk(tree, leaves.leaf, point, counters.node_visits)
         .visit_leaves(nearest, [&](std::size_t number, double&) HWY_ATTR {
             const TriangleLeaf& leaf = leaves.leaf[number];
-            alignas(64) double distances[tree_width];
+            BoxDistances distances;
             for (unsigned mask = near_boxes(leaf.boxes, leaf.count, point, nearest, distances); mask != 0;
                  mask &= mask - 1) {
                 certify(point, leaf.at(std::countr_zero(mask), leaves.vertices), nearest, least, counters);

@@ -27,14 +27,14 @@ Box QuantisedBoxes::set(std::span<const Box> boxes) {
         for (std::size_t i = 0; i < boxes.size(); ++i) {
             const double lower = boxes[i].low[k], upper = boxes[i].high[k], extent = upper - origin[k];
             const int steps = static_cast<int>((lower - origin[k]) * inverse);
-            low[k][i] = static_cast<std::uint8_t>(steps - (origin[k] + steps * step > lower ? 1 : 0));
+            low(k, i) = static_cast<std::uint8_t>(steps - (origin[k] + steps * step > lower ? 1 : 0));
             const int upper_steps = static_cast<int>(extent * inverse);
             const bool inside = upper_steps * step < extent || origin[k] + upper_steps * step < upper;
-            high[k][i] = static_cast<std::uint8_t>(upper_steps + (inside ? 1 : 0));
+            high(k, i) = static_cast<std::uint8_t>(upper_steps + (inside ? 1 : 0));
         }
         for (std::size_t i = boxes.size(); i < tree_width; ++i) {
-            low[k][i] = low[k][0];
-            high[k][i] = high[k][0];
+            low(k, i) = low(k, 0);
+            high(k, i) = high(k, 0);
         }
     }
     return whole;

@@ -28,12 +28,16 @@ struct QuantisedBoxes {
     double origin[3];  // the lower corner of all of them
     double step;       // a power of two from 2^-440 to 2^394
     double inverse;    // of the step
-    std::uint8_t low[3][tree_width], high[3][tree_width];
+    // Those of x and y side by side, as wide_walk-inl.h multiplies them.
+    std::uint8_t low_xy[tree_width][2], low_z[tree_width], high_xy[tree_width][2], high_z[tree_width];
+
+    std::uint8_t& low(int k, std::size_t i) { return k < 2 ? low_xy[i][k] : low_z[i]; }
+    std::uint8_t& high(int k, std::size_t i) { return k < 2 ? high_xy[i][k] : high_z[i]; }
 
     // As computed: q step is exact, the sum is rounded.
     double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
-    // plane(k, low[k][i]) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high[k][i]). Not as computed but in real
+    // plane(k, low(k, i)) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high(k, i)). Not as computed but in real
     // numbers, origin + (q -+ 2^-45) step is no farther inside either. What is not in use repeats the first. One to eight
     // boxes; coordinates up to 2^400. Returns the box around all of them, exactly.
     Box set(std::span<const Box> boxes);

@@ -4,6 +4,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -21,13 +22,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BoxLanes = hn::CappedTag<double, tree_width>;
 
-// From far away: stores the computed squared distances to the boxes, as squared_distance_to_box (box.h).
-inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p,
-                                           double (&distances)[tree_width]) {
+// Squared distances to the boxes of a node: none is more than the computed squared distance to a point of the box's
+// content. From near the node, they are integers, in a unit that is a power of two; from far away, they are numbers.
+struct BoxDistances {
+    alignas(64) double from_far[tree_width];
+    alignas(32) std::int32_t squares[tree_width];
+    double unit;  // 0: from far away
+
+    HWY_INLINE double operator[](std::size_t i) const { return unit > 0 ? unit * squares[i] : from_far[i]; }
+};
+
+// From far away: the computed squared distances to the boxes, as squared_distance_to_box (box.h).
+inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const BoxLanes d;
     const hn::Rebind<std::int32_t, BoxLanes> d32;
     const hn::Rebind<std::uint8_t, BoxLanes> d8;
     const auto step = hn::Set(d, boxes.step);
+    alignas(64) std::uint8_t low[3][tree_width], high[3][tree_width];
+    for (std::size_t i = 0; i < tree_width; ++i) {
+        for (int k = 0; k < 2; ++k) low[k][i] = boxes.low_xy[i][k], high[k][i] = boxes.high_xy[i][k];
+        low[2][i] = boxes.low_z[i], high[2][i] = boxes.high_z[i];
+    }
     for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
         const auto axis = [&](int k) HWY_ATTR {
             const auto origin = hn::Set(d, boxes.origin[k]), at = hn::Set(d, p[k]);
@@ -35,82 +50,158 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
                 const auto steps = hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(d8, q + lane)));
                 return hn::Add(origin, hn::Mul(steps, step));
             };
-            const auto below = hn::Sub(plane(boxes.low[k]), at), above = hn::Sub(at, plane(boxes.high[k]));
+            const auto below = hn::Sub(plane(low[k]), at), above = hn::Sub(at, plane(high[k]));
             const auto out = hn::Max(hn::Max(below, above), hn::Zero(d));
             return hn::Mul(out, out);
         };
-        hn::Store(hn::Add(hn::Add(axis(0), axis(1)), axis(2)), d, distances + lane);
+        hn::Store(hn::Add(hn::Add(axis(0), axis(1)), axis(2)), d, distances.from_far + lane);
     }
+    distances.unit = 0;
 }
 
-// Calls use(lane, squares) with squared distances to some boxes, until all boxes have had their turn: none is more than the
-// computed squared distance to a point of the box's content.
+// From near the boxes: calls use(lane, squares) with squared distances to some of them, in units of the square of a
+// sixteenth of a step, until all boxes have had their turn. False: the point is far away, and nothing was done.
 //
 // All is in sixteenths of a step from the origin, and integers. Along an axis, let q be the coordinate of the point in
-// steps, |q| <= 2^10; the double difference errs by 2^-42 at most, planes by 2^-45. The last bits of q + 1.5 2^48 tell 16 q
-// to nearest, so `above` is 16 q + 1/2 or more and `below` is 16 q - 1/2 or less. Hence a positive low - above or below -
-// high, at most 20481, is less than the exact distance to the content by 1/4 and more, which is a factor of 1 + 2^-17 or
-// more: far more than what is lost in double precision (rounding.h; what underflows is nothing beside a step of 2^-440).
-// Three squares sum up to less than 2^31, and the product with the square of a sixteenth of a step, a power of two, is
-// exact.
-template <class Use> HWY_INLINE void measure_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
-    const BoxLanes d;
-    const hn::CappedTag<std::int32_t, tree_width> di;
-    const hn::Rebind<std::uint8_t, decltype(di)> d8;
-    std::int32_t above[3], below[3];
-    bool far = false;
+// steps, |q| <= 2^10; the double difference errs by 2^-42 at most, planes by 2^-45. The last bits of q + 1.5 2^48 tell n,
+// which is 16 q to nearest; so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or less. Hence a positive low - 1 - n or
+// n - (high + 1), at most 20463, is less than the exact distance to the content by 1/4 and more, which is a factor of
+// 1 + 2^-17 or more: far more than what is lost in double precision (rounding.h; what underflows is nothing beside a step
+// of 2^-440). All of them are numbers of 16 bits. Three squares sum up to less than 2^31, and the product with the square
+// of a sixteenth of a step, a power of two, is exact.
+#if HWY_TARGET == HWY_SCALAR
+template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
+    std::int32_t squares[tree_width] = {};
     for (int k = 0; k < 3; ++k) {
         const double q = (p[k] - boxes.origin[k]) * boxes.inverse;
-        far |= !(std::abs(q) <= 0x1p10);
-        // Unsigned, since the bits of a far point may be anything.
-        const auto nearest = static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(q + 0x1.8p48));
-        above[k] = static_cast<std::int32_t>(nearest + 1);
-        below[k] = static_cast<std::int32_t>(nearest - 1);
+        if (!(std::abs(q) <= 0x1p10)) return false;
+        const auto n = static_cast<std::int16_t>(std::bit_cast<std::uint64_t>(q + 0x1.8p48));
+        for (std::size_t i = 0; i < tree_width; ++i) {
+            const int low = k < 2 ? boxes.low_xy[i][k] : boxes.low_z[i],
+                      high = k < 2 ? boxes.high_xy[i][k] : boxes.high_z[i];
+            const int out = std::max({16 * low - 1 - n, n - (16 * high + 1), 0});
+            squares[i] += out * out;
+        }
     }
-    if (HWY_UNLIKELY(far)) {
-        alignas(64) double distances[tree_width];
-        measure_far_boxes(boxes, p, distances);
-        for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, distances + lane));
-        return;
-    }
-    const auto unit = hn::Set(d, boxes.step * boxes.step * 0x1p-8);
-    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(di)) {
-        const auto axis = [&](int k) HWY_ATTR {
-            const auto plane = [&](const std::uint8_t* q)
-                                   HWY_ATTR { return hn::ShiftLeft<4>(hn::PromoteTo(di, hn::LoadU(d8, q + lane))); };
-            const auto under = hn::Sub(plane(boxes.low[k]), hn::Set(di, above[k]));
-            const auto over = hn::Sub(hn::Set(di, below[k]), plane(boxes.high[k]));
-            const auto out = hn::Max(hn::Max(under, over), hn::Zero(di));
-            return hn::Mul(out, out);
-        };
-        const auto squares = hn::Add(hn::Add(axis(0), axis(1)), axis(2));
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET <= HWY_AVX3  // as many lanes of either kind
-        use(lane, hn::Mul(unit, hn::PromoteTo(d, squares)));
+    const hn::CappedTag<std::int32_t, tree_width> d32;
+    for (std::size_t i = 0; i < tree_width; ++i) use(i, hn::Set(d32, squares[i]));
+    return true;
+}
 #else
-        const hn::Half<decltype(di)> half;
-        use(lane, hn::Mul(unit, hn::PromoteTo(d, hn::LowerHalf(half, squares))));
-        use(lane + hn::Lanes(d), hn::Mul(unit, hn::PromoteTo(d, hn::UpperHalf(half, squares))));
-#endif
+template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
+    const hn::CappedTag<double, 4> d;
+    const hn::Repartition<std::int32_t, decltype(d)> d32;
+    const hn::Repartition<std::int16_t, decltype(d)> d16;
+    const hn::Repartition<std::uint8_t, decltype(d)> d8;
+    const auto inverse = hn::Set(d, boxes.inverse), most = hn::Set(d, 0x1p10), last_bits = hn::Set(d, 0x1.8p48);
+    const auto xy = hn::Mul(hn::Sub(hn::LoadDup128(d, p.data()), hn::LoadDup128(d, boxes.origin)), inverse);
+    const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
+    const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
+    // The last 16 bits of x and y, again and again, and those of z and zeros.
+    alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
+    alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
+                                                            0, 1, 255, 255, 0, 1, 255, 255};
+    const auto n_xy =
+        hn::BitCast(d16, hn::TableLookupBytes(hn::BitCast(d8, hn::Add(xy, last_bits)), hn::LoadDup128(d8, from_xy)));
+    const auto n_z =
+        hn::BitCast(d16, hn::TableLookupBytesOr0(hn::BitCast(d8, hn::Add(z, last_bits)), hn::LoadDup128(d8, from_z)));
+    const auto one = hn::Set(d16, 1);
+    const hn::Rebind<std::uint8_t, decltype(d16)> pairs;
+    const hn::Rebind<std::uint8_t, decltype(d32)> singles;
+    using Numbers = hn::Vec<decltype(d16)>;
+    const auto out = [&](Numbers n, Numbers low, Numbers high) HWY_ATTR {
+        const auto under = hn::Sub(hn::Sub(hn::ShiftLeft<4>(low), one), n);
+        const auto over = hn::Sub(n, hn::Add(hn::ShiftLeft<4>(high), one));
+        return hn::Max(hn::Max(under, over), hn::Zero(d16));
+    };
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d32)) {
+        const auto load_xy = [&](const std::uint8_t(&q)[tree_width][2])
+                                 HWY_ATTR { return hn::PromoteTo(d16, hn::LoadU(pairs, q[lane])); };
+        const auto load_z = [&](const std::uint8_t(&q)[tree_width])
+                                HWY_ATTR { return hn::BitCast(d16, hn::PromoteTo(d32, hn::LoadU(singles, q + lane))); };
+        const auto out_xy = out(n_xy, load_xy(boxes.low_xy), load_xy(boxes.high_xy));
+        const auto out_z = out(n_z, load_z(boxes.low_z), load_z(boxes.high_z));
+        auto odd = hn::Zero(d32);
+        const auto squares_xy = hn::ReorderWidenMulAccumulate(d32, out_xy, out_xy, hn::Zero(d32), odd);
+        const auto even = hn::ReorderWidenMulAccumulate(d32, out_z, out_z, squares_xy, odd);
+        use(lane, hn::RearrangeToOddPlusEven(even, odd));
     }
+    return true;
 }
+#endif
 
-// A bit for each lane: whether it is at most `squared`.
-HWY_INLINE unsigned near(hn::Vec<BoxLanes> squares, double squared) {
-    const BoxLanes d;
+using BoxSquares = hn::Vec<hn::CappedTag<std::int32_t, tree_width>>;
+
+// A bit for each lane: whether it is at most `most`.
+HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
+    const hn::CappedTag<std::int32_t, tree_width> d;
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Le(squares, hn::Set(d, squared)), bits);
-    return bits[0];
+    hn::StoreMaskBits(d, hn::Gt(squares, hn::Set(d, most)), bits);
+    return ~static_cast<unsigned>(bits[0]) & ((1U << hn::Lanes(d)) - 1);
 }
 
-// Stores the squared distances to all boxes; the bits that are set tell those of the first `count` at most `squared` away.
-HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
-                               double (&distances)[tree_width]) {
+// The square of a sixteenth of a step.
+HWY_INLINE double square_unit(const QuantisedBoxes& boxes) { return boxes.step * boxes.step * 0x1p-8; }
+
+// The largest number of units that is at most `squared`: the product is exact, or less than 1 where it underflows.
+HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared) {
+    const double scale = boxes.inverse * 16;
+    return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
+}
+
+inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     unsigned mask = 0;
-    measure_boxes(boxes, p, [&](std::size_t lane, hn::Vec<BoxLanes> squares) HWY_ATTR {
-        hn::Store(squares, BoxLanes(), distances + lane);
-        mask |= near(squares, squared) << lane;
+    for (std::size_t i = 0; i < tree_width; ++i) mask |= (distances.from_far[i] <= squared ? 1U : 0U) << i;
+    return mask;
+}
+
+// The distances to all boxes; the bits that are set tell those of the first `count` at most `squared` >= 0 away.
+HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
+                               BoxDistances& distances) {
+    const hn::CappedTag<std::int32_t, tree_width> d;
+    unsigned mask = 0;
+    const std::int32_t most = whole_units(boxes, squared);
+    const bool near = measure_near_boxes(boxes, p, [&](std::size_t lane, BoxSquares squares) HWY_ATTR {
+        hn::Store(squares, d, distances.squares + lane);
+        mask |= at_most(squares, most) << lane;
     });
+    distances.unit = square_unit(boxes);
+    if (HWY_UNLIKELY(!near)) {
+        measure_far_boxes(boxes, p, distances);
+        mask = near_from_far(distances, squared);
+    }
     return mask & ((1U << count) - 1);
+}
+
+// The same bits, from distances that are known.
+HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& distances, double squared) {
+    const hn::CappedTag<std::int32_t, tree_width> d;
+    if (HWY_UNLIKELY(!(distances.unit > 0))) return near_from_far(distances, squared);
+    const std::int32_t most = whole_units(boxes, squared);
+    unsigned mask = 0;
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+        mask |= at_most(hn::Load(d, distances.squares + lane), most) << lane;
+    }
+    return mask;
+}
+
+// The distances to all boxes; returns the nearest of them, or one that is hardly farther. One that is not in use repeats the
+// first.
+HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
+    const hn::CappedTag<std::int32_t, tree_width> d;
+    // The last three bits of a distance make room for the lane.
+    auto nearest = hn::Set(d, std::numeric_limits<std::int32_t>::max());
+    const bool near = measure_near_boxes(boxes, p, [&](std::size_t lane, BoxSquares squares) HWY_ATTR {
+        hn::Store(squares, d, distances.squares + lane);
+        const auto bits = hn::AndNot(hn::Set(d, 7), squares);
+        nearest = hn::Min(nearest, hn::Or(bits, hn::Iota(d, static_cast<std::int32_t>(lane))));
+    });
+    distances.unit = square_unit(boxes);
+    if (HWY_LIKELY(near)) return static_cast<std::uint32_t>(hn::GetLane(hn::MinOfLanes(d, nearest)) & 7);
+    measure_far_boxes(boxes, p, distances);
+    return static_cast<std::uint32_t>(std::min_element(distances.from_far, distances.from_far + tree_width) -
+                                      distances.from_far);
 }
 
 // A walk over the leaves near one point.
@@ -128,22 +219,13 @@ public:
     // Goes down to the nearest child again and again; returns the leaf it ends in: a cheap way to a small radius. At most
     // once, before the leaves are visited, which then leave it out.
     HWY_INLINE std::size_t greedy_descent() {
-        const BoxLanes d;
-        const hn::RebindToUnsigned<BoxLanes> du;
         std::int32_t child = 0;
         while (child >= 0) {
             const WideNode& node = tree_.nodes[static_cast<std::size_t>(child)];
             visits_ += static_cast<std::uint64_t>(node.count);
             Step& step = path_[depth_++];
             step.node = &node;
-            // The last three bits of a distance make room for the lane. Lanes not in use repeat the first child.
-            auto nearest = hn::Set(d, std::numeric_limits<double>::max());
-            measure_boxes(node.boxes, point_, [&](std::size_t lane, hn::Vec<BoxLanes> squares) HWY_ATTR {
-                hn::Store(squares, d, step.distances + lane);
-                const auto bits = hn::AndNot(hn::Set(du, 7), hn::BitCast(du, squares));
-                nearest = hn::Min(nearest, hn::BitCast(d, hn::Or(bits, hn::Iota(du, lane))));
-            });
-            step.taken = static_cast<std::uint32_t>(hn::GetLane(hn::BitCast(du, hn::MinOfLanes(d, nearest))) & 7);
+            step.taken = nearest_box(node.boxes, point_, step.distances);
             child = node.child[step.taken];
         }
         // Most of the other leaves that will be visited are beside this one.
@@ -155,15 +237,11 @@ public:
     // Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near ones
     // first; it may lower `squared`, and ends the walk by returning false.
     template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
-        const BoxLanes d;
         std::int32_t child = 0;
         // What the descent has passed by; without one, the root.
         for (std::size_t i = 0; i < depth_; ++i) {
             const Step& step = path_[i];
-            unsigned mask = 0;
-            for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
-                mask |= near(hn::Load(d, step.distances + lane), squared) << lane;
-            }
+            const unsigned mask = near_again(step.node->boxes, step.distances, squared);
             push(*step.node, mask & ((1U << step.node->count) - 1) & ~(1U << step.taken), step.distances);
         }
         if (depth_ > 0 && !pop(squared, child)) return;
@@ -171,7 +249,7 @@ public:
             if (child >= 0) {
                 const WideNode& node = tree_.nodes[static_cast<std::size_t>(child)];
                 visits_ += static_cast<std::uint64_t>(node.count);
-                alignas(64) double distances[tree_width];
+                BoxDistances distances;
                 const unsigned mask = near_boxes(node.boxes, node.count, point_, squared, distances);
                 if (std::has_single_bit(mask)) {
                     child = node.child[std::countr_zero(mask)];
@@ -191,7 +269,7 @@ private:
         std::int32_t child;
     };
     struct Step {
-        alignas(64) double distances[tree_width];
+        BoxDistances distances;
         const WideNode* node;
         std::uint32_t taken;
     };
@@ -204,14 +282,14 @@ private:
     }
 
     // Insertion sort, farthest first, so that the nearest is popped first.
-    HWY_INLINE void push(const WideNode& node, unsigned mask, const double (&distances)[tree_width]) {
+    HWY_INLINE void push(const WideNode& node, unsigned mask, const BoxDistances& distances) {
         const std::size_t base = size_;
         for (; mask != 0; mask &= mask - 1) {
-            const int c = std::countr_zero(mask);
+            const auto c = static_cast<std::size_t>(std::countr_zero(mask));
+            const double distance = distances[c];
             std::size_t place = size_++;
-            for (; place > base && stack_[place - 1].distance < distances[c]; --place)
-                stack_[place] = stack_[place - 1];
-            stack_[place] = {distances[c], node.child[c]};
+            for (; place > base && stack_[place - 1].distance < distance; --place) stack_[place] = stack_[place - 1];
+            stack_[place] = {distance, node.child[c]};
             prefetch(node.child[c]);
         }
     }
