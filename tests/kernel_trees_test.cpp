@@ -170,8 +170,7 @@ TYPED_TEST(Trees, WorkDoesNotGrowWithTheDistanceOfThePoint) {
 TYPED_TEST(Trees, TakeFewBytesWhereTrianglesShareVertices) {
     Random random(14);
     const TriangleMesh mesh = triangle_grid(random, 100, 0.05);
-    const std::size_t most = std::is_same_v<TypeParam, TriangleBvh> ? 70 : 80;  // leaves of an octree are less full
-    EXPECT_LE(TypeParam(mesh).bytes(), most * static_cast<std::size_t>(mesh.triangles.rows()));
+    EXPECT_LE(TypeParam(mesh).bytes(), 70 * static_cast<std::size_t>(mesh.triangles.rows()));
 }
 
 // --- boxes of a byte a plane -------------------------------------------------------------------------------------------

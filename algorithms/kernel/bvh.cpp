@@ -9,9 +9,6 @@ using namespace builder;
 
 constexpr int most_bins = 16;
 constexpr int most_levels_by_area = 40;  // beyond these, halves
-// A part so much smaller than the node is a child of its own: it is cut where the frame, and the planes of the children's
-// boxes, are as fine as it takes.
-constexpr float finest_part = 0x1p-5F;
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
 
 struct Bin {

@@ -16,6 +16,7 @@ public:
     explicit OctreeSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
 
     int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
+        if (whole.size() <= tree_width * leaf_capacity) return split_into_leaves(whole, parts);
         // The smallest cell of the octree that holds all centres is found anew: cells with one child are passed over.
         Float4 corner = Float4{} - 2;
         float side = 4;
@@ -32,6 +33,25 @@ public:
 private:
     static int octant(Float4 centre, Float4 middle) {
         return (centre[0] >= middle[0] ? 1 : 0) | (centre[1] >= middle[1] ? 2 : 0) | (centre[2] >= middle[2] ? 4 : 0);
+    }
+
+    // As many leaves as the elements fill, cut across the longest axis again and again. A part that is far smaller than the
+    // whole is a child of its own, as in a BVH.
+    int split_into_leaves(const Range& whole, std::array<Range, tree_width>& parts) {
+        int count = 1;
+        for (int i = 0; i < count;) {
+            Range& part = parts[static_cast<std::size_t>(i)];
+            if (part.size() <= leaf_capacity || part.spread() < finest_part * whole.spread()) {
+                ++i;
+                continue;
+            }
+            const std::int32_t leaves = (part.size() + leaf_capacity - 1) / leaf_capacity;
+            const std::int32_t middle = part.begin + part.size() * (leaves / 2) / leaves;
+            builder_.put_in_order(part, middle);
+            parts[static_cast<std::size_t>(count++)] = builder_.range(middle, part.end);
+            part = builder_.range(part.begin, middle);
+        }
+        return count;
     }
 
     // One part for each occupied octant, but those of together at most eight elements share a leaf.

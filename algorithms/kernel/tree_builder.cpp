@@ -63,4 +63,39 @@ void Builder::localise(Range& whole) {
     whole = range(whole.begin, whole.end);
 }
 
+// Each element is compared with each other one, since no branch depends on an element then: which side it is on cannot be
+// predicted.
+void Builder::put_in_order(const Range& range, std::int32_t middle) {
+    using Int4 [[gnu::vector_size(16)]] = std::int32_t;
+    constexpr std::int32_t most = tree_width * leaf_capacity;
+    const Float4 extent = range.centres.high - range.centres.low;
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) axis = extent[k] > extent[axis] ? k : axis;
+
+    // Integers in the order of the coordinates; the last bits tell them apart.
+    std::array<Int4, most / 4> keys;
+    FloatBox* const first = elements.data() + range.begin;
+    const std::int32_t size = range.size(), fours = (size + 3) / 4;
+    const auto key = [&](std::int32_t i) -> auto& { return keys[static_cast<std::size_t>(i / 4)]; };
+    key(size - 1) = Int4{} + std::numeric_limits<std::int32_t>::max();
+    for (std::int32_t i = 0; i < size; ++i) {
+        const Float4 centre = centre_of(first[i]);
+        const auto bits = std::bit_cast<std::int32_t>(static_cast<float>(centre[axis]));
+        key(i)[i % 4] = ((bits ^ (bits >> 31 & 0x7fffffff)) & ~(most - 1)) | i;
+    }
+    std::int32_t left = 0, right = 0;
+    for (std::int32_t i = 0; i < size; ++i) {
+        Int4 less{};  // minus how many
+        const Int4 own = Int4{} + key(i)[i % 4];
+        for (std::int32_t j = 0; j < fours; ++j) less += keys[static_cast<std::size_t>(j)] < own;
+        const bool is_left = -(less[0] + less[1] + less[2] + less[3]) < middle - range.begin;
+        const FloatBox element = first[i];
+        first[left] = element;
+        scratch[static_cast<std::size_t>(right)] = element;
+        left += is_left ? 1 : 0;
+        right += is_left ? 0 : 1;
+    }
+    std::copy_n(scratch.begin(), right, first + left);
+}
+
 }  // namespace hausbench::builder

@@ -57,6 +57,10 @@ inline Index number_of(const FloatBox& element) {
 }
 inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }  // twice
 
+// A part so much smaller than the node is a child of its own: it is cut where the frame, and the planes of the children's
+// boxes, are as fine as it takes.
+inline constexpr float finest_part = 0x1p-5F;
+
 struct Range {
     std::int32_t begin = 0, end = 0;
     FloatBox box, centres;
@@ -74,6 +78,7 @@ struct Builder {
     const TreeContent& content;
     std::vector<FloatBox> elements;
     WideTree tree;
+    std::array<FloatBox, tree_width * leaf_capacity> scratch;  // of put_in_order()
 
     explicit Builder(const TreeContent& content);
 
@@ -91,8 +96,14 @@ struct Builder {
     // coordinates in a frame around their centres. O(size), and the frame shrinks by a factor of 2^12 or more each time.
     void localise(Range& range);
 
+    // Puts elements before and after `middle` that lie on either side of it along the longest axis. At most 64 of them.
+    void put_in_order(const Range& range, std::int32_t middle);
+
     // Appends a leaf; returns how nodes refer to it.
     std::int32_t add_leaf(const Range& range) {
+        // The triangles of a leaf are measured four at a time.
+        constexpr std::int32_t half = leaf_capacity / 2;
+        if (content.triangles != nullptr && range.size() > half) put_in_order(range, range.begin + half);
         for (std::int32_t i = range.begin; i < range.end; ++i) {
             tree.order.push_back(number_of(elements[static_cast<std::size_t>(i)]));
         }

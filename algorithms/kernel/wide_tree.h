@@ -86,7 +86,8 @@ struct TreeContent {
 WideTree build_bvh(const TreeContent& content);
 
 // An octree: each element belongs to the cell that the centre of its box falls into. Cells with one child are passed over. A
-// cell of up to eight elements is a leaf, or shares one with small cells beside it. Where all centres of a cell lie in a
+// cell of up to eight elements is a leaf, or shares one with small cells beside it. One of up to 64 is cut into as many
+// leaves as it fills, in halves across the longest axis. Where all centres of a cell lie in a
 // 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
 // and those at level 48 of the tree, are cut into as many leaves as they fill.
 WideTree build_octree(const TreeContent& content);
