@@ -8,7 +8,7 @@ namespace {
 using namespace builder;
 
 constexpr int most_bins = 16;
-constexpr int most_levels_by_area = 40;  // beyond these, halves
+constexpr int most_levels_by_area = 40;            // beyond these, halves
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
 
 struct Bin {
