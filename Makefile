@@ -37,7 +37,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -50,6 +50,7 @@ help:
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
 	@echo 'make asan-kernels the kernel and contract tests alone, the same way; .ci/run runs them too'
+	@echo 'make instructions count the instructions of a few solves under valgrind, against tests/instructions_baseline.toml'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
 	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
@@ -161,7 +162,7 @@ hostile: build
 types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/mutants.py tests/test_mutants.py
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}
@@ -176,6 +177,10 @@ KERNEL_TESTS = $(shell sed -nE 's/^hausbench_test.((kernel|solver_contract)_[a-z
 asan-kernels: build/asan/build.ninja
 	$(call compile,asan,$(KERNEL_TESTS))
 	ctest --preset asan -j $(JOBS) --no-tests=error -R '^(kernel_.*|solver_contract)_test$$'
+
+# Where the baseline does not know this compiler and these libraries, nothing is measured (5), which is no failure.
+instructions: build
+	@code=0; $(PYTHON) tests/instructions.py || code=$$?; [ $$code = 5 ] || exit $$code
 
 # clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own.
 tidy: build/release/build.ninja
