@@ -43,6 +43,7 @@ void check(const Query& query) {
     if (!(query.tolerance.value > 0) || std::isinf(query.tolerance.value)) {
         fail("the tolerance", query.tolerance.value, "give a positive number");
     }
+    if (!(query.floor >= 0) || std::isinf(query.floor)) fail("the floor", query.floor, "give a length, or 0 for none");
     if (!(query.cutoff >= 0)) fail("the cutoff", query.cutoff, "give a length, or infinity for none");
     if (!(query.time_limit >= 0)) fail("the time limit", query.time_limit, "give seconds, or infinity for none");
     if (!query.pose.rotation.allFinite() || !query.pose.translation.allFinite()) {
@@ -50,36 +51,28 @@ void check(const Query& query) {
     }
 }
 
-bool close(const Query& query, const Result& result) {
-    return result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
-}
-
-bool answers_cutoff(const Query& query, const Result& result) {
-    return result.bounds.lower > query.cutoff || (std::isfinite(query.cutoff) && result.bounds.upper <= query.cutoff);
+bool claims_an_answer(Status status) {
+    return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
 }
 
 // A solver's word is not enough: its status has to follow from its bounds.
 void hold_to_its_status(const Query& query, Result& result) {
-    if (result.status == Status::cutoff_passed && !answers_cutoff(query, result)) {
-        if (close(query, result)) {
-            result.status = Status::converged;
-            return;
-        }
-        result.status = Status::stalled;
-        result.note =
-            std::isfinite(query.cutoff)
-                ? "the solver reports cutoff_passed, but neither of its bounds passes the cutoff"
-                : "the solver reports cutoff_passed, but the query has no cutoff, and its gap is above the tolerance";
-    } else if (result.status == Status::converged && !close(query, result)) {
-        result.status = Status::stalled;
-        result.note = "the solver reports converged, but its gap is above the tolerance";
+    if (!claims_an_answer(result.status)) return;
+    if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+        result.status = *answer;
+        return;
     }
+    result.note = fmt::format("the solver reports {}, but {}", to_string(result.status),
+                              result.status == Status::converged     ? "its gap is above the tolerance"
+                              : result.status == Status::below_floor ? "its upper bound is above the floor"
+                                                                     : "its lower bound is not above the cutoff");
+    result.status = Status::stalled;
 }
 
 }  // namespace
 
 std::string_view to_string(Status status) {
-    constexpr std::string_view names[] = {"converged", "cutoff_passed",   "time_limit",
+    constexpr std::string_view names[] = {"converged", "below_floor",     "above_cutoff", "time_limit",
                                           "budget",    "precision_floor", "stalled"};
     return names[static_cast<std::size_t>(status)];
 }
@@ -204,21 +197,14 @@ Result Session::solve_rescaled(const Query& query, Points source, Trace& trace) 
     return Session(entry_, options_, std::move(scene), {false, 1, finest}, leave_).solve(still, trace);
 }
 
-Query Session::scaled(const Query& query, Result& previous) const {
+Query Session::scaled(const Query& query) const {
     Query out = query;
     for (double& value : out.pose.translation) value = std::ldexp(value, exponent_);
     if (query.tolerance.of == Tolerance::Of::absolute) {
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
     }
+    out.floor = std::ldexp(query.floor, exponent_);
     out.cutoff = std::ldexp(query.cutoff, exponent_);
-    if (query.previous) {
-        previous = *query.previous;
-        previous.bounds.lower = std::ldexp(previous.bounds.lower, exponent_);
-        previous.bounds.upper = std::ldexp(previous.bounds.upper, exponent_);
-        for (double& value : previous.witness.source_point) value = std::ldexp(value, exponent_);
-        for (double& value : previous.witness.target_point) value = std::ldexp(value, exponent_);
-        out.previous = &previous;
-    }
     return out;
 }
 
@@ -238,7 +224,7 @@ void Session::scale_back(Result& result, Trace& trace, double wider) const {
     for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
 }
 
-Result Session::solve(const Query& query, Trace& trace) const {
+Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
     if (!moveable_ && !query.pose.is_identity()) {
         throw InputError(
@@ -260,19 +246,16 @@ Result Session::solve(const Query& query, Trace& trace) const {
         }
     }
 
-    Result previous;
-    const Query asked = scaled(query, previous);
+    const Query asked = scaled(query);
     trace.start(exponent_);
-    Result result = solver_->solve(asked, trace);
+    Result result = solver_->solve(asked, state, trace);
     hold_to_its_status(asked, result);
     scale_back(result, trace, widening(query.pose));
     if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);
 
     // Scaling back may have cost what the solver had promised.
-    const bool kept = result.status == Status::converged       ? close(query, result)
-                      : result.status == Status::cutoff_passed ? answers_cutoff(query, result)
-                                                               : true;
-    if (!kept) result.status = Status::precision_floor;
+    if (claims_an_answer(result.status))
+        result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::precision_floor);
     return result;
 }
 

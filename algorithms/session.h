@@ -21,14 +21,21 @@ public:
     Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries,
             Leave leave = Leave::out_what_is_not_needed);
 
-    // The query's lengths (tolerance, cutoff, translation), the result's and the trace's are in the units of the input.
+    // The query's lengths (tolerance, floor, cutoff, translation), the result's and the trace's are in the units of the input.
     // Bounds are rounded outward where scaling back is inexact. Starts the trace, and ends it if the solver traces.
-    // The status is held against the bounds: `converged` and `cutoff_passed` are returned only where they are true.
+    // The status is held against the bounds: `converged`, `below_floor` and `above_cutoff` are returned only where they are true.
     // A pose that moves A so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another
     // session, scaled by the posed extents: its preparation then counts as solving.
     // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite or
     // makes a point that is not, a pose other than the identity where the source is an algebraic surface.
-    Result solve(const Query& query, Trace& trace) const;
+    //
+    // `state` is null, or from begin() of this session: one for each chain of poses. It is left as it is where the answer
+    // comes from another session.
+    Result solve(const Query& query, State* state, Trace& trace) const;
+    Result solve(const Query& query, Trace& trace) const { return solve(query, nullptr, trace); }
+
+    // Null: the solver carries nothing along.
+    std::unique_ptr<State> begin() const { return solver_->begin(); }
 
     const Prepared& prepared() const { return *prepared_; }
     const Needs& needs() const { return needs_; }
@@ -41,7 +48,7 @@ private:
     double posed_extent(const Pose& pose) const;
     Points original(Side side) const;
     Result solve_rescaled(const Query& query, Points source, Trace& trace) const;
-    Query scaled(const Query& query, Result& previous) const;
+    Query scaled(const Query& query) const;
     void scale_back(Result& result, Trace& trace, double wider) const;
 
     SolverEntry entry_;

@@ -17,6 +17,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,8 +42,9 @@ struct Tolerance {
 };
 
 enum class Status {
-    converged,      // the gap is within the tolerance
-    cutoff_passed,  // lower > cutoff, or upper <= cutoff: the question "is h below the cutoff?" is answered
+    converged,     // the gap is within the tolerance
+    below_floor,   // upper <= floor: of no interest
+    above_cutoff,  // lower > cutoff: known well enough
     time_limit,
     budget,           // Query::budget subdivisions (or the solver's own unit of work, see its header) were spent
     precision_floor,  // the tolerance is below what double precision can certify
@@ -86,10 +88,22 @@ struct Result {
 struct Query {
     Pose pose;
     Tolerance tolerance;
-    double cutoff = std::numeric_limits<double>::infinity();      // length; infinity: none
+    // Two permissions to stop early, as lengths, which a solver may ignore. "Is h above d?" is floor = cutoff = d; the tolerance
+    // then ends nothing. The lower bound is proven and has its witness all the same: it is never the floor.
+    double floor = 0;                                             // may stop once upper <= floor
+    double cutoff = std::numeric_limits<double>::infinity();      // may stop once lower > cutoff
     double time_limit = std::numeric_limits<double>::infinity();  // seconds of wall time
     std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();
-    const Result* previous = nullptr;  // the answer of a nearby pose, as a warm start
+
+    // The status that a solver with these bounds may end with, if they are close enough for any. What is below the floor does
+    // not count: the gap is upper - max(lower, floor).
+    std::optional<Status> answer(double lower, double upper) const {
+        if (lower > cutoff) return Status::above_cutoff;
+        const bool asks = floor >= cutoff;
+        if (upper <= floor && (floor > 0 || asks)) return Status::below_floor;
+        if (!asks && upper - (lower > floor ? lower : floor) <= tolerance.gap(lower)) return Status::converged;
+        return std::nullopt;
+    }
 };
 
 // What all queries to come have in common, so that a solver can leave out what they do not need.
@@ -97,6 +111,13 @@ struct QuerySet {
     bool moves = false;  // some pose is not the identity
     std::size_t count = 1;
     double finest_tolerance = 0;
+};
+
+// What a solver keeps from one pose of a chain to the next, such as the last witness. It may speed up an answer, and never changes
+// what a bound means.
+class State {
+public:
+    virtual ~State() = default;
 };
 
 class Solver {
@@ -116,8 +137,12 @@ public:
     // Memory of what prepare() built, in bytes; 0 where the solver keeps nothing of note.
     virtual std::size_t prepared_bytes() const { return 0; }
 
-    // Const, so that the order of queries cannot matter. Never throws for hard input: returns `stalled` with bounds that hold.
-    virtual Result solve(const Query& query, Trace& trace) const = 0;
+    // What a chain of nearby poses carries along, of a solver whose SolverInfo says `warm`; null: each answer is cold.
+    virtual std::unique_ptr<State> begin() const { return nullptr; }
+
+    // Const and re-entrant: nothing changes but `state`, which is null or from begin() and belongs to one chain of queries, so
+    // that the order of other queries cannot matter. Never throws for hard input: returns `stalled` with bounds that hold.
+    virtual Result solve(const Query& query, State* state, Trace& trace) const = 0;
 };
 
 struct SolverInfo {
@@ -130,6 +155,7 @@ struct SolverInfo {
     std::string known_wrong =
         {};               // a published error that is kept to show it: why bounds may not hold; never certified
     bool exact = false;   // the gap does not depend on the tolerance
+    bool warm = false;    // makes use of a State
     bool traces = false;  // offers samples to Trace
     bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
     Needs may_need = {};                // every structure it can ever use

@@ -133,6 +133,12 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(limits.prepare_seconds)>("prepare_seconds_limit", "for loading and preparing",
                                                  Identity::always),
         at<Case, MEMBER(limits.memory_bytes)>("memory_limit_bytes", "of resident memory", Identity::always),
+        at<Case, MEMBER(floor)>("floor", "a distance of at most this length is of no interest; 0: none",
+                                Identity::where_given),
+        at<Case, MEMBER(cutoff)>("cutoff", "a distance above this length is known well enough; infinity: none",
+                                 Identity::where_given),
+        at<Case, MEMBER(budget)>("budget", "of the solver's own unit of work, see its file; -1: none",
+                                 Identity::where_given),
         at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, pose, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
         at<Case, MEMBER(certified)>("certified",
@@ -166,6 +172,15 @@ const Columns<Outcome>& outcome_columns() {
         at<Outcome, MEMBER(reason)>("reason", "one line, where the status is not `ok`"),
         at<Outcome, MEMBER(solver_status)>("solver_status",
                                            "the status that the solver returned: `converged`, `time_limit`, ..."),
+        {"answer",
+         "what an `ok` row says: `gap` (it is within the tolerance), `h <= floor` or `h > cutoff`; else empty",
+         Column<Outcome>::Text{[](const Outcome& o) -> std::string {
+                                   if (o.status != RowStatus::ok) return "";
+                                   return o.solver_status == to_string(Status::below_floor)    ? "h <= floor"
+                                          : o.solver_status == to_string(Status::above_cutoff) ? "h > cutoff"
+                                                                                               : "gap";
+                               },
+                               nullptr}},
         at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B)"),
         at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= h(A posed, B)"),
         at<Outcome, MEMBER(witness.source_point)>("witness_source", "the point on A posed that proves the lower bound"),

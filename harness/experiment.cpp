@@ -75,6 +75,13 @@ public:
         const toml::node* node = find(key);
         return node ? positive(*node, key, most) : otherwise;
     }
+    double length(std::string_view key, double otherwise) const {
+        const toml::node* node = find(key);
+        if (!node) return otherwise;
+        const double value = number(*node, key);
+        if (value < 0) fail(*node, fmt::format("'{}' must be at least 0, not {}", key, value));
+        return value;
+    }
     int count(std::string_view key, int least, int otherwise) const {
         const toml::node* node = find(key);
         if (!node) return otherwise;
@@ -263,8 +270,9 @@ SolverPlan read_solver(const Reader& reader) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title", "paper",  "tolerances", "of",    "repeats", "rounds",
-                                            "trace", "limits", "profile",    "scene", "solver",  "expected_unsound"};
+const std::vector<std::string> root_keys = {"title",  "paper",  "tolerances", "of",     "floor",
+                                            "cutoff", "budget", "repeats",    "rounds", "trace",
+                                            "limits", "profile", "scene",     "solver", "expected_unsound"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -337,6 +345,9 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     if (experiment.of != "diagonal" && experiment.of != "absolute" && experiment.of != "lower") {
         root.fail(*root.find("of"), fmt::format("'of' must be diagonal, absolute or lower, not '{}'", experiment.of));
     }
+    experiment.floor = root.length("floor", experiment.floor);
+    experiment.cutoff = root.length("cutoff", experiment.cutoff);
+    experiment.budget = root.count("budget", 0, -1);
     experiment.repeats = root.count("repeats", 0, experiment.repeats);
     experiment.rounds = root.count("rounds", 1, experiment.rounds);
     experiment.trace = root.flag("trace", experiment.trace);

@@ -226,6 +226,9 @@ int dispatch(int argc, char** argv) {
         });
     measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
+    measure_verb->add_option("--cutoff", request.cutoff,
+                             "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 "
+                             "if it is above, 3 if that is open");
     measure_verb->add_option("--time-limit", request.time_limit,
                              "seconds for each direction; the bounds hold also when it is reached");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
@@ -238,9 +241,8 @@ int dispatch(int argc, char** argv) {
                                  : describe(measured, request))
                        .c_str(),
                    stdout);
-        if (answered(measured)) return;
-        fmt::print(stderr, "hausbench: solver '{}' gave no answer\n", measured.solver);
-        code = 1;
+        code = exit_code(measured, request);
+        if (!answered(measured)) fmt::print(stderr, "hausbench: solver '{}' gave no answer\n", measured.solver);
     });
 
     std::string exported;

@@ -23,6 +23,7 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
                        request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
     query.time_limit = request.time_limit;
+    if (request.cutoff) query.floor = query.cutoff = *request.cutoff;
     measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
                                       ? query.tolerance.value
                                       : std::numeric_limits<double>::quiet_NaN();
@@ -55,8 +56,8 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     }
     whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
     whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
-    if (whole.bounds.gap() <= query.tolerance.gap(whole.bounds.lower)) {
-        whole.status = Status::converged;
+    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
+        whole.status = *answer;
         whole.note.clear();
     }
     for (const CounterField& field : counter_fields) whole.counters.*field.member += result.counters.*field.member;
@@ -80,6 +81,8 @@ Measured measure(const MeasureRequest& request) {
     if (!(request.tolerance > 0) || !std::isfinite(request.tolerance)) {
         throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
     }
+    if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
+        throw InputError(fmt::format("--cutoff: must be a length of at least 0, not {}", *request.cutoff));
     LoadedShape source = load_isolated(program_path(), request.source);
     LoadedShape target = load_isolated(program_path(), request.target);
     Measured measured;
@@ -122,6 +125,12 @@ bool answered(const Measured& measured) {
            measured.result.bounds.lower > 0;
 }
 
+int exit_code(const Measured& measured, const MeasureRequest& request) {
+    if (!request.cutoff) return answered(measured) ? 0 : 1;
+    const Status status = measured.result.status;
+    return status == Status::below_floor ? 0 : status == Status::above_cutoff ? 1 : 3;
+}
+
 nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
     const auto point = [](const Vec3& v) -> nlohmann::json {
         if (!v.allFinite()) return nullptr;
@@ -141,6 +150,9 @@ nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
             {"solver", m.solver},
             {"tolerance", request.tolerance},
             {"tolerance_of", request.of},
+            {"cutoff", request.cutoff ? nlohmann::json(*request.cutoff) : nlohmann::json()},
+            {"above_cutoff", request.cutoff && exit_code(m, request) != 3 ? nlohmann::json(exit_code(m, request) == 1)
+                                                                          : nlohmann::json()},
             {"tolerance_absolute", number(m.tolerance_absolute)},
             {"prepare_seconds", m.prepare_seconds},
             {"solve_seconds", m.solve_seconds},
@@ -173,6 +185,10 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);
     text += fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(m.result.status),
                         m.result.note.empty() ? "" : ": " + m.result.note);
+    if (request.cutoff) {
+        constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};
+        text += fmt::format("above {:.9g}? {}\n", *request.cutoff, answers[exit_code(m, request)]);
+    }
     if (p.allFinite()) {
         text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1],
                             p[2], q[0], q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");

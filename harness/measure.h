@@ -17,6 +17,7 @@ struct MeasureRequest {
     double tolerance = 1e-6;
     std::string of = "diagonal";  // diagonal | absolute | lower
     bool symmetric = false;       // H = max of both directions
+    std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
     double time_limit = std::numeric_limits<double>::infinity();
 };
 
@@ -38,6 +39,9 @@ Measured measure(const MeasureRequest& request);
 
 // Whether the solver said anything at all: not where it stalled at [0, infinity].
 bool answered(const Measured& measured);
+
+// 0, or 1 without an answer. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
+int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
 std::string describe(const Measured& measured, const MeasureRequest& request);  // for a person; ends in a newline

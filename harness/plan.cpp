@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <set>
@@ -137,7 +138,8 @@ private:
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
         const bool reads_trace =
             entry && !plan_.leave_nothing_out &&
-            (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower"));
+            (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower")) &&
+            experiment.floor == 0 && std::isinf(experiment.cutoff) && experiment.budget < 0;
         const int certified = entry ? promises(*entry, given) : -1;
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
@@ -165,6 +167,10 @@ private:
                 asked.tolerance = tolerances[t];
                 asked.tolerance_of = experiment.of;
                 asked.limits = experiment.limits;
+                const double unit = experiment.of == "diagonal" ? asked.source_diagonal : 1;
+                asked.floor = experiment.floor * unit;
+                asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * unit;
+                asked.budget = experiment.budget;
                 asked.certified = certified;
                 asked.identity = identify(asked);
                 const std::size_t row = plan_.cases.size();

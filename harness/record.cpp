@@ -88,7 +88,8 @@ std::string name_of(const Case& c) {
 RowStatus row_status(Status status) {
     switch (status) {
         case Status::converged:
-        case Status::cutoff_passed:
+        case Status::below_floor:
+        case Status::above_cutoff:
             return RowStatus::ok;
         case Status::time_limit:
             return RowStatus::timeout;

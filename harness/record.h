@@ -38,6 +38,8 @@ struct Case {
     Pose pose;
     double tolerance = 0;
     std::string tolerance_of;
+    double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
+    std::int64_t budget = -1;                                            // likewise; -1: none
     Limits limits;
     double exact = unknown;  // the true distance, where the experiment gives it
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
@@ -136,7 +138,7 @@ struct LedgerEntry {
     double seconds_saved = unknown;  // known only afterwards, and not for all
 };
 
-// The status of a row for a solver's own status: converged and cutoff_passed are `ok`.
+// The status of a row for a solver's own status: converged, below_floor and above_cutoff are `ok`.
 RowStatus row_status(Status status);
 
 nlohmann::json to_json(const Outcome& outcome);

@@ -78,6 +78,9 @@ private:
         Query query;
         query.pose = item.pose;
         query.tolerance = item.tolerance;
+        query.floor = item.floor;
+        query.cutoff = item.cutoff;
+        if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
         query.time_limit = order_.limits.case_seconds;
 
         memory_->next_answer();
@@ -204,6 +207,9 @@ json to_json(const WorkOrder& o) {
                          {"pose", pose_json(i.pose)},
                          {"of_lower", i.tolerance.of == Tolerance::Of::lower},
                          {"tolerance", i.tolerance.value},
+                         {"floor", i.floor},
+                         {"cutoff", number(i.cutoff)},
+                         {"budget", i.budget},
                          {"trace", i.trace},
                          {"marks", i.marks}});
     }
@@ -236,6 +242,9 @@ WorkOrder work_order_from_json(const json& j) {
             {i.at("row"),
              pose_of(i.at("pose")),
              {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
+             i.at("floor"),
+             number(i.at("cutoff")),
+             i.at("budget"),
              i.at("trace"),
              i.at("marks").get<std::vector<double>>()});
     }

@@ -21,6 +21,8 @@ struct WorkOrder {
         std::size_t row;
         Pose pose;
         Tolerance tolerance;
+        double floor, cutoff;
+        std::int64_t budget;  // -1: none
         bool trace;
         std::vector<double> marks;
     };

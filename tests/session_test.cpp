@@ -93,7 +93,7 @@ class Claims final : public Solver {
 public:
     explicit Claims(const Options&) {}
     void prepare(const Scene&, const Prepared&) override {}
-    Result solve(const Query&, Trace& trace) const override {
+    Result solve(const Query&, State*, Trace& trace) const override {
         if (samples) trace.record(said.bounds.lower, said.bounds.upper);
         return said;
     }
@@ -108,49 +108,61 @@ SolverEntry claims() {
     return entry;
 }
 
-Result after(Status status, const Bounds& bounds, double cutoff, double largest = 0.5) {
+Result after(Status status, const Bounds& bounds, double floor = 0, double cutoff = infinity, double largest = 0.5) {
     said = {};
     said.status = status;
     said.bounds = bounds;
     Query query;
     query.tolerance = {Tolerance::Of::absolute,
                        std::max(1e-5 * 2 * largest, std::numeric_limits<double>::denorm_min())};
+    query.floor = floor;
     query.cutoff = cutoff;
     return answer(claims(), rows({{largest, 0, 0}}), rows({{0, 0, 0}}), query);
 }
 
-TEST(SessionStatus, NoCutoffIsPassedWhereNoneWasAsked) {
-    const Result wide = after(Status::cutoff_passed, {0, 4e9}, infinity);
+TEST(SessionStatus, NothingIsPassedWhereNothingWasAsked) {
+    const Result wide = after(Status::above_cutoff, {0, 4e9});
     EXPECT_EQ(to_string(wide.status), to_string(Status::stalled));
-    EXPECT_NE(wide.note.find("no cutoff"), std::string::npos);
+    EXPECT_NE(wide.note.find("not above the cutoff"), std::string::npos);
     EXPECT_EQ(wide.bounds.upper, 4e9);
-    EXPECT_EQ(to_string(after(Status::cutoff_passed, {0, infinity}, infinity).status), to_string(Status::stalled));
-    EXPECT_EQ(to_string(after(Status::cutoff_passed, {1, 1}, infinity).status), to_string(Status::converged));
+    EXPECT_EQ(to_string(after(Status::below_floor, {0, infinity}).status), to_string(Status::stalled));
+    EXPECT_EQ(to_string(after(Status::below_floor, {0, 0}).status), to_string(Status::converged));
+    EXPECT_EQ(to_string(after(Status::above_cutoff, {1, 1}).status), to_string(Status::converged));
 }
 
-TEST(SessionStatus, ACutoffIsPassedWhereABoundPassesIt) {
-    const auto status = [](const Bounds& bounds, double cutoff) {
-        return std::string(to_string(after(Status::cutoff_passed, bounds, cutoff).status));
+TEST(SessionStatus, FloorAndCutoffAreAnsweredWhereABoundPassesThem) {
+    const auto status = [](const Bounds& bounds, double floor, double cutoff) {
+        return std::string(to_string(after(Status::above_cutoff, bounds, floor, cutoff).status));
     };
-    EXPECT_EQ(status({0, 2}, 2), "cutoff_passed");
-    EXPECT_EQ(status({2, 9}, 1), "cutoff_passed");
-    EXPECT_EQ(status({2, 9}, 2), "stalled");
-    EXPECT_EQ(status({1, 3}, 2), "stalled");
-    EXPECT_EQ(status({1.5, 1.5}, 1.5), "cutoff_passed");
+    EXPECT_EQ(status({0, 2}, 2, infinity), "below_floor");
+    EXPECT_EQ(status({0, 2}, 2, 2), "below_floor");
+    EXPECT_EQ(status({0, 0}, 0, 0), "below_floor");
+    EXPECT_EQ(status({2, 9}, 0, 1), "above_cutoff");
+    EXPECT_EQ(status({2, 9}, 1, 1), "above_cutoff");
+    EXPECT_EQ(status({2, infinity}, 1, 1), "above_cutoff");
+    EXPECT_EQ(status({2, 9}, 0, 2), "stalled");
+    EXPECT_EQ(status({1, 3}, 2, 2), "stalled");
+    EXPECT_EQ(status({1.5, 1.5}, 1.5, 1.5), "below_floor");
+    // A question that is open is not answered by a small gap ...
+    EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 1.5, 1.5), "stalled");
+    EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 0, 1.5), "converged");
+    // ... and what is below the floor does not count.
+    EXPECT_EQ(status({0, 1.5 + 1e-9}, 1.5, infinity), "converged");
+    EXPECT_EQ(status({0, 1.6}, 1.5, infinity), "stalled");
 }
 
 TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
-    const Result wide = after(Status::converged, {0, 4e9}, infinity);
+    const Result wide = after(Status::converged, {0, 4e9});
     EXPECT_EQ(to_string(wide.status), to_string(Status::stalled));
     EXPECT_NE(wide.note.find("gap"), std::string::npos);
-    EXPECT_EQ(to_string(after(Status::converged, {1, 1 + 9e-6}, infinity).status), to_string(Status::converged));
-    EXPECT_EQ(to_string(after(Status::budget, {0, 4e9}, infinity).status), to_string(Status::budget));
+    EXPECT_EQ(to_string(after(Status::converged, {1, 1 + 9e-6}).status), to_string(Status::converged));
+    EXPECT_EQ(to_string(after(Status::budget, {0, 4e9}).status), to_string(Status::budget));
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_EQ(to_string(after(Status::converged, {nan, nan}, infinity).status), to_string(Status::stalled));
+    EXPECT_EQ(to_string(after(Status::converged, {nan, nan}).status), to_string(Status::stalled));
     // What scaling back costs is the floor of double precision, not the solver's fault.
     const double least = std::numeric_limits<double>::denorm_min();
-    EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, infinity, least).status), "precision_floor");
-    EXPECT_EQ(to_string(after(Status::cutoff_passed, {0.32, 0.6}, 5 * least, 8 * least).status), "precision_floor");
+    EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, 0, infinity, least).status), "precision_floor");
+    EXPECT_EQ(to_string(after(Status::below_floor, {0.32, 0.6}, 5 * least, 5 * least, 8 * least).status), "precision_floor");
 }
 
 // --- poses that leave the range ---------------------------------------------------------------------------------------

@@ -317,10 +317,8 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             const Result result = session.solve(query, trace);
             check_bounds(entry, c, truth, result, where + ", " + what);
             check_witness(c, truth, result, where + ", " + what);
-            if (result.status == Status::cutoff_passed) {
-                EXPECT_TRUE(result.bounds.lower > query.cutoff || result.bounds.upper <= query.cutoff)
-                    << where << ", " << what;
-            }
+            if (result.status == Status::above_cutoff) EXPECT_GT(result.bounds.lower, query.cutoff) << where << ", " << what;
+            if (result.status == Status::below_floor) EXPECT_LE(result.bounds.upper, query.floor) << where << ", " << what;
             return result;
         };
         for (const std::uint64_t budget : {0, 1, 3}) {
@@ -330,13 +328,16 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
         const Real h = points_case(c) ? exact::root(truth.squared) : truth.low;
         if (!(h > 1e-300L && h < 1e300L)) return;
         for (const double factor : {0.25, 0.5, 2.0}) {
-            const double cutoff = factor * static_cast<double>(h);
-            const Result result = solve([&](Query& q) { q.cutoff = cutoff; }, "cutoff " + std::to_string(factor));
-            const bool floor = truth.magnitude * unit_roundoff * 1e3 > h;
-            if (entry.info.certified && !floor) {
-                EXPECT_TRUE(factor < 1 ? result.bounds.lower > cutoff : result.bounds.upper <= cutoff)
-                    << where << ", cutoff " << factor;
-            }
+            const double d = factor * static_cast<double>(h);
+            const bool hopeless = !entry.info.certified || truth.magnitude * unit_roundoff * 1e3 > h;
+            const std::string at = std::to_string(factor) + " h";
+            const Result above = solve([&](Query& q) { q.cutoff = d; }, "cutoff " + at);
+            const Result below = solve([&](Query& q) { q.floor = d; }, "floor " + at);
+            const Result asked = solve([&](Query& q) { q.floor = q.cutoff = d; }, "above " + at + "?");
+            if (hopeless) continue;
+            EXPECT_EQ(to_string(above.status), factor < 1 ? "above_cutoff" : "converged") << where << ", cutoff " << at;
+            EXPECT_EQ(to_string(below.status), factor < 1 ? "converged" : "below_floor") << where << ", floor " << at;
+            EXPECT_EQ(to_string(asked.status), factor < 1 ? "above_cutoff" : "below_floor") << where << ", " << at;
         }
         if (!entry.info.certified || h < 1e9 * unit_roundoff * truth.magnitude) return;
         const Result relative = solve([](Query& q) { q.tolerance = {Tolerance::Of::lower, 1e-3}; }, "relative");

@@ -200,9 +200,10 @@ bool Search::measure_vertices() {
 // Whether the piece needs no further work; its bound is kept.
 bool Search::settle(const Piece& piece) {
     // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
-    // pieces whose vertices share a nearest triangle.
+    // pieces whose vertices share a nearest triangle. What is below the floor is of no interest.
     const int most_levels = longest_edge_ ? most_levels_longest_edge : most_levels_midpoint;
-    if (piece.upper > rounding_.at_most(farthest_.squared, piece.level) && piece.level < most_levels) return false;
+    const double known = std::max(rounding_.at_most(farthest_.squared, piece.level), query_.floor);
+    if (piece.upper > known && piece.level < most_levels) return false;
     settled_ = std::max(settled_, piece.upper);
     return true;
 }
@@ -334,13 +335,11 @@ double Search::certified_lower() {
 
 Result Search::result(Status status) {
     Result result;
-    result.status = status;
     result.bounds = {certified_lower(), std::max(upper(), certified_lower())};
     const ClosestPoint nearest = closest(farthest_.point, farthest_.triangle);
     result.witness = {farthest_.point, nearest.point, farthest_source_, nearest.triangle};
     result.counters = counters_;
-    const bool close = result.bounds.gap() <= query_.tolerance.gap(result.bounds.lower);
-    if (close) result.status = Status::converged;
+    result.status = query_.answer(result.bounds.lower, result.bounds.upper).value_or(status);
     trace_.record(result.bounds.lower, result.bounds.upper);
     return result;
 }
@@ -365,14 +364,14 @@ Result Search::run() {
     while (true) {
         const double high = upper(), low = std::max(std::sqrt(farthest_.squared) - loss, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
-        if (high <= query_.cutoff && std::isfinite(query_.cutoff)) return result(Status::cutoff_passed);
-        if (low > query_.cutoff && certified_lower() > query_.cutoff) return result(Status::cutoff_passed);
-        // Seemingly finished, or nothing is left to split.
-        const bool close = high - low <= query_.tolerance.gap(low);
-        if (close || heap_.empty() || heap_.front().upper <= settled_) {
-            const double gap = high - certified_lower();
-            if (gap <= query_.tolerance.gap(certified_lower())) return result(Status::converged);
-            if (!close) return result(Status::precision_floor);
+        // Seemingly answered, or nothing is left to split. Certifying the witness costs a query, so it comes last.
+        const std::optional<Status> seems = query_.answer(low, high);
+        const bool done = heap_.empty() || heap_.front().upper <= settled_;
+        if (seems || done) {
+            if (const auto answer = query_.answer(certified_lower(), high)) return result(*answer);
+        }
+        if (seems == Status::converged || done) {
+            if (!seems) return result(Status::precision_floor);
             loss = std::max(2 * loss, std::sqrt(farthest_.squared) - certified_lower());
             if (!(loss < query_.tolerance.gap(certified_lower()))) return result(Status::precision_floor);
             continue;
@@ -403,7 +402,7 @@ public:
         prepared_ = &prepared;
     }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         Points points = posed(source_->vertices, query.pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};

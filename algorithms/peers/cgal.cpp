@@ -76,7 +76,7 @@ public:
         target_ = surface_mesh(target.vertices, target_faces, pmp::is_polygon_soup_a_polygon_mesh(target_faces));
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         Result result;
         result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
         result.witness.target_point = result.witness.source_point;
@@ -99,8 +99,7 @@ public:
         } catch (const std::exception&) {  // a failed assertion of CGAL, if they are compiled in
             return result;
         }
-        const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
-        result.status = close ? Status::converged : Status::stalled;
+        result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::stalled);
         return result;
     }
 

@@ -113,7 +113,7 @@ public:
         write_mesh_file(file("B"), scene.target, mesh_format_of(file("B")));
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         Result result;
         result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
         result.witness.target_point = result.witness.source_point;
@@ -168,8 +168,8 @@ private:
             return;
         }
         result.bounds = bounds;
-        if (bounds.gap() <= query.tolerance.gap(bounds.lower)) {
-            result.status = Status::converged;
+        if (const auto answer = query.answer(bounds.lower, bounds.upper)) {
+            result.status = *answer;
         } else {
             result.status = Status::precision_floor;  // the program ended normally
             result.note = !upper   ? "the program gives no upper bound"

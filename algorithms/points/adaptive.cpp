@@ -83,14 +83,14 @@ public:
         return sum;
     }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State* state, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
         // A pose where none was announced: any that is ready is exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
-        Result result = solvers_[chosen]->solve(query, trace);
+        Result result = solvers_[chosen]->solve(query, state, trace);
         result.facts["chosen"] = names[chosen];
         result.extras["alpha"] = {overlap.alpha};
         result.extras["iou"] = {overlap.iou};

@@ -41,7 +41,7 @@ public:
                sorted_target_.capacity() * sizeof(sorted_target_[0]);
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
@@ -57,7 +57,7 @@ public:
                 !early_break(a, i, target_, deadline, farthest, counters)) {
                 stopped = Status::time_limit;
             }
-            if (distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::cutoff_passed;
+            if (distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::above_cutoff;
             if (stopped != Status::converged) {
                 const double rest = squared_distances_at_most(a, b, source_order_.data(), row);
                 return exact_result(query, a, b, farthest, counters, rest, stopped);

@@ -33,8 +33,8 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     if (farthest.source >= 0) {
         result.witness = {a.row(farthest.source), b.row(farthest.target), farthest.source, farthest.target};
     }
-    const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
-    result.status = close ? Status::converged : stopped == Status::converged ? Status::precision_floor : stopped;
+    result.status = query.answer(result.bounds.lower, result.bounds.upper)
+                        .value_or(stopped == Status::converged ? Status::precision_floor : stopped);
     return result;
 }
 

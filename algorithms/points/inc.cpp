@@ -71,8 +71,8 @@ public:
             Status stopped = Status::converged;
             if (taken >= query_.budget) stopped = Status::budget;
             if (taken % 64 == 0 && deadline_.passed()) stopped = Status::time_limit;
-            const bool asked = std::isfinite(query_.cutoff);
-            if (asked && distance_at_most(head.squared_upper, true) <= query_.cutoff) stopped = Status::cutoff_passed;
+            if (query_.floor > 0 && distance_at_most(head.squared_upper, true) <= query_.floor)
+                stopped = Status::below_floor;
             if (stopped != Status::converged) return finish({}, head.squared_upper, stopped);
 
             const Box box = source_box(head.id), near_box = target_box(near.id);
@@ -199,7 +199,7 @@ public:
         target_ = &prepared.rtree(Side::target);
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};

@@ -15,7 +15,7 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
@@ -40,7 +40,7 @@ public:
                 counters.point_distances += static_cast<std::uint64_t>(end - begin);
             }
             if (!stopped && nearest > farthest.squared) farthest = {nearest, i, at};
-            if (!stopped && distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::cutoff_passed;
+            if (!stopped && distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::above_cutoff;
             if (stopped) {
                 const double rest = squared_distances_at_most(a, b, nullptr, i);
                 return exact_result(query, a, b, farthest, counters, rest, *stopped);

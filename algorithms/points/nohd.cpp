@@ -46,7 +46,7 @@ public:
             Status stopped = Status::converged;
             if (taken++ >= query_.budget) stopped = Status::budget;
             if (deadline_.passed()) stopped = Status::time_limit;
-            if (distance_at_least(farthest_.squared, true) > query_.cutoff) stopped = Status::cutoff_passed;
+            if (distance_at_least(farthest_.squared, true) > query_.cutoff) stopped = Status::above_cutoff;
             if (stopped != Status::converged) return finish(head.squared_upper, stopped);
             queue.pop_back();
             if (head.cell.depth >= depth_) {
@@ -132,7 +132,7 @@ public:
         tree_ = &prepared.point_octree(Side::source);
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};

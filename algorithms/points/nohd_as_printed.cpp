@@ -24,7 +24,7 @@ public:
     }
 
     // Algorithm 3.
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};

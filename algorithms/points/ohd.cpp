@@ -51,7 +51,7 @@ public:
 
 private:
     Status stop(std::uint64_t taken, bool look_at_clock) const {
-        if (distance_at_least(std::max(farthest_.squared, 0.0), true) > query_.cutoff) return Status::cutoff_passed;
+        if (distance_at_least(std::max(farthest_.squared, 0.0), true) > query_.cutoff) return Status::above_cutoff;
         if (look_at_clock && deadline_.passed()) return Status::time_limit;
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
@@ -156,7 +156,7 @@ public:
 
     std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};

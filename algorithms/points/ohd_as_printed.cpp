@@ -76,7 +76,7 @@ public:
     std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
     // Algorithm 6.
-    Result solve(const Query& query, Trace&) const override;
+    Result solve(const Query& query, State*, Trace&) const override;
 
 private:
     double lambda_;
@@ -125,7 +125,7 @@ void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& far
     if (nearest.squared > farthest.squared) farthest = nearest;
 }
 
-Result OhdAsPrinted::solve(const Query& query, Trace&) const {
+Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
     const Points a = posed(points_of(scene_->source), query.pose);
     const Points& b = points_of(scene_->target);
     if (out_of_range(a, b)) return {};
@@ -134,7 +134,7 @@ Result OhdAsPrinted::solve(const Query& query, Trace&) const {
     FarthestPoint farthest;
     std::uint64_t taken = 0, culled = 0;
     const auto stop = [&](bool look_at_clock) {
-        if (distance_at_least(std::max(farthest.squared, 0.0), true) > query.cutoff) return Status::cutoff_passed;
+        if (distance_at_least(std::max(farthest.squared, 0.0), true) > query.cutoff) return Status::above_cutoff;
         if (look_at_clock && deadline.passed()) return Status::time_limit;
         return taken++ >= query.budget ? Status::budget : Status::converged;
     };

@@ -58,7 +58,7 @@ public:
 
     std::size_t prepared_bytes() const override { return grid_.bytes(); }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         Points moved;
         if (!query.pose.is_identity()) moved = posed(points_of(scene_->source), query.pose);
         const Points& a = query.pose.is_identity() ? points_of(scene_->source) : moved;
@@ -87,7 +87,7 @@ private:
 
     static Status stop(const Query& query, const Deadline& deadline, const ScanState& state) {
         if (state.counters.closest_point_queries >= query.budget) return Status::budget;
-        if (distance_at_least(std::max(state.farthest.squared, 0.0), true) > query.cutoff) return Status::cutoff_passed;
+        if (distance_at_least(std::max(state.farthest.squared, 0.0), true) > query.cutoff) return Status::above_cutoff;
         return deadline.passed() ? Status::time_limit : Status::converged;
     }
 

@@ -172,7 +172,7 @@ public:
 
     std::size_t prepared_bytes() const override { return source_.bytes() + target_.bytes(); }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Deadline deadline(query.time_limit);
         Result result;
         result.counters.polynomial_evaluations = source_.evaluations + target_.evaluations;
@@ -191,8 +191,8 @@ public:
         result.witness.source_point = result.witness.target_point =
             Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
         trace.record(result.bounds.lower, result.bounds.upper);
-        if (result.bounds.gap() <= query.tolerance.gap(result.bounds.lower)) {
-            result.status = Status::converged;
+        if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+            result.status = *answer;
         } else if (stopped) {
             result.status = *stopped;
         } else {

@@ -50,7 +50,7 @@ public:
         Cell root{fallback(), 0, {}, 0};
         queue_.push(root);
         result_.status = loop();
-        if (result_.bounds.gap() <= query_.tolerance.gap(result_.bounds.lower)) result_.status = Status::converged;
+        if (const auto answer = query_.answer(result_.bounds.lower, result_.bounds.upper)) result_.status = *answer;
         return result_;
     }
 
@@ -83,9 +83,7 @@ private:
             Bounds& bounds = result_.bounds;
             bounds.upper = std::min(bounds.upper, std::max(top.upper, bounds.lower));
             trace_.record(bounds.lower, bounds.upper);
-            if (bounds.gap() <= query_.tolerance.gap(bounds.lower)) return Status::converged;
-            if (bounds.lower > query_.cutoff || (bounds.upper <= query_.cutoff && query_.cutoff < infinity))
-                return Status::cutoff_passed;
+            if (const auto answer = query_.answer(bounds.lower, bounds.upper)) return *answer;
             if (splits >= query_.budget) return Status::budget;
             if (deadline_.passed()) return Status::time_limit;
             if (!proven_ && result_.counters.subdivisions > unproven_at_most) {
@@ -307,7 +305,7 @@ public:
         return (source_->size() + target_->size()) * sizeof(SurfaceTree::Node);
     }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const UpwardRounding upward;
         return Search(*source_, *target_, most_cells_, query, trace).run();
     }

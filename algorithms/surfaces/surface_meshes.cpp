@@ -46,10 +46,10 @@ public:
 
     std::size_t prepared_bytes() const override { return meshes_->prepare_bytes(); }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         Query inner = query;
-        inner.cutoff = std::numeric_limits<double>::infinity();  // its distance is another
-        inner.previous = nullptr;
+        inner.floor = 0;  // its distance is another
+        inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
         const Bounds of_meshes = result.bounds;
@@ -70,12 +70,8 @@ public:
                          {"triangles_a", {triangles_[0]}},
                          {"triangles_b", {triangles_[1]}}};
         trace.record(result.bounds.lower, result.bounds.upper);
-        const bool passed =
-            result.bounds.lower > query.cutoff || (std::isfinite(query.cutoff) && result.bounds.upper <= query.cutoff);
-        if (result.bounds.gap() <= query.tolerance.gap(result.bounds.lower)) {
-            result.status = Status::converged;
-        } else if (passed) {
-            result.status = Status::cutoff_passed;
+        if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+            result.status = *answer;
         } else if (result.status == Status::converged) {
             result.status = Status::stalled;
             result.note = "the meshes are not nearer to their surfaces: give more cells";

@@ -33,7 +33,7 @@ CASE: dict[str, Any] = {
     "identity": "", "solver": "", "label": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
     "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "pose_index": 0,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "tolerance": 0.0, "tolerance_of": "diagonal",
-    "tolerance_absolute": 0.0, "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
+    "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
     "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3,
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,

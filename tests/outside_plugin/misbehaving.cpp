@@ -54,7 +54,7 @@ void lie(const std::string& how, Result& result) {
     if (how == "not a number") bounds.lower = bounds.upper = std::numeric_limits<double>::quiet_NaN();
     result.status = Status::converged;
     if (how == "wide") bounds = {0, 4e9};
-    if (how == "wide, no cutoff") bounds = {0, 4e9}, result.status = Status::cutoff_passed;
+    if (how == "wide, no cutoff") bounds = {0, 4e9}, result.status = Status::above_cutoff;
 }
 
 int event_pipe() {
@@ -103,7 +103,7 @@ public:
 
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         Result result = good_->solve(query, trace);
         if (query.pose.translation.x() == at_) deed(how_, result);
         return result;
@@ -148,7 +148,7 @@ public:
         good_->prepare(scene, prepared);
     }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         Result result = good_->solve(query, trace);
         if (stops_) result.status = Status::time_limit, result.note = "stopped early", result.bounds.upper += 0.125;
         return result;

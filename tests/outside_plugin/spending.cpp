@@ -46,7 +46,7 @@ public:
         good_->prepare(scene, prepared);
     }
 
-    Result solve(const Query& query, Trace& trace) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         if (query.pose.translation.x() == at_) touch(solve_megabytes_);
         std::vector<std::thread> threads;
         for (std::int64_t i = 0; i < threads_; ++i) threads.emplace_back(burn, seconds_);

@@ -36,7 +36,7 @@ public:
         target_magnitude_ = magnitude(points_of(scene.target));
     }
 
-    Result solve(const Query& query, Trace&) const override {
+    Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(*source_), query.pose);
         const double size = std::max(magnitude(a), target_magnitude_);
         if (size != 0 && !(size >= smallest_safe_magnitude && size <= largest_safe_magnitude)) return {};

@@ -50,6 +50,24 @@ def test_relative_to_the_lower_bound(hausbench: Program, tetrahedron: Path, rais
     assert upper - lower <= 1e-3 * lower
 
 
+@pytest.mark.parametrize("more", [(), ("--symmetric",)])
+def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: tuple[str, ...]) -> None:
+    """The distance is 0.25. The tolerance ends nothing: it is far too coarse to tell."""
+    for cutoff, code, answer, status in (("0.2", 1, True, "above_cutoff"), ("0.25000001", 0, False, "below_floor"),
+                                         ("0.3", 0, False, "below_floor"), ("0", 1, True, "above_cutoff")):
+        done = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, "--tolerance", "1e3", "--json", *more)
+        said = json.loads(done.stdout)
+        assert done.returncode == code and said["above_cutoff"] is answer and said["status"] == status
+    assert "above 0.2? yes" in hausbench("measure", tetrahedron, raised, "--cutoff", "0.2", *more).stdout
+    assert "no, it is at most that" in hausbench("measure", tetrahedron, raised, "--cutoff", "0.3", *more).stdout
+
+
+def test_a_question_that_stays_open(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
+    done = hausbench("measure", tetrahedron, raised, "--cutoff", "0.2", "--time-limit", "0")
+    assert done.returncode == 3 and "above 0.2? open" in done.stdout
+    assert "--cutoff" in hausbench.fails("measure", tetrahedron, raised, "--cutoff", "-1")
+
+
 def test_point_sets_get_a_point_solver(hausbench: Program, tmp_path: Path) -> None:
     a, b = tmp_path / "a.obj", tmp_path / "b.obj"
     a.write_text("v 0 0 0\nv 3 0 0\n")

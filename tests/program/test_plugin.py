@@ -106,7 +106,7 @@ DEEDS = {
     ("lies", "crossed"): ("unsound", "below"),
     ("lies", "not a number"): ("unsound", "not a number"),
     ("lies", "wide"): ("failed", "reports converged, but its gap is above the tolerance"),
-    ("lies", "wide, no cutoff"): ("failed", "the query has no cutoff"),
+    ("lies", "wide, no cutoff"): ("failed", "its lower bound is not above the cutoff"),
     ("babbles", "noise"): ("failed", "not an event"),
     ("babbles", "json"): ("failed", "not an event"),
     ("babbles", "another row"): ("failed", "not an event"),

@@ -249,3 +249,23 @@ def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_pat
     cut = folder / "slow.h5"
     assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case has its row even now
     same_answers(run(hausbench, slow, folder), undisturbed)
+
+
+def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    """They are columns, as lengths, and part of the identity only where they are given."""
+    plain = run(hausbench, experiment, tmp_path / "plain")
+    h, diagonal = numbers(plain, "cases/lower")[0], numbers(plain, "cases/source_diagonal")[0]
+    text = experiment.read_text()
+    answers = {}
+    for key, value in (("floor", 2 * h), ("cutoff", h / 2), ("budget", 0)):
+        experiment.write_text(f"{key} = {value / diagonal if key != 'budget' else 0}\n{text}")
+        file = run(hausbench, experiment, tmp_path / key)
+        answers[key] = texts(file, "cases/answer")[0]
+        assert numbers(file, f"cases/{key}")[0] == pytest.approx(value)
+        assert texts(file, "cases/identity") != texts(plain, "cases/identity")
+        assert texts(file, "cases/status") == ["budget" if key == "budget" else "ok"]
+    assert answers == {"floor": "h <= floor", "cutoff": "h > cutoff", "budget": ""}
+    assert texts(plain, "cases/answer") == ["gap"]
+    for key in ("floor", "cutoff"):
+        experiment.write_text(f"{key} = -1\n{text}")
+        assert key in hausbench.fails("run", experiment, "--results", tmp_path)
