@@ -51,6 +51,25 @@ template <class Function> Function* symbol(void* library, const char* name, cons
     return reinterpret_cast<Function*>(address);
 }
 
+// A structure that the program or another plug-in has too may be shared with its solvers, so its members must be the same.
+void check_structures(const std::vector<SolverEntry>& entries, const fs::path& file) {
+    for (const SolverEntry& own : entries) {
+        for (const Need& need : own.info.may_need) {
+            for (const SolverEntry& other : solvers()) {
+                for (const Need& known : other.info.may_need) {
+                    if (known.structure.name != need.structure.name || known.structure.layout == need.structure.layout)
+                        continue;
+                    throw InputError(fmt::format(
+                        "{}: was built with another layout of the structure '{}' ({}) than solver '{}' has ({}): build "
+                        "it again against this hausbench",
+                        file.string(), need.structure.name, need.structure.layout, other.info.name,
+                        known.structure.layout));
+                }
+            }
+        }
+    }
+}
+
 }  // namespace
 
 const std::vector<Plugin>& plugins() { return list_of_plugins(); }
@@ -94,6 +113,7 @@ void load_plugin(const fs::path& named) {
     }
     if (entries.empty())
         throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
+    check_structures(entries, file);
     add_solvers(entries, file.string());
     Plugin plugin{file, {}};
     for (const SolverEntry& entry : entries) plugin.solvers.push_back(entry.info.name);

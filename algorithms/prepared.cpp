@@ -2,103 +2,43 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 namespace hausbench {
 
 std::string to_string(const Need& need) {
-    constexpr const char* names[] = {"octree", "point octree",     "R-tree",    "point blocks",
-                                     "BVH",    "swept sphere BVH", "point BVH", "adjacency"};
-    return std::string(need.side == Side::source ? "source " : "target ") +
-           names[static_cast<std::size_t>(need.structure)];
+    return (need.side == Side::source ? "source " : "target ") + need.structure.name;
 }
 
-bool fits(Structure structure, ShapeKind kind) {
-    const bool of_points = structure == Structure::point_octree || structure == Structure::rtree ||
-                           structure == Structure::point_blocks || structure == Structure::point_bvh;
-    return kind == ShapeKind::mesh || (kind == ShapeKind::points && of_points);
+const BuiltStructure& PreparedShape::structure(const StructureKind& kind) {
+    if (const auto at = built_.find(kind.name); at != built_.end()) return at->second;
+    if (!kind.fits(kind_of(shape_)))
+        throw std::logic_error("a " + kind.name + " was declared, but the shape of that side is of another kind");
+    const auto begin = std::chrono::steady_clock::now();
+    BuiltStructure built = kind.build(shape_);
+    built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return built_.emplace(kind.name, std::move(built)).first->second;
 }
 
-Prepared::Prepared(const Scene& scene, const Needs& needs) {
+Prepared::Prepared(const Scene& scene, const Needs& needs)
+    : Prepared(std::make_shared<PreparedShape>(scene.source), std::make_shared<PreparedShape>(scene.target), needs) {}
+
+Prepared::Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs)
+    : shapes_{std::move(source), std::move(target)} {
     for (const Need& need : needs) {
-        if (has(need.structure, need.side)) continue;
-        const auto side = static_cast<std::size_t>(need.side);
-        const Shape& shape = need.side == Side::source ? scene.source : scene.target;
-        if (!fits(need.structure, kind_of(shape))) {
-            throw std::logic_error("a " + to_string(need) +
-                                   " was declared, but the shape of that side is of another kind");
-        }
-        const auto begin = std::chrono::steady_clock::now();
-        std::size_t bytes = 0;
-        switch (need.structure) {
-            case Structure::octree:
-                bytes = octree_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
-                break;
-            case Structure::point_octree:
-                bytes = point_octree_[side].emplace(points_of(shape)).bytes();
-                break;
-            case Structure::rtree:
-                bytes = rtree_[side].emplace(points_of(shape)).bytes();
-                break;
-            case Structure::bvh:
-                bytes = bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
-                break;
-            case Structure::swept_bvh:
-                bytes = swept_bvh_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
-                break;
-            case Structure::point_bvh:
-                bytes = point_bvh_[side].emplace(points_of(shape)).bytes();
-                break;
-            case Structure::adjacency:
-                bytes = adjacency_[side].emplace(std::get<TriangleMesh>(shape)).bytes();
-                break;
-            case Structure::point_blocks:
-                bytes = point_blocks_[side].emplace(points_of(shape)).bytes();
-                break;
-        }
-        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-        times_.push_back({to_string(need), elapsed.count(), bytes});
+        const std::string name = to_string(need);
+        if (declared_.contains(name)) continue;
+        const BuiltStructure& built = shapes_[static_cast<std::size_t>(need.side)]->structure(need.structure);
+        declared_[name] = built.object.get();
+        times_.push_back({name, built.seconds, built.bytes});
     }
 }
 
-bool Prepared::has(Structure structure, Side side) const {
-    const auto at = static_cast<std::size_t>(side);
-    switch (structure) {
-        case Structure::octree:
-            return octree_[at].has_value();
-        case Structure::point_octree:
-            return point_octree_[at].has_value();
-        case Structure::rtree:
-            return rtree_[at].has_value();
-        case Structure::bvh:
-            return bvh_[at].has_value();
-        case Structure::swept_bvh:
-            return swept_bvh_[at].has_value();
-        case Structure::point_bvh:
-            return point_bvh_[at].has_value();
-        case Structure::adjacency:
-            return adjacency_[at].has_value();
-        case Structure::point_blocks:
-            return point_blocks_[at].has_value();
-    }
-    return false;
+const void* Prepared::use(const std::string& name) const {
+    const auto at = declared_.find(name);
+    if (at == declared_.end()) throw std::logic_error("the " + name + " is used but was not declared in needs()");
+    ++uses_[name];
+    return at->second;
 }
-
-template <class Kind>
-const Kind& Prepared::get(const std::optional<Kind> (&built)[2], Structure structure, Side side) const {
-    const Need need{structure, side};
-    const auto& one = built[static_cast<std::size_t>(side)];
-    if (!one) throw std::logic_error("the " + to_string(need) + " is used but was not declared in needs()");
-    ++uses_[need];
-    return *one;
-}
-
-const TriangleOctree& Prepared::octree(Side side) const { return get(octree_, Structure::octree, side); }
-const TriangleBvh& Prepared::bvh(Side side) const { return get(bvh_, Structure::bvh, side); }
-const SweptSphereBvh& Prepared::swept_bvh(Side side) const { return get(swept_bvh_, Structure::swept_bvh, side); }
-const PointBvh& Prepared::point_bvh(Side side) const { return get(point_bvh_, Structure::point_bvh, side); }
-const Adjacency& Prepared::adjacency(Side side) const { return get(adjacency_, Structure::adjacency, side); }
-const PointOctree& Prepared::point_octree(Side side) const { return get(point_octree_, Structure::point_octree, side); }
-const RTree& Prepared::rtree(Side side) const { return get(rtree_, Structure::rtree, side); }
-const PointBlocks& Prepared::point_blocks(Side side) const { return get(point_blocks_, Structure::point_blocks, side); }
 
 }  // namespace hausbench

@@ -127,7 +127,7 @@ Session::Session(const SolverEntry& entry, const Options& options, Scene scene, 
     // Of all a solver may ever need, what these shapes have no use for is left out all the same.
     std::erase_if(needs_, [&](const Need& need) {
         const Shape& shape = need.side == Side::source ? scene_->source : scene_->target;
-        return leave == Leave::nothing_out && !fits(need.structure, kind_of(shape));
+        return leave == Leave::nothing_out && !need.structure.fits(kind_of(shape));
     });
     prepared_ = std::make_unique<Prepared>(*scene_, needs_);
     preparation_ = prepared_->times();

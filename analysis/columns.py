@@ -35,6 +35,9 @@ class Cases:
     case_seconds_limit: Floats
     prepare_seconds_limit: Floats
     memory_limit_bytes: Ints
+    floor: Floats
+    cutoff: Floats
+    budget: Ints
     identity: Texts
     label: Texts
     certified: Ints
@@ -49,6 +52,7 @@ class Cases:
     status: Texts
     reason: Texts
     solver_status: Texts
+    answer: Texts
     lower: Floats
     upper: Floats
     witness_source: Floats
@@ -147,6 +151,9 @@ DEFAULTS: dict[str, Any] = {
     "cases/case_seconds_limit": 60.0,
     "cases/prepare_seconds_limit": 120.0,
     "cases/memory_limit_bytes": 8589934592,
+    "cases/floor": 0.0,
+    "cases/cutoff": float("inf"),
+    "cases/budget": -1,
     "cases/identity": "",
     "cases/label": "",
     "cases/certified": -1,
@@ -161,6 +168,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/status": "skipped",
     "cases/reason": "",
     "cases/solver_status": "",
+    "cases/answer": "",
     "cases/lower": float("nan"),
     "cases/upper": float("nan"),
     "cases/witness_source": [float("nan"), float("nan"), float("nan")],

@@ -270,9 +270,9 @@ SolverPlan read_solver(const Reader& reader) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title",  "paper",  "tolerances", "of",     "floor",
-                                            "cutoff", "budget", "repeats",    "rounds", "trace",
-                                            "limits", "profile", "scene",     "solver", "expected_unsound"};
+const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances", "of",     "floor",
+                                            "cutoff", "budget",  "repeats",    "rounds", "trace",
+                                            "limits", "profile", "scene",      "solver", "expected_unsound"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {

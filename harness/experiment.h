@@ -39,12 +39,12 @@ struct Experiment {
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
-    std::string of = "diagonal";  // diagonal | absolute | lower
+    std::string of = "diagonal";                                         // diagonal | absolute | lower
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
-    std::int64_t budget = -1;     // see Query; -1: none
-    int repeats = 5;              // timed repeats a round
-    int rounds = 1;               // fresh processes; the order of solvers is turned round after each (ABBA)
-    bool trace = false;           // coarser tolerances are read off the trace of the finest where a solver traces
+    std::int64_t budget = -1;                                            // see Query; -1: none
+    int repeats = 5;                                                     // timed repeats a round
+    int rounds = 1;      // fresh processes; the order of solvers is turned round after each (ABBA)
+    bool trace = false;  // coarser tolerances are read off the trace of the finest where a solver traces
     Limits limits;
     std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
 };

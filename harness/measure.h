@@ -15,8 +15,8 @@ struct MeasureRequest {
     std::string solver;  // empty: guthe for meshes, earlybreak for point sets
     ParameterMap options;
     double tolerance = 1e-6;
-    std::string of = "diagonal";  // diagonal | absolute | lower
-    bool symmetric = false;       // H = max of both directions
+    std::string of = "diagonal";   // diagonal | absolute | lower
+    bool symmetric = false;        // H = max of both directions
     std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
     double time_limit = std::numeric_limits<double>::infinity();
 };

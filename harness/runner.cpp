@@ -154,8 +154,8 @@ private:
             const Case& asked = plan_.cases[row];
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace && !marks.empty();
-            order.items.push_back({row, asked.pose, asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget,
-                                   traced, marks});
+            order.items.push_back(
+                {row, asked.pose, asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, traced, marks});
         }
         return order;
     }

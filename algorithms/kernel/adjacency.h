@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace hausbench {
@@ -14,6 +15,9 @@ namespace hausbench {
 // do; an edge may belong to one triangle, to two or to many. A triangle with two equal corners is listed twice at its edge.
 class Adjacency {
 public:
+    static constexpr std::string_view structure_name = "adjacency";
+    static constexpr int structure_layout = 1;
+
     // O(n) time for bounded degrees, O(n log n) at worst; O(n) memory.
     explicit Adjacency(const TriangleMesh& mesh);
 

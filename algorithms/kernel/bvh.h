@@ -5,11 +5,15 @@
 
 #include "triangle_block.h"
 #include "triangle_tree.h"
+#include <string_view>
 
 namespace hausbench {
 
 class TriangleBvh : public TriangleTree {
 public:
+    static constexpr std::string_view structure_name = "BVH";
+    static constexpr int structure_layout = 1;
+
     // `mesh` must outlive this. O(n log n) time, O(n) memory.
     explicit TriangleBvh(const TriangleMesh& mesh) : TriangleTree(mesh, build_bvh({mesh.vertices, &mesh.triangles})) {}
 };
@@ -21,6 +25,9 @@ struct NearestPoint {
 
 class PointBvh {
 public:
+    static constexpr std::string_view structure_name = "point BVH";
+    static constexpr int structure_layout = 1;
+
     // O(n log n) time, O(n) memory. At least one point; they are copied.
     explicit PointBvh(const Points& points);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "triangle_tree.h"
+#include <string_view>
 
 namespace hausbench {
 
@@ -11,6 +12,9 @@ namespace hausbench {
 // triangles below it.
 class TriangleOctree : public TriangleTree {
 public:
+    static constexpr std::string_view structure_name = "octree";
+    static constexpr int structure_layout = 1;
+
     // `mesh` must outlive this. O(n log n) time, O(n) memory; at most 100 levels however the triangles lie.
     explicit TriangleOctree(const TriangleMesh& mesh)
         : TriangleTree(mesh, build_octree({mesh.vertices, &mesh.triangles})) {}

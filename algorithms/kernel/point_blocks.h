@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace hausbench {
@@ -30,6 +31,9 @@ std::vector<PointLeaf> leaves_of(const Points& points, const std::vector<Index>*
 
 // O(n) for tame data (see morton.h), O(n) memory: about 37 bytes a point.
 struct PointBlocks {
+    static constexpr std::string_view structure_name = "point blocks";
+    static constexpr int structure_layout = 1;
+
     // `box` is that of the chosen points, or larger.
     PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box);
     explicit PointBlocks(const Points& points);

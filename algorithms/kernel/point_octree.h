@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace hausbench {
@@ -19,6 +20,9 @@ int octant_of(const Box& cell, const Vec3& point);
 // points has fewer than 2n nodes, and any coarser octree is a cut through it (see Cursor).
 class PointOctree {
 public:
+    static constexpr std::string_view structure_name = "point octree";
+    static constexpr int structure_layout = 1;
+
     struct Node {
         Box cell;
         std::int32_t depth;  // halvings of the root's cube

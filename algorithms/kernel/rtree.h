@@ -7,12 +7,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace hausbench {
 
 class RTree {
 public:
+    static constexpr std::string_view structure_name = "R-tree";
+    static constexpr int structure_layout = 1;
+
     struct Node {
         Box box;                    // tight
         std::int32_t first, count;  // of its children: nodes, or points (in the order of order()) if it is a leaf

@@ -7,6 +7,7 @@
 #include "bvh.h"
 
 #include <span>
+#include <string_view>
 
 namespace hausbench {
 
@@ -27,6 +28,9 @@ double distance_at_most(const SweptSphere& volume, const Vec3& q);
 
 class SweptSphereBvh : public TriangleBvh {
 public:
+    static constexpr std::string_view structure_name = "swept sphere BVH";
+    static constexpr int structure_layout = 1;
+
     // `mesh` must outlive this. O(n log n).
     explicit SweptSphereBvh(const TriangleMesh& mesh);
 

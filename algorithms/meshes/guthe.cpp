@@ -23,6 +23,7 @@
 #include "kernel/octree.h"
 #include "kernel/rounding.h"
 #include "kernel/textbook.h"
+#include "kernel/triangle_block.h"
 #include "solver.h"
 
 #include <algorithm>
@@ -393,29 +394,27 @@ public:
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
         if (element_count(scene.target) <= scan_at_most) return {};
-        return {{Structure::octree, Side::target}};
+        return {need<TriangleOctree>(Side::target)};
     }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         source_ = &std::get<TriangleMesh>(scene.source);
         target_ = &std::get<TriangleMesh>(scene.target);
-        prepared_ = &prepared;
+        octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         Points points = posed(source_->vertices, query.pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        const bool has = prepared_->has(Structure::octree, Side::target);
-        const TriangleOctree* octree = has ? &prepared_->octree(Side::target) : nullptr;
-        return Search(*source_, *target_, octree, std::move(points), query, trace, choices_).run();
+        return Search(*source_, *target_, octree_, std::move(points), query, trace, choices_).run();
     }
 
 private:
     Choices choices_;
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
-    const Prepared* prepared_ = nullptr;
+    const TriangleOctree* octree_ = nullptr;
 };
 
 }  // namespace
@@ -428,7 +427,7 @@ SolverEntry guthe_solver() {
     info.source.mesh = info.target.mesh = true;
     info.certified = true;
     info.traces = true;
-    info.may_need = {{Structure::octree, Side::target}};
+    info.may_need = {need<TriangleOctree>(Side::target)};
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),

@@ -7,6 +7,7 @@
 //
 // Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
 // chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
+#include "kernel/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
 #include "solver.h"
@@ -69,8 +70,8 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
-        const bool source = prepared.has(Structure::point_octree, Side::source);
-        const bool target = prepared.has(Structure::point_octree, Side::target);
+        const bool source = prepared.has<PointOctree>(Side::source);
+        const bool target = prepared.has<PointOctree>(Side::target);
         ready_ = {source, source == target, target};
         for (std::size_t i = 0; i < solvers_.size(); ++i) {
             if (ready_[i]) solvers_[i]->prepare(scene, prepared);
@@ -120,7 +121,7 @@ SolverEntry adaptive_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.exact = true;
-    info.may_need = {{Structure::point_octree, Side::source}, {Structure::point_octree, Side::target}};
+    info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
     info.parameters = {{.name = "theta",
                         .default_value = 0.33,
                         .unit = "of the smaller box",

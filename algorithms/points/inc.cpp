@@ -11,6 +11,7 @@
 // the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the most held at once). Budget: entries taken.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
+#include "kernel/rtree.h"
 #include "points/exact.h"
 #include "solver.h"
 
@@ -190,13 +191,13 @@ public:
     explicit Inc(const Options&) {}
 
     Needs needs(const Scene&, const QuerySet&) const override {
-        return {{Structure::rtree, Side::source}, {Structure::rtree, Side::target}};
+        return {need<RTree>(Side::source), need<RTree>(Side::target)};
     }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
-        source_ = &prepared.rtree(Side::source);
-        target_ = &prepared.rtree(Side::target);
+        source_ = &prepared.get<RTree>(Side::source);
+        target_ = &prepared.get<RTree>(Side::target);
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
@@ -221,7 +222,7 @@ SolverEntry inc_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.exact = true;
-    info.may_need = {{Structure::rtree, Side::source}, {Structure::rtree, Side::target}};
+    info.may_need = {need<RTree>(Side::source), need<RTree>(Side::target)};
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Inc>(options); }};
 }
 

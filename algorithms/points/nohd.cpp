@@ -15,6 +15,7 @@
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
 #include "kernel/deadline.h"
+#include "kernel/point_octree.h"
 #include "solver.h"
 
 #include <algorithm>
@@ -125,11 +126,11 @@ public:
     explicit Nohd(const Options& options)
         : depth_(static_cast<int>(options.integer("depth"))), early_break_(options.flag("early_break")) {}
 
-    Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::source}}; }
+    Needs needs(const Scene&, const QuerySet&) const override { return {need<PointOctree>(Side::source)}; }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
-        tree_ = &prepared.point_octree(Side::source);
+        tree_ = &prepared.get<PointOctree>(Side::source);
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
@@ -156,7 +157,7 @@ SolverEntry nohd_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.exact = true;
-    info.may_need = {{Structure::point_octree, Side::source}};
+    info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {
         nohd_depth_parameter(),
         {.name = "early_break",

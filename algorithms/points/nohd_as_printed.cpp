@@ -4,6 +4,7 @@
 // has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
 // drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
+#include "kernel/point_octree.h"
 #include "points/nohd.h"
 #include "solver.h"
 
@@ -16,11 +17,11 @@ class NohdAsPrinted final : public Solver {
 public:
     explicit NohdAsPrinted(const Options& options) : depth_(static_cast<int>(options.integer("depth"))) {}
 
-    Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::source}}; }
+    Needs needs(const Scene&, const QuerySet&) const override { return {need<PointOctree>(Side::source)}; }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
-        tree_ = &prepared.point_octree(Side::source);
+        tree_ = &prepared.get<PointOctree>(Side::source);
     }
 
     // Algorithm 3.
@@ -102,7 +103,7 @@ SolverEntry nohd_as_printed_solver() {
     info.source.points = info.target.points = true;
     info.exact = true;
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
-    info.may_need = {{Structure::point_octree, Side::source}};
+    info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {
         nohd_depth_parameter(),
     };

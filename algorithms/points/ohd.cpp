@@ -13,6 +13,7 @@
 // still, so motion does not touch it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
 // O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
 #include "kernel/deadline.h"
+#include "kernel/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/early_break.h"
 #include "solver.h"
@@ -144,11 +145,11 @@ public:
           lambda_(options.real("lambda")),
           seed_(static_cast<std::uint64_t>(options.integer("seed"))) {}
 
-    Needs needs(const Scene&, const QuerySet&) const override { return {{Structure::point_octree, Side::target}}; }
+    Needs needs(const Scene&, const QuerySet&) const override { return {need<PointOctree>(Side::target)}; }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
-        tree_ = &prepared.point_octree(Side::target);
+        tree_ = &prepared.get<PointOctree>(Side::target);
         Generator random(seed_);
         sample_ = first_of_order(element_count(scene.source), lambda_, random);
         target_ = ShuffledTarget(points_of(scene.target), true, random);
@@ -185,7 +186,7 @@ SolverEntry ohd_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.exact = true;
-    info.may_need = {{Structure::point_octree, Side::target}};
+    info.may_need = {need<PointOctree>(Side::target)};
     info.parameters = ohd_parameters();
     info.parameters.push_back({.name = "culling",
                                .default_value = std::string("exact"),

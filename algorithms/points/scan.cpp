@@ -20,6 +20,7 @@
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
 #include "kernel/near_grid.h"
+#include "kernel/point_blocks.h"
 #include "points/scan_search.h"
 #include "solver.h"
 
@@ -44,7 +45,7 @@ public:
         // A target that fits one leaf needs no tree; one query alone builds what it needs of it.
         if (points_of(scene.target).rows() <= static_cast<Eigen::Index>(block_points)) return {};
         if (!queries.moves && queries.count <= 1) return {};
-        return {{Structure::point_blocks, Side::target}};
+        return {need<PointBlocks>(Side::target)};
     }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
@@ -53,7 +54,7 @@ public:
         target_ = extent_of(b);
         if (target_.magnitude() > largest_safe_coordinate) return;
         grid_ = NearGrid(b, target_.box);
-        if (prepared.has(Structure::point_blocks, Side::target)) blocks_ = &prepared.point_blocks(Side::target);
+        if (prepared.has<PointBlocks>(Side::target)) blocks_ = &prepared.get<PointBlocks>(Side::target);
     }
 
     std::size_t prepared_bytes() const override { return grid_.bytes(); }
@@ -236,7 +237,7 @@ SolverEntry scan_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.exact = true;
-    info.may_need = {{Structure::point_blocks, Side::target}};
+    info.may_need = {need<PointBlocks>(Side::target)};
     info.parameters = {
         {.name = "tree_from",
          .default_value = std::int64_t{1} << 17,

@@ -104,7 +104,7 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        Result result = good_->solve(query, trace);
+        Result result = good_->solve(query, nullptr, trace);
         if (query.pose.translation.x() == at_) deed(how_, result);
         return result;
     }
@@ -149,7 +149,7 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        Result result = good_->solve(query, trace);
+        Result result = good_->solve(query, nullptr, trace);
         if (stops_) result.status = Status::time_limit, result.note = "stopped early", result.bounds.upper += 0.125;
         return result;
     }

@@ -51,7 +51,7 @@ public:
         std::vector<std::thread> threads;
         for (std::int64_t i = 0; i < threads_; ++i) threads.emplace_back(burn, seconds_);
         for (std::thread& thread : threads) thread.join();
-        Result result = good_->solve(query, trace);
+        Result result = good_->solve(query, nullptr, trace);
         result.facts["threads"] = std::to_string(threads_) + "\nof its own";
         return result;
     }
