@@ -317,10 +317,12 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             const Result result = session.solve(query, trace);
             check_bounds(entry, c, truth, result, where + ", " + what);
             check_witness(c, truth, result, where + ", " + what);
-            if (result.status == Status::above_cutoff)
+            if (result.status == Status::above_cutoff) {
                 EXPECT_GT(result.bounds.lower, query.cutoff) << where << ", " << what;
-            if (result.status == Status::below_floor)
+            }
+            if (result.status == Status::below_floor) {
                 EXPECT_LE(result.bounds.upper, query.floor) << where << ", " << what;
+            }
             return result;
         };
         for (const std::uint64_t budget : {0, 1, 3}) {
