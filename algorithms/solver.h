@@ -42,7 +42,7 @@ struct Tolerance {
 };
 
 enum class Status {
-    converged,     // the gap is within the tolerance
+    converged,     // the gap is within the tolerance; with a floor it is upper - max(lower, floor)
     below_floor,   // upper <= floor: of no interest
     above_cutoff,  // lower > cutoff: known well enough
     time_limit,

@@ -110,14 +110,16 @@ class Results:
         return "cpu" if self.cases.clock[case] == "cpu" and len(seconds) and not np.isnan(seconds).any() else "wall"
 
     def first_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Time of the first answer of each process, by the clock of the case or the one named. A row that was read off a
-        trace has the time of the sample.
+        """Time of the first answer of each process, by the clock of the case or the one named. Files of older programs have
+        repeats in its place, and a row that was read off a trace has the time of the sample.
         """
         order, begin = self._answers_by_case
         rows = order[begin[case]:begin[case + 1]]
         seconds = self.answers.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.answers.wall_seconds
         if len(rows):
             return {int(self.answers.round[row]): float(seconds[row]) for row in rows if not np.isnan(seconds[row])}
+        if len(self.repeats_of(case)):
+            return self.solve_by_round(case, clock)
         first = float(self.cases.solve_seconds[case])
         return {} if np.isnan(first) else {0: first}
 

@@ -173,7 +173,8 @@ const Columns<Outcome>& outcome_columns() {
         at<Outcome, MEMBER(solver_status)>("solver_status",
                                            "the status that the solver returned: `converged`, `time_limit`, ..."),
         {"answer",
-         "what an `ok` row says: `gap` (it is within the tolerance), `h <= floor` or `h > cutoff`; else empty",
+         "what an `ok` row says: `gap` (upper less the larger of lower and floor is within the tolerance), `h <= "
+         "floor` or `h > cutoff`; else empty",
          Column<Outcome>::Text{[](const Outcome& o) -> std::string {
                                    if (o.status != RowStatus::ok) return "";
                                    return o.solver_status == to_string(Status::below_floor)    ? "h <= floor"

@@ -23,7 +23,11 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
                        request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
     query.time_limit = request.time_limit;
-    if (request.cutoff) query.floor = query.cutoff = *request.cutoff;
+    if (request.cutoff) {
+        query.floor = query.cutoff = *request.cutoff;
+        // Next to the distance itself no bound tells, and nothing else would end the search.
+        query.time_limit = std::min(query.time_limit, question_seconds);
+    }
     measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
                                       ? query.tolerance.value
                                       : std::numeric_limits<double>::quiet_NaN();

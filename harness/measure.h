@@ -10,6 +10,8 @@
 
 namespace hausbench {
 
+inline constexpr double question_seconds = 10;  // at most, for each direction, where a cutoff is asked about
+
 struct MeasureRequest {
     std::filesystem::path source, target;
     std::string solver;  // empty: guthe for meshes, earlybreak for point sets

@@ -169,7 +169,7 @@ def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
         for name in ("answers", "cases/clock", "cases/facts", "cases/exact", "preparation/round", "models/box", "models/polynomial"):
             del opened[name]
     results = load.load(path)
-    assert results.clock_of(0) == "wall" and results.solve_by_round(0) == {0: 3.0} and results.total_by_round(0) == {0: 4.5}
+    assert results.clock_of(0) == "wall" and results.solve_by_round(0) == {0: 3.0} and results.total_by_round(0) == {0: 3.5}
     assert results.facts(0) == {} and np.isnan(results.cases.exact[0]) and np.isnan(results.models.box).all()
     assert results.models.box.shape == (2, 6) and results.models.polynomial[0] == ""
 
