@@ -1,9 +1,10 @@
 """Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
 
 A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
-file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to the first answer of the
-process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is the round, a fresh process. Of several seeds it is the seed, which has processes of its
-own, by the median of its rounds: rounds alone would show how times vary, but not how seeds do.
+file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to the first answer of
+the process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is
+the round, a fresh process. Of several seeds it is the seed, which has processes of its own, by the median of its rounds:
+rounds alone would show how times vary, but not how seeds do.
 """
 
 from __future__ import annotations

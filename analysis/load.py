@@ -272,7 +272,7 @@ def _attribute(value: Any) -> Any:
 
 
 def load(path: Path) -> Results:
-    """Opens a result file read-only and reads it whole. Throws ResultError for a missing or foreign one, or one of another schema."""
+    """Opens a result file read-only and reads it whole. Throws ResultError for a missing or foreign one, or one of a newer schema."""
     stem = path.stem
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")

@@ -97,16 +97,12 @@ Column<Row> at(std::string_view name, std::string_view meaning, Identity identit
     } else {
         static_assert(std::is_integral_v<T>);
         return {name, meaning,
-                typename Column<Row>::Integer{
-                    [](const Row& row) { return std::int64_t(member(row)); },
-                    [](Row& row, std::int64_t value) {
-                        const bool fits =
-                            std::is_same_v<T, bool>
-                                ? value == 0 || value == 1
-                                : std::in_range<std::conditional_t<std::is_same_v<T, bool>, std::int64_t, T>>(value);
-                        if (!fits) throw std::runtime_error(fmt::format("holds {}", value));
-                        member(row) = T(value);
-                    }},
+                typename Column<Row>::Integer{[](const Row& row) { return std::int64_t(member(row)); },
+                                              [](Row& row, std::int64_t value) {
+                                                  if (std::int64_t(T(value)) != value)
+                                                      throw std::runtime_error(fmt::format("holds {}", value));
+                                                  member(row) = T(value);
+                                              }},
                 identity};
     }
 }

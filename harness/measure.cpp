@@ -26,7 +26,7 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     if (request.cutoff) {
         query.floor = query.cutoff = *request.cutoff;
         // Next to the distance itself no bound tells, and nothing else would end the search.
-        query.time_limit = std::min(query.time_limit, question_seconds);
+        if (std::isinf(query.time_limit)) query.time_limit = question_seconds;
     }
     measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
                                       ? query.tolerance.value

@@ -10,7 +10,7 @@
 
 namespace hausbench {
 
-inline constexpr double question_seconds = 10;  // at most, for each direction, where a cutoff is asked about
+inline constexpr double question_seconds = 10;  // the time limit where a cutoff is asked about and no other is given
 
 struct MeasureRequest {
     std::filesystem::path source, target;

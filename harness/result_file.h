@@ -31,7 +31,7 @@ ModelRecord record_of(const ModelRow& model);
 // Whole or not at all: by a temporary file and rename. Throws InputError where it cannot be written.
 void write_result(const std::filesystem::path& file, const ResultFile& result);
 
-// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of another schema.
+// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of a newer schema.
 ResultFile read_result(const std::filesystem::path& file);
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 
 #include "triangle_block.h"
 #include "triangle_tree.h"
+
 #include <string_view>
 
 namespace hausbench {

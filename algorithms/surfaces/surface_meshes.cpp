@@ -6,7 +6,7 @@
 // smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
 // back to the farthest points of the boxes.
 //
-// A surface whose polynomial does not change its sign on the grid is refused: there is no mesh to be had.
+// A surface whose polynomial does not change its sign on the grid is refused: there is no mesh of it.
 // Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "error.h"
 #include "registry.h"
