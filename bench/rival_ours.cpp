@@ -1,7 +1,7 @@
 #include "closest_rival.h"
 
-#include "kernel/bvh.h"
-#include "kernel/octree.h"
+#include "structures/bvh.h"
+#include "structures/octree.h"
 
 #include <cmath>
 #include <optional>

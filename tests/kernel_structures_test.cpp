@@ -1,7 +1,7 @@
 // Adjacency and swept sphere volumes.
 #include "exact.h"
-#include "kernel/adjacency.h"
-#include "kernel/swept_sphere.h"
+#include "structures/adjacency.h"
+#include "structures/swept_sphere.h"
 #include "prepared.h"
 #include "tree_meshes.h"
 

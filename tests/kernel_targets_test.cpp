@@ -1,6 +1,6 @@
 // The same bits on every instruction set that this program was compiled for and this machine has: each is forced in turn.
-#include "kernel/bvh.h"
-#include "kernel/octree.h"
+#include "structures/bvh.h"
+#include "structures/octree.h"
 #include "tree_meshes.h"
 #include "triangle_samples.h"
 

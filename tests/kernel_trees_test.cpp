@@ -1,6 +1,6 @@
 // Octree and BVH must give the bits of a plain scan, on tame and on hostile meshes.
-#include "kernel/bvh.h"
-#include "kernel/octree.h"
+#include "structures/bvh.h"
+#include "structures/octree.h"
 #include "tree_meshes.h"
 
 #include <array>

@@ -1,8 +1,8 @@
 // scan against naive, bit by bit, on many scenes; and what it is built of.
 #include "exact.h"
 #include "kernel/morton.h"
-#include "kernel/near_grid.h"
-#include "kernel/point_blocks.h"
+#include "structures/near_grid.h"
+#include "structures/point_blocks.h"
 #include "points/scan_search.h"
 #include "random.h"
 #include "registry.h"

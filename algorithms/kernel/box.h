@@ -1,7 +1,7 @@
 // Axis-aligned boxes.
 #pragma once
 
-#include "../scene.h"
+#include "geometry.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,8 +1,8 @@
 // Closest point of a triangle, robust for degenerate ones, with a proven error.
 #pragma once
 
-#include "../scene.h"
 #include "box.h"
+#include "geometry.h"
 
 namespace hausbench {
 

@@ -9,7 +9,7 @@
 // holds it, two neighbouring doubles wide.
 #pragma once
 
-#include "../scene.h"
+#include "geometry.h"
 #include "interval.h"
 
 #include <array>

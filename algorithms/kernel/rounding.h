@@ -3,7 +3,7 @@
 // u = 2^-53, round to nearest. Every widening of a certified bound in this project is in this file.
 #pragma once
 
-#include "../scene.h"
+#include "geometry.h"
 
 #include <bit>
 #include <cmath>

@@ -20,7 +20,7 @@
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
 #include "kernel/deadline.h"
-#include "kernel/octree.h"
+#include "structures/octree.h"
 #include "kernel/rounding.h"
 #include "kernel/textbook.h"
 #include "kernel/triangle_block.h"

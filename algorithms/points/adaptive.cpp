@@ -7,7 +7,7 @@
 //
 // Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
 // chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
 #include "solver.h"

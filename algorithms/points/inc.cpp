@@ -11,7 +11,7 @@
 // the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the most held at once). Budget: entries taken.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
-#include "kernel/rtree.h"
+#include "structures/rtree.h"
 #include "points/exact.h"
 #include "solver.h"
 

@@ -15,7 +15,7 @@
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
 #include "kernel/deadline.h"
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "solver.h"
 
 #include <algorithm>

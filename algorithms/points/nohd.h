@@ -2,7 +2,7 @@
 // entries. Algorithms 3 and 5 are in each file.
 #pragma once
 
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
 

@@ -4,7 +4,7 @@
 // has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
 // drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "points/nohd.h"
 #include "solver.h"
 

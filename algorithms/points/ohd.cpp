@@ -13,7 +13,7 @@
 // still, so motion does not touch it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
 // O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
 #include "kernel/deadline.h"
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/early_break.h"
 #include "solver.h"

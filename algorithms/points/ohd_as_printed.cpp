@@ -6,7 +6,7 @@
 // of more than 2^40 cells along an axis: then cells are split down to single points, and nothing is culled.
 // O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD. Budget: points of A.
 #include "kernel/deadline.h"
-#include "kernel/point_octree.h"
+#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/early_break.h"
 #include "solver.h"

@@ -19,8 +19,8 @@
 // the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
-#include "kernel/near_grid.h"
-#include "kernel/point_blocks.h"
+#include "structures/near_grid.h"
+#include "structures/point_blocks.h"
 #include "points/scan_search.h"
 #include "solver.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernel/counters.h"
-#include "kernel/point_blocks.h"
+#include "structures/point_blocks.h"
 #include "points/exact.h"
 
 #include <cstdint>

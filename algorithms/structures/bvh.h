@@ -3,7 +3,7 @@
 // Eight children a node, eight elements a leaf, built by the surface area heuristic (build_bvh in wide_tree.h).
 #pragma once
 
-#include "triangle_block.h"
+#include "kernel/triangle_block.h"
 #include "triangle_tree.h"
 
 #include <string_view>

@@ -1,7 +1,7 @@
 // The triangles of one leaf of a tree: a byte a plane of their boxes, and corners that they share.
 #pragma once
 
-#include "point_triangle.h"
+#include "kernel/point_triangle.h"
 #include "wide_tree.h"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Which triangles of a mesh share an edge.
 #pragma once
 
-#include "../scene.h"
+#include "geometry.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,7 @@
 // Quick to build (a radix sort, then one pass) and quick to search with vector instructions; points/scan_search.h does.
 #pragma once
 
-#include "morton.h"
+#include "kernel/morton.h"
 
 #include <cstddef>
 #include <cstdint>

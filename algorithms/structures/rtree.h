@@ -3,7 +3,7 @@
 // Source: Leutenegger, Lopez, Edgington: STR: a simple and efficient algorithm for R-tree packing, ICDE 1997.
 #pragma once
 
-#include "box.h"
+#include "kernel/box.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,7 +4,7 @@
 // the closest points: they are points of the set, so their distances bound the closest one's from above.
 #pragma once
 
-#include "box.h"
+#include "kernel/box.h"
 
 #include <cstdint>
 #include <vector>

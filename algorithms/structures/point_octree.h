@@ -1,7 +1,7 @@
 // Octree over a set of points: the cells that Zhang et al. 2017 bound and cull by.
 #pragma once
 
-#include "box.h"
+#include "kernel/box.h"
 
 #include <cstddef>
 #include <cstdint>

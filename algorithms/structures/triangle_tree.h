@@ -1,7 +1,7 @@
 // Closest point queries over the triangles of a mesh: what bvh.h and octree.h have in common.
 #pragma once
 
-#include "closest.h"
+#include "kernel/closest.h"
 #include "triangle_leaf.h"
 #include "wide_tree.h"
 

@@ -10,7 +10,7 @@
 // what origin + q step is when computed: no farther inside than any coordinate of the content (QuantisedBoxes::set).
 #pragma once
 
-#include "box.h"
+#include "kernel/box.h"
 
 #include <bit>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "swept_sphere.h"
 
-#include "rounding.h"
+#include "kernel/rounding.h"
 
 #include <Eigen/Eigenvalues>
 

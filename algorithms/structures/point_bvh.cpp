@@ -1,10 +1,10 @@
 #include "bvh.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernel/point_bvh.cpp"
+#define HWY_TARGET_INCLUDE "structures/point_bvh.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "point_triangle-inl.h"
+#include "kernel/point_triangle-inl.h"
 #include "wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();

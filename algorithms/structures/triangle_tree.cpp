@@ -1,15 +1,15 @@
 #include "triangle_tree.h"
 
-#include "rounding.h"
-#include "textbook.h"
+#include "kernel/rounding.h"
+#include "kernel/textbook.h"
 
 #include <array>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernel/triangle_tree.cpp"
+#define HWY_TARGET_INCLUDE "structures/triangle_tree.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "point_triangle-inl.h"
+#include "kernel/point_triangle-inl.h"
 #include "wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,6 +1,6 @@
 #include "point_octree.h"
 
-#include "posed_box.h"
+#include "kernel/posed_box.h"
 
 #include <algorithm>
 #include <array>

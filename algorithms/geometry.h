@@ -1,0 +1,58 @@
+// Vectors, points, what a shape is made of, and poses: below kernel/, structures/ and search/, which know no scene.
+//
+// Lengths are in the unit of the input files; nothing here rescales them (see session.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>  // cross products
+#include <cstdint>
+#include <string>
+
+namespace hausbench {
+
+using Vec3 = Eigen::Vector3d;
+using Index = std::int32_t;
+// One point, or one triangle, a row.
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// A finite set of points; never empty, all coordinates finite (checked where files are loaded).
+struct PointSet {
+    Points points;
+};
+
+// A triangle soup: no adjacency, orientation or manifoldness is assumed; degenerate triangles are legal.
+// Every vertex belongs to a triangle (loaders drop the others and say how many).
+struct TriangleMesh {
+    Points vertices;
+    Triangles triangles;
+};
+
+// The points of a closed box where a polynomial in x, y, z vanishes. Like every shape, it must not be empty; a solver that
+// finds it empty throws InputError in prepare().
+struct AlgebraicSurface {
+    std::string
+        polynomial;  // as kernel/polynomial.h reads it; its coefficients are the decimal numbers as written, not rounded to doubles
+    Points box;  // two rows: the least and the largest corner, the first below the second in each coordinate
+};
+
+// Length of the diagonal of the axis-aligned box of the points.
+double diagonal(const Points& points);
+
+// Largest |coordinate|.
+double magnitude(const Points& points);
+
+// A rigid motion, or any affine one, as it is stored in result files.
+struct Pose {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Vec3 translation = Vec3::Zero();
+
+    bool is_identity() const;
+};
+
+// A posed is, by definition, the points fl(R v + t) that this function returns: (r0 x + r1 y) + r2 z + t, rounded after
+// each operation, in that order. The identity pose returns the same bits. Every bound and witness is about that shape.
+// Surfaces do not move: a session refuses every other pose.
+Points posed(const Points& points, const Pose& pose);
+
+}  // namespace hausbench
