@@ -18,7 +18,7 @@
 
 namespace hausbench {
 
-inline constexpr int plugin_interface = 4;
+inline constexpr int plugin_interface = 5;
 
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
@@ -29,8 +29,8 @@ inline std::string plugin_layout() {
         "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION) ", alignment " +
         std::to_string(EIGEN_MAX_ALIGN_BYTES) + ", libstdc++ ABI " HAUSBENCH_TEXT(_GLIBCXX_USE_CXX11_ABI) ", sizes";
     for (const std::size_t size :
-         {sizeof(Scene), sizeof(Prepared), sizeof(Query), sizeof(Result), sizeof(QuerySet), sizeof(Trace),
-          sizeof(Options), sizeof(ParameterSpec), sizeof(SolverInfo), sizeof(SolverEntry)}) {
+         {sizeof(Scene), sizeof(Prepared), sizeof(PreparedShape), sizeof(Query), sizeof(Result), sizeof(QuerySet),
+          sizeof(Trace), sizeof(Options), sizeof(ParameterSpec), sizeof(SolverInfo), sizeof(SolverEntry)}) {
         text += ' ' + std::to_string(size);
     }
     return text;

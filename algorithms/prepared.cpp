@@ -1,23 +1,100 @@
 #include "prepared.h"
 
+#include "kernel/rounding.h"
+
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
 namespace hausbench {
 
+namespace {
+
+// Whether no coordinate was rounded.
+bool scale(Points& points, int exponent) {
+    bool exact = true;
+    for (double& value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
+        const double scaled = std::ldexp(value, exponent);
+        exact = exact && std::ldexp(scaled, -exponent) == value;
+        value = scaled;
+    }
+    return exact;
+}
+
+}  // namespace
+
 std::string to_string(const Need& need) {
     return (need.side == Side::source ? "source " : "target ") + need.structure.name;
 }
 
-const BuiltStructure& PreparedShape::structure(const StructureKind& kind) {
-    if (const auto at = built_.find(kind.name); at != built_.end()) return at->second;
+const Shape& shape_of(const PreparedShape& shape) { return shape.shape(); }
+const TriangleMesh& triangles_of(const PreparedShape& shape) { return shape.triangles(); }
+
+PreparedShape::PreparedShape(SharedShape shape) : PreparedShape(Scaled{std::move(shape), 0, 0, {}}) {}
+
+PreparedShape::PreparedShape(Shape shape, int exponent) : PreparedShape(scaled(std::move(shape), exponent)) {}
+
+PreparedShape::PreparedShape(Scaled scaled)
+    : shape_(std::move(scaled.shape)),
+      exponent_(scaled.exponent),
+      lost_(scaled.lost),
+      largest_(magnitude(points_of(shape_))),
+      smallest_(smallest_nonzero(points_of(shape_))),
+      original_(std::move(scaled.original)) {}
+
+PreparedShape::Scaled PreparedShape::scaled(Shape shape, int exponent) {
+    Points& points = points_of(shape);
+    std::optional<Points> original;
+    // Only what ends below the normal numbers can be rounded.
+    if (std::ldexp(smallest_nonzero(points), exponent) < std::numeric_limits<double>::min()) original = points;
+    const bool exact = scale(points, exponent);
+    if (exact) original.reset();
+    return {std::move(shape), exponent, exact ? 0 : 0x1p-1074, std::move(original)};
+}
+
+Points PreparedShape::original() const {
+    if (original_) return *original_;
+    Points points = points_of(shape_);
+    scale(points, -exponent_);
+    return points;
+}
+
+const TriangleMesh& PreparedShape::triangles() const {
+    if (kind_of(shape_) == ShapeKind::mesh) return mesh_of(shape_);
+    if (kind_of(shape_) == ShapeKind::surface)
+        throw std::logic_error("an algebraic surface has no triangles: triangulate it first");
+    std::call_once(flag_, [this] {
+        TriangleMesh flat{points_of(shape_), {}};
+        flat.triangles.resize(flat.vertices.rows(), 3);
+        for (Eigen::Index i = 0; i < flat.vertices.rows(); ++i)
+            flat.triangles.row(i).setConstant(static_cast<Index>(i));
+        flat_ = std::make_unique<const TriangleMesh>(std::move(flat));
+    });
+    return *flat_;
+}
+
+const BuiltStructure& PreparedShape::structure(const StructureKind& kind, bool* before) {
+    const std::lock_guard lock(building_);
+    const auto at = built_.find(kind.name);
+    if (before) *before = at != built_.end();
+    if (at != built_.end()) return at->second;
     if (!kind.fits(kind_of(shape_)))
         throw std::logic_error("a " + kind.name + " was declared, but the shape of that side is of another kind");
     const auto begin = std::chrono::steady_clock::now();
-    BuiltStructure built = kind.build(shape_);
+    BuiltStructure built = kind.build(*this);
     built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return built_.emplace(kind.name, std::move(built)).first->second;
+}
+
+int scale_exponent(const Shape& source, const Shape& target) {
+    const double largest = std::max(magnitude(points_of(source)), magnitude(points_of(target)));
+    int exponent = 0;
+    if (largest > 0) std::frexp(largest, &exponent);
+    return -exponent;
 }
 
 Prepared::Prepared(const Scene& scene, const Needs& needs)
@@ -28,17 +105,27 @@ Prepared::Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<Prepar
     for (const Need& need : needs) {
         const std::string name = to_string(need);
         if (declared_.contains(name)) continue;
-        const BuiltStructure& built = shapes_[static_cast<std::size_t>(need.side)]->structure(need.structure);
-        declared_[name] = built.object.get();
-        times_.push_back({name, built.seconds, built.bytes});
+        PreparedShape& shape = *shapes_[static_cast<std::size_t>(need.side)];
+        bool shared = false;
+        const BuiltStructure& built = shape.structure(need.structure, &shared);
+        declared_[name].object = built.object.get();
+        times_.push_back({name, built.seconds, built.bytes, shared});
     }
 }
 
 const void* Prepared::use(const std::string& name) const {
     const auto at = declared_.find(name);
     if (at == declared_.end()) throw std::logic_error("the " + name + " is used but was not declared in needs()");
-    ++uses_[name];
-    return at->second;
+    at->second.uses.fetch_add(1, std::memory_order_relaxed);
+    return at->second.object;
+}
+
+std::map<std::string, int> Prepared::uses() const {
+    std::map<std::string, int> counts;
+    for (const auto& [name, declared] : declared_) {
+        if (const int count = declared.uses.load(); count > 0) counts[name] = count;
+    }
+    return counts;
 }
 
 }  // namespace hausbench

@@ -4,20 +4,24 @@
 //
 //     static constexpr std::string_view structure_name = "BVH";
 //     static constexpr int structure_layout = 1;   // increases when its members change: plug-ins that were built before are refused
-//     explicit Type(const TriangleMesh&);          // or (const Points&), which fits meshes too; or (const Shape&), which fits all
+//     explicit Type(const TriangleMesh&);          // a point set is given as triangles (i, i, i); or (const Points&), which takes
+//                                                  // the vertices of a mesh; or (const Shape&), which takes all
 //     std::size_t bytes() const;
 //
 // and may live in a solver's own file. With `struct Parameters`, which has `std::string text() const`, the constructor takes one too,
-// and structures with other values are others. A structure belongs to a shape, not to a pair: who shares a PreparedShape
-// shares what was built over it.
+// and structures with other values are others. With `static constexpr bool structure_of_meshes_only = true` point sets are no input
+// for it. A structure belongs to a shape, not to a pair: who shares a PreparedShape shares what was built over it.
 #pragma once
 
 #include "scene.h"
 
+#include <atomic>
 #include <concepts>
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +29,8 @@
 namespace hausbench {
 
 enum class Side { source, target };
+
+class PreparedShape;
 
 struct BuiltStructure {
     std::shared_ptr<const void> object;
@@ -36,7 +42,7 @@ struct StructureKind {
     std::string name;    // with the values of its parameters, where it has any
     std::string layout;  // its number and its size: what a plug-in and the program must agree on to share one
     std::function<bool(ShapeKind)> fits;
-    std::function<BuiltStructure(const Shape&)> build;  // does not time itself
+    std::function<BuiltStructure(const PreparedShape&)> build;  // does not time itself
 };
 
 template <class Type> struct WithoutParameters {
@@ -50,6 +56,9 @@ struct ParametersOf<Type> {
     using type = typename Type::Parameters;
 };
 template <class Type> using StructureParameters = typename ParametersOf<Type>::type;
+
+const Shape& shape_of(const PreparedShape& shape);
+const TriangleMesh& triangles_of(const PreparedShape& shape);
 
 template <class Type> StructureKind structure_kind(const StructureParameters<Type>& parameters = {}) {
     constexpr bool parametric = requires { typename Type::Parameters; };
@@ -67,17 +76,19 @@ template <class Type> StructureKind structure_kind(const StructureParameters<Typ
     kind.name = std::string(Type::structure_name);
     if (const std::string text = parameters.text(); !text.empty()) kind.name += " (" + text + ")";
     kind.layout = std::to_string(Type::structure_layout) + ", " + std::to_string(sizeof(Type)) + " bytes";
+    constexpr bool meshes_only = requires { requires Type::structure_of_meshes_only; };
     kind.fits = [](ShapeKind shape) {
-        return shape == ShapeKind::mesh || (shape == ShapeKind::points && !of_mesh) || (!of_mesh && !of_points);
+        if (shape == ShapeKind::surface) return !of_mesh && !of_points;
+        return shape == ShapeKind::mesh || !meshes_only;
     };
-    kind.build = [construct](const Shape& shape) {
+    kind.build = [construct](const PreparedShape& shape) {
         std::shared_ptr<const Type> object;
         if constexpr (of_mesh)
-            object = construct(std::get<TriangleMesh>(shape));
+            object = construct(triangles_of(shape));
         else if constexpr (of_points)
-            object = construct(points_of(shape));
+            object = construct(points_of(shape_of(shape)));
         else
-            object = construct(shape);
+            object = construct(shape_of(shape));
         const std::size_t bytes = object->bytes();
         return BuiltStructure{std::move(object), bytes, 0};
     };
@@ -104,27 +115,65 @@ struct PreparationTime {
     std::string name;  // as to_string(Need), or "solver" for what the solver built itself
     double seconds;
     std::size_t bytes;
+    bool shared = false;  // it was there already, for another scene with this shape
 };
 
-// A shape, and what was built over it so far. Not for several threads at once.
+// A shape scaled by a power of two, and what was built over it so far: shared by all scenes that it is part of.
 class PreparedShape {
 public:
-    explicit PreparedShape(const Shape& shape) : shape_(shape) {}  // which must outlive it
+    // Shares the shape as it is.
+    explicit PreparedShape(SharedShape shape);
 
-    const Shape& shape() const { return shape_; }
+    // Multiplies every coordinate by 2^exponent, in place. Keeps a copy only where that rounds one.
+    PreparedShape(Shape shape, int exponent);
 
-    // Built and timed when it is asked for first. Throws std::logic_error where it does not fit the shape.
-    const BuiltStructure& structure(const StructureKind& kind);
+    const SharedShape& shape() const { return shape_; }
+    int exponent() const { return exponent_; }
+
+    // 2^-1074 where scaling rounded a coordinate, which then underflowed, by half as much; else 0.
+    double lost() const { return lost_; }
+
+    // Nonzero |coordinate|, scaled; 0 and infinity where there is none.
+    double largest() const { return largest_; }
+    double smallest() const { return smallest_; }
+
+    // The coordinates before they were scaled.
+    Points original() const;
+
+    // A mesh as it is; of a point set, a triangle (i, i, i) for each point, made when it is asked for first. Not of a surface.
+    const TriangleMesh& triangles() const;
+
+    // Built and timed when it is asked for first; then stays where it is. Throws std::logic_error where it does not fit the shape.
+    // `before`, if given, is set to whether it was there.
+    const BuiltStructure& structure(const StructureKind& kind, bool* before = nullptr);
 
 private:
-    const Shape& shape_;
+    struct Scaled {
+        SharedShape shape;
+        int exponent;
+        double lost;
+        std::optional<Points> original;  // only where scaling was not exact
+    };
+    static Scaled scaled(Shape shape, int exponent);
+    explicit PreparedShape(Scaled scaled);
+
+    SharedShape shape_;
+    int exponent_;
+    double lost_, largest_, smallest_;
+    std::optional<Points> original_;
+    mutable std::once_flag flag_;
+    mutable std::unique_ptr<const TriangleMesh> flat_;
+    std::mutex building_;
     std::map<std::string, BuiltStructure> built_;
 };
+
+// The exponent that brings the largest |coordinate| of the two into [0.5, 1); 0 where all are zero.
+int scale_exponent(const Shape& source, const Shape& target);
 
 // What one solver declared, of the two shapes of a scene.
 class Prepared {
 public:
-    // Builds what is not there yet. `scene` must outlive this. O(n log n) for each structure.
+    // Builds what is not there yet. O(n log n) for each structure.
     Prepared(const Scene& scene, const Needs& needs);
     Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs);
 
@@ -137,19 +186,25 @@ public:
         return *static_cast<const Type*>(use(to_string(need<Type>(side, parameters))));
     }
 
+    // The triangles of a mesh, or of a point set one for each point; see PreparedShape.
+    const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
+
     // What its structures cost when they were built, for this pair or an earlier one.
     const std::vector<PreparationTime>& times() const { return times_; }
 
     // How often get() has returned each, by name; the contract test fails for a declared one that is never used.
-    const std::map<std::string, int>& uses() const { return uses_; }
+    std::map<std::string, int> uses() const;
 
 private:
+    struct Declared {
+        const void* object = nullptr;
+        mutable std::atomic<int> uses{0};
+    };
     const void* use(const std::string& name) const;
 
     std::shared_ptr<PreparedShape> shapes_[2];
-    std::map<std::string, const void*> declared_;
+    std::map<std::string, Declared> declared_;
     std::vector<PreparationTime> times_;
-    mutable std::map<std::string, int> uses_;
 };
 
 }  // namespace hausbench

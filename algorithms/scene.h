@@ -3,7 +3,11 @@
 
 #include "geometry.h"
 
+#include <concepts>
+#include <memory>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 namespace hausbench {
@@ -22,9 +26,27 @@ Points& points_of(Shape& shape);
 // Points of a point set, triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
-// The pose moves the source A; the target B does not move.
+// Throw std::bad_variant_access for a shape of another kind.
+inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
+inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }
+
+// A shape that does not change and that several scenes may share: copying it copies no point.
+class SharedShape {
+public:
+    template <class S>
+    requires(std::constructible_from<Shape, S&&> && !std::same_as<std::remove_cvref_t<S>, SharedShape>)
+        SharedShape(S&& shape)
+        : shape_(std::make_shared<const Shape>(std::forward<S>(shape))) {}
+
+    operator const Shape&() const { return *shape_; }
+
+private:
+    std::shared_ptr<const Shape> shape_;
+};
+
+// What is measured: h(A,B) or H(A,B), each shape moved by a pose of the query.
 struct Scene {
-    Shape source, target;
+    SharedShape source, target;
 };
 
 }  // namespace hausbench

@@ -14,17 +14,6 @@
 namespace hausbench {
 namespace {
 
-// Multiplies by 2^exponent; returns 2^-1074 where that rounded a coordinate (which underflowed: by half as much), else 0.
-double scale(Points& points, int exponent) {
-    bool exact = true;
-    for (double& value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
-        const double scaled = std::ldexp(value, exponent);
-        exact = exact && std::ldexp(scaled, -exponent) == value;
-        value = scaled;
-    }
-    return exact ? 0 : 0x1p-1074;
-}
-
 double scaled_back(double value, int exponent, double (*outward)(double)) {
     const double original = std::ldexp(value, -exponent);
     return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
@@ -46,8 +35,10 @@ void check(const Query& query) {
     if (!(query.floor >= 0) || std::isinf(query.floor)) fail("the floor", query.floor, "give a length, or 0 for none");
     if (!(query.cutoff >= 0)) fail("the cutoff", query.cutoff, "give a length, or infinity for none");
     if (!(query.time_limit >= 0)) fail("the time limit", query.time_limit, "give seconds, or infinity for none");
-    if (!query.pose.rotation.allFinite() || !query.pose.translation.allFinite()) {
-        throw InputError("query: the pose has an entry that is not finite; give a finite matrix and translation");
+    if (query.threads < 1) fail("the number of threads", query.threads, "give at least 1");
+    for (const Pose* pose : {&query.source_pose, &query.target_pose}) {
+        if (!pose->rotation.allFinite() || !pose->translation.allFinite())
+            throw InputError("query: the pose has an entry that is not finite; give a finite matrix and translation");
     }
 }
 
@@ -77,6 +68,12 @@ std::string_view to_string(Status status) {
     return names[static_cast<std::size_t>(status)];
 }
 
+std::string_view to_string(Quantity quantity) { return quantity == Quantity::symmetric ? "symmetric" : "directed"; }
+
+std::string_view to_string(Witness::Direction direction) {
+    return direction == Witness::Direction::source_to_target ? "source to target" : "target to source";
+}
+
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target) {
     const auto text = [&](const char* side, ShapeKind kind) {
         return fmt::format("solver '{}' takes no {} as {}", info.name, to_string(kind), side);
@@ -86,67 +83,145 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target) 
     return {};
 }
 
-Session::Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries, Leave leave)
-    : entry_(entry), options_(options), leave_(leave), scene_(std::make_unique<Scene>(std::move(scene))) {
-    const std::string no = refusal(entry.info, kind_of(scene_->source), kind_of(scene_->target));
-    if (!no.empty()) throw InputError(no);
-
-    Points& source = points_of(scene_->source);
-    Points& target = points_of(scene_->target);
-    const double largest = std::max(magnitude(source), magnitude(target));
-    moveable_ = kind_of(scene_->source) != ShapeKind::surface;
+bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
     // The coefficients of a surface belong to its coordinates.
-    scalable_ = !entry.info.original_coordinates && moveable_ && kind_of(scene_->target) != ShapeKind::surface;
-    if (scalable_ && largest > 0) {
-        std::frexp(largest, &exponent_);
-        exponent_ = -exponent_;
-        const double smallest = std::min(smallest_nonzero(source), smallest_nonzero(target));
-        if (std::ldexp(smallest, exponent_) < std::numeric_limits<double>::min())
-            original_ = std::make_unique<Scene>(*scene_);
-        lost_source_ = scale(source, exponent_);
-        lost_target_ = scale(target, exponent_);
-        if (lost_source_ + lost_target_ == 0) original_.reset();
-    }
-    largest_ = magnitude(source);
-    smallest_ = smallest_nonzero(source);
+    return !info.original_coordinates && source != ShapeKind::surface && target != ShapeKind::surface;
+}
 
-    const Options own(entry.info.name, entry.info.parameters, options.values());
-    solver_ = entry.make(own);
-    if (const auto unread = own.unread(); !unread.empty()) {
-        throw std::logic_error("solver '" + entry.info.name + "' does not read its parameter '" + unread.front() + "'");
-    }
+PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
+    if (!scalable(info, kind_of(source), kind_of(target)))
+        return {std::make_shared<PreparedShape>(std::move(source)), std::make_shared<PreparedShape>(std::move(target))};
+    const int exponent = scale_exponent(source, target);
+    return {std::make_shared<PreparedShape>(std::move(source), exponent),
+            std::make_shared<PreparedShape>(std::move(target), exponent)};
+}
 
-    needs_ = leave == Leave::nothing_out ? entry.info.may_need : solver_->needs(*scene_, queries);
-    for (const Need& need : needs_) {
-        const auto& may = entry.info.may_need;
-        if (std::find(may.begin(), may.end(), need) == may.end()) {
-            throw std::logic_error("solver '" + entry.info.name + "' needs a " + to_string(need) +
+namespace {
+
+// Copies a shape only to scale it.
+PreparedPair pair_of(const SolverInfo& info, const Scene& scene) {
+    if (scalable(info, kind_of(scene.source), kind_of(scene.target)))
+        return prepare_pair(info, scene.source, scene.target);
+    return {std::make_shared<PreparedShape>(scene.source), std::make_shared<PreparedShape>(scene.target)};
+}
+
+}  // namespace
+
+struct Session::Part {
+    Scene scene;
+    Needs needs;
+    std::optional<Prepared> prepared;
+    std::unique_ptr<Solver> solver;
+    double solver_seconds = 0;
+};
+
+struct Session::Chain final : State {
+    std::unique_ptr<State> states[2];  // forward, backward; made by the first answer
+};
+
+Session::Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
+                 Leave leave)
+    : Session(entry, options, std::move(pair.source), std::move(pair.target), queries, leave) {}
+
+Session::Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
+                 Leave leave)
+    : Session(entry, options, pair_of(entry.info, scene), queries, leave) {}
+
+Session::Session(const SolverEntry& entry, const Options& options, Shapes source, Shapes target,
+                 const QuerySet& queries, Leave leave)
+    : entry_(entry),
+      options_(options),
+      leave_(leave),
+      queries_(queries),
+      source_(std::move(source)),
+      target_(std::move(target)),
+      exponent_(source_->exponent()) {
+    const ShapeKind a = kind_of(source_->shape()), b = kind_of(target_->shape());
+    if (const std::string no = refusal(entry.info, a, b); !no.empty()) throw InputError(no);
+    if (source_->exponent() != target_->exponent())
+        throw std::logic_error("the shapes of a session are scaled by different exponents");
+    scalable_ = scalable(entry.info, a, b);
+    const bool own = entry.info.offers(Quantity::symmetric);
+    if (queries.symmetric && !own) {
+        if (const std::string no = refusal(entry.info, b, a); !no.empty())
+            throw InputError(no + ", as H(A,B) asks for");
+    }
+    prepare("", source_, target_, queries, forward_);
+    QuerySet turned = queries;
+    std::swap(turned.moves, turned.target_moves);
+    if (queries.symmetric && !own) prepare(" (B to A)", target_, source_, turned, backward_);
+}
+
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+
+std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Shapes& target,
+                                                  const QuerySet& queries) const {
+    auto part = std::make_unique<Part>(Part{{source->shape(), target->shape()}, {}, {}, {}});
+    const SolverInfo& info = entry_.info;
+    const Options own(info.name, info.parameters, options_.values());
+    part->solver = entry_.make(own);
+    if (const auto unread = own.unread(); !unread.empty())
+        throw std::logic_error("solver '" + info.name + "' does not read its parameter '" + unread.front() + "'");
+
+    part->needs = leave_ == Leave::nothing_out ? info.may_need : part->solver->needs(part->scene, queries);
+    for (const Need& need : part->needs) {
+        if (std::find(info.may_need.begin(), info.may_need.end(), need) == info.may_need.end())
+            throw std::logic_error("solver '" + info.name + "' needs a " + to_string(need) +
                                    " that is not in may_need");
-        }
     }
     // Of all a solver may ever need, what these shapes have no use for is left out all the same.
-    std::erase_if(needs_, [&](const Need& need) {
-        const Shape& shape = need.side == Side::source ? scene_->source : scene_->target;
-        return leave == Leave::nothing_out && !need.structure.fits(kind_of(shape));
+    std::erase_if(part->needs, [&](const Need& need) {
+        const Shape& shape = need.side == Side::source ? part->scene.source : part->scene.target;
+        return leave_ == Leave::nothing_out && !need.structure.fits(kind_of(shape));
     });
-    prepared_ = std::make_unique<Prepared>(*scene_, needs_);
-    preparation_ = prepared_->times();
-
+    part->prepared.emplace(source, target, part->needs);
     const auto begin = std::chrono::steady_clock::now();
-    solver_->prepare(*scene_, *prepared_);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    preparation_.push_back({"solver", elapsed.count(), solver_->prepared_bytes()});
+    part->solver->prepare(part->scene, *part->prepared);
+    part->solver_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return part;
 }
 
-// At least the largest |coordinate| that any step of posing the source can reach, scaled: S below.
-double Session::posed_extent(const Pose& pose) const {
+// Where the target moves and the solver does not offer that, each answer makes its own part: only what is built over the source is
+// built here.
+void Session::prepare(const std::string& suffix, const Shapes& source, const Shapes& target, const QuerySet& queries,
+                      std::unique_ptr<Part>& part) {
+    std::vector<PreparationTime> times;
+    Needs needs;
+    if (queries.target_moves && !entry_.info.moving_target) {
+        const Options own(entry_.info.name, entry_.info.parameters, options_.values());
+        needs = entry_.make(own)->needs({source->shape(), target->shape()}, queries);
+        std::erase_if(needs, [](const Need& need) { return need.side == Side::target; });
+        times = Prepared(source, target, needs).times();
+    } else {
+        part = make_part(source, target, queries);
+        needs = part->needs;
+        times = part->prepared->times();
+        times.push_back({"solver", part->solver_seconds, part->solver->prepared_bytes()});
+    }
+    if (suffix.empty()) needs_ = std::move(needs);
+    for (PreparationTime& time : times) {
+        time.name += suffix;
+        preparation_.push_back(std::move(time));
+    }
+}
+
+const Prepared& Session::prepared() const {
+    if (!forward_) throw std::logic_error("a session whose target moves keeps no structure of its target");
+    return *forward_->prepared;
+}
+
+std::unique_ptr<State> Session::begin() const { return entry_.info.warm ? std::make_unique<Chain>() : nullptr; }
+
+// At least the largest |coordinate| that any step of posing the shape can reach, scaled: S below.
+double Session::posed_extent(const PreparedShape& shape, const Pose& pose) const {
     double translation = 0;
     for (const double t : pose.translation) translation = std::max(translation, std::abs(std::ldexp(t, exponent_)));
-    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * largest_) + translation;
+    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
 }
 
-// How far the points that the solver measures may be from those that the definition means, A's and B's together, in scaled
-// units. The distance changes by no more.
+// How far the points of one shape that the solver measures may be from those that the definition means, in scaled units. The distance
+// changes by no more than A's and B's together.
 //
 // Scaling: a coordinate that it rounds is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
 //
@@ -158,9 +233,9 @@ double Session::posed_extent(const Pose& pose) const {
 // the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
 //   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
 // and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. What is computed below rounds by less than 8u of itself
-// and underflows by less than q, and B has lost 0.9 q at most: 8 q covers the three.
-double Session::widening(const Pose& pose) const {
-    if (pose.is_identity()) return lost_source_ + lost_target_;
+// and underflows by less than q: 8 q covers the two.
+double Session::widening(const PreparedShape& shape, const Pose& pose) const {
+    if (pose.is_identity()) return shape.lost();
     if (exponent_ == 0) return 0;
     double least = std::numeric_limits<double>::infinity();
     for (const double entry : pose.rotation.reshaped()) {
@@ -171,35 +246,55 @@ double Session::widening(const Pose& pose) const {
     }) == pose.translation;
     // Exponents, so that no product here underflows itself.
     const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
-    const int product = exponent_of(least) + exponent_of(smallest_);
-    const bool same_bits = lost_source_ == 0 && exact_translation && product >= -1022 && product - exponent_ >= -1022;
-    if (same_bits) return lost_target_;
+    const int product = exponent_of(least) + exponent_of(shape.smallest());
+    const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent_ >= -1022;
+    if (same_bits) return 0;
     const double most = pose.rotation.cwiseAbs().maxCoeff();
-    return 3 * (most * lost_source_) + 14 * unit_roundoff * posed_extent(pose) +
+    return 3 * (most * shape.lost()) + 14 * unit_roundoff * posed_extent(shape, pose) +
            8 * std::ldexp(1.0, std::max(exponent_, 0) - 1074);
 }
 
-Points Session::original(Side side) const {
-    const auto of = [side](Scene& scene) -> Shape& { return side == Side::source ? scene.source : scene.target; };
-    if (original_) return points_of(of(*original_));
-    Points points = points_of(of(*scene_));
-    scale(points, -exponent_);
-    return points;
+// Whether the pose needs another scale.
+bool Session::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
+    if (pose.is_identity()) return false;
+    if (kind_of(shape.shape()) == ShapeKind::surface) {
+        throw InputError(
+            "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
+            "first");
+    }
+    const double extent = posed_extent(shape, pose);
+    if (extent <= largest_safe_coordinate && std::ldexp(extent, -exponent_) < 0x1p1023) return false;
+    const Points there = posed(shape.original(), pose);
+    if (!there.allFinite()) {
+        throw InputError(fmt::format(
+            "query: the pose moves a point of {} beyond the largest double, 1.8e308; give a smaller rotation "
+            "and translation, or both shapes in a larger unit",
+            name));
+    }
+    return scalable_ && std::ldexp(magnitude(there), exponent_) > largest_safe_coordinate;
 }
 
-Result Session::solve_rescaled(const Query& query, Points source, Trace& trace) const {
-    Scene scene = *scene_;
-    points_of(scene.source) = std::move(source);
-    points_of(scene.target) = original(Side::target);
+// Both shapes posed as they are in the units of the input, scaled anew, at rest.
+Result Session::solve_rescaled(const Query& query, Trace& trace) const {
+    const auto at_rest = [](const PreparedShape& prepared, const Pose& pose) {
+        Shape shape = prepared.shape();
+        points_of(shape) = posed(prepared.original(), pose);
+        return shape;
+    };
+    PreparedPair pair =
+        prepare_pair(entry_.info, at_rest(*source_, query.source_pose), at_rest(*target_, query.target_pose));
     Query still = query;
-    still.pose = Pose{};
-    const double finest = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
-    return Session(entry_, options_, std::move(scene), {false, 1, finest}, leave_).solve(still, trace);
+    still.source_pose = still.target_pose = Pose{};
+    QuerySet once;
+    once.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
+    once.symmetric = query.quantity == Quantity::symmetric;
+    return Session(entry_, options_, pair.source, pair.target, once, leave_).solve(still, trace);
 }
 
 Query Session::scaled(const Query& query) const {
     Query out = query;
-    for (double& value : out.pose.translation) value = std::ldexp(value, exponent_);
+    for (double& value : out.source_pose.translation) value = std::ldexp(value, exponent_);
+    for (double& value : out.target_pose.translation) value = std::ldexp(value, exponent_);
     if (query.tolerance.of == Tolerance::Of::absolute) {
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
     }
@@ -209,48 +304,143 @@ Query Session::scaled(const Query& query) const {
 }
 
 void Session::scale_back(Result& result, Trace& trace, double wider) const {
-    const auto outward = [&](double& lower, double& upper) {
-        if (wider > 0) {
-            lower = std::max(0.0, next_down(lower - wider));
-            upper = next_up(upper + wider);
-        }
-        if (exponent_ == 0) return;
-        lower = scaled_back(lower, exponent_, next_down);
-        upper = scaled_back(upper, exponent_, next_up);
+    const auto down = [&](double& lower) {
+        if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
+        if (exponent_ != 0) lower = scaled_back(lower, exponent_, next_down);
     };
-    outward(result.bounds.lower, result.bounds.upper);
-    for (TraceSample& sample : trace.samples()) outward(sample.lower, sample.upper);
+    const auto up = [&](double& upper) {
+        if (wider > 0) upper = next_up(upper + wider);
+        if (exponent_ != 0) upper = scaled_back(upper, exponent_, next_up);
+    };
+    down(result.bounds.lower);
+    up(result.bounds.upper);
+    for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
+    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
+        Field& field = (*result.fields)[i];
+        for (double& value : field.values) {
+            if (field.meaning == Field::Meaning::lower) down(value);
+            if (field.meaning == Field::Meaning::upper) up(value);
+        }
+    }
     for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
     for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
 }
 
+bool Session::copies_target(const Query& query) const {
+    if (entry_.info.moving_target) return false;
+    const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
+    return queries_.target_moves || !query.target_pose.is_identity() ||
+           (both && (queries_.moves || !query.source_pose.is_identity()));
+}
+
+// One direction, in scaled units; `query` is turned already.
+Result Session::directed(const Query& query, bool backward, Chain* chain, Trace& trace) const {
+    const auto begin = std::chrono::steady_clock::now();
+    const Shapes &source = backward ? target_ : source_, &target = backward ? source_ : target_;
+    const std::unique_ptr<Part>& kept = backward ? backward_ : forward_;
+    Query asked = query;
+    std::unique_ptr<Part> made;
+    const bool copy = !entry_.info.moving_target && !query.target_pose.is_identity();
+    if (copy || !kept) {
+        // Of its own in either case, so that every pose pays for its structures, and threads share none that is not built.
+        SharedShape still = target->shape();
+        if (copy) {
+            Shape shape = target->shape();
+            points_of(shape) = posed(points_of(shape), query.target_pose);
+            still = std::move(shape);
+            asked.target_pose = Pose{};
+        }
+        QuerySet once = queries_;
+        once.moves = (backward ? queries_.target_moves : queries_.moves) || !query.source_pose.is_identity();
+        once.target_moves = false;
+        made = make_part(source, std::make_shared<PreparedShape>(std::move(still)), once);
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+        asked.time_limit = std::max(0.0, asked.time_limit - spent.count());
+    }
+    const Part& part = made ? *made : *kept;
+    State* state = nullptr;
+    if (chain) {
+        auto& own = chain->states[backward ? 1 : 0];
+        if (!own) own = part.solver->begin();
+        state = own.get();
+    }
+    Result result = part.solver->solve(asked, state, trace);
+    hold_to_its_status(asked, result);
+    return result;
+}
+
+// H(A,B) = max(h(A,B), h(B,A)), in scaled units.
+Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto elapsed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    Query asked = query;
+    asked.quantity = Quantity::directed;
+    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
+    one.start();
+    Result whole = directed(asked, false, chain, one);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    // Until h(B,A) has a bound, H(A,B) has none from above.
+    for (const TraceSample& sample : one.samples()) trace.samples().push_back({sample.seconds, sample.lower, infinity});
+    if (whole.bounds.lower > query.cutoff) {
+        whole.bounds.upper = infinity;
+        whole.status = Status::above_cutoff;
+        whole.note.clear();
+        return whole;
+    }
+    const double first = elapsed();
+    std::swap(asked.source_pose, asked.target_pose);
+    asked.time_limit = std::max(0.0, query.time_limit - first);
+    asked.floor = std::max(query.floor, whole.bounds.lower);
+    // A floor that is the cutoff would ask a question that nobody asked.
+    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
+    two.start();
+    Result other = directed(asked, true, chain, two);
+    for (const TraceSample& sample : two.samples()) {
+        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
+                                   std::max(whole.bounds.upper, sample.upper)});
+    }
+    if (other.bounds.lower > whole.bounds.lower) {
+        whole.witness = other.witness;
+        std::swap(whole.witness.source_point, whole.witness.target_point);
+        std::swap(whole.witness.source_element, whole.witness.target_element);
+        whole.witness.direction = Witness::Direction::target_to_source;
+    }
+    // Where the bounds of H are still apart, it is the direction with the larger upper bound that keeps them apart, and says why.
+    if (!(other.bounds.upper <= whole.bounds.upper)) {
+        whole.status = other.status;
+        whole.note = other.note;
+    }
+    whole.bounds = {std::max(whole.bounds.lower, other.bounds.lower), std::max(whole.bounds.upper, other.bounds.upper)};
+    for (const CounterField& field : counter_fields) whole.counters.*field.member += other.counters.*field.member;
+    for (auto& [name, value] : other.reported) whole.reported[name + " (B to A)"] = value;
+    whole.reported_seconds += other.reported_seconds;
+    whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
+    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
+        whole.status = *answer;
+        whole.note.clear();
+    } else if (claims_an_answer(whole.status)) {  // each direction alone is close enough, the two together are not
+        whole.status = Status::precision_floor;
+    }
+    return whole;
+}
+
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
-    if (!moveable_ && !query.pose.is_identity()) {
-        throw InputError(
-            "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
-            "first");
-    }
-    if (!query.pose.is_identity()) {
-        const double extent = posed_extent(query.pose);
-        if (!(extent <= largest_safe_coordinate && std::ldexp(extent, -exponent_) < 0x1p1023)) {
-            Points source = posed(original(Side::source), query.pose);
-            if (!source.allFinite()) {
-                throw InputError(
-                    "query: the pose moves a point of A beyond the largest double, 1.8e308; give a smaller rotation "
-                    "and "
-                    "translation, or both shapes in a larger unit");
-            }
-            if (scalable_ && std::ldexp(magnitude(source), exponent_) > largest_safe_coordinate)
-                return solve_rescaled(query, std::move(source), trace);
-        }
-    }
+    // Both, so that a pose that is refused is refused whatever the other one is.
+    const bool source_far = leaves_range(*source_, query.source_pose, "A");
+    const bool target_far = leaves_range(*target_, query.target_pose, "B");
+    if (source_far || target_far) return solve_rescaled(query, trace);
 
     const Query asked = scaled(query);
+    auto* chain = static_cast<Chain*>(state);
     trace.start(exponent_);
-    Result result = solver_->solve(asked, state, trace);
-    hold_to_its_status(asked, result);
-    scale_back(result, trace, widening(query.pose));
+    const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
+    Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
+    if (!query.wanted.fields) result.fields.reset();
+    if (!query.wanted.certificate) result.certificate.reset();
+    scale_back(result, trace, widening(*source_, query.source_pose) + widening(*target_, query.target_pose));
     if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);
 
     // Scaling back may have cost what the solver had promised.

@@ -1,4 +1,5 @@
-// One solver on one scene: scales, prepares what is needed, answers queries in the units of the input.
+// One solver on one scene: scales, prepares what is needed, answers queries in the units of the input; and does for every solver
+// what it does not offer itself: H(A,B), and a target that moves.
 #pragma once
 
 #include "solver.h"
@@ -12,22 +13,44 @@ namespace hausbench {
 // changes no bit of an answer).
 enum class Leave { out_what_is_not_needed, nothing_out };
 
+// Both shapes, scaled as a session of their own would scale them. Takes them over, so that no second copy stays.
+struct PreparedPair {
+    std::shared_ptr<PreparedShape> source, target;
+};
+PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target);
+
+// May be shared: several threads may ask one session at the same time, each with a Trace and a State of its own.
 class Session {
 public:
-    // Takes the scene over, scales it by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
+    // Scales copies of the two shapes by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
     // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers and surfaces stay as they are), builds the
-    // structures, prepares the solver. Throws InputError for shapes the solver does not take. Keeps a copy of the scene only
-    // where scaling was not exact.
-    Session(const SolverEntry& entry, const Options& options, Scene scene, const QuerySet& queries,
+    // structures, prepares the solver. Throws InputError for shapes the solver does not take.
+    Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
             Leave leave = Leave::out_what_is_not_needed);
 
-    // The query's lengths (tolerance, floor, cutoff, translation), the result's and the trace's are in the units of the input.
+    // The same on shapes that are scaled already, both by the same exponent, and that other sessions may share: structures that are
+    // there are not built again. Not several at once on one shape.
+    Session(const SolverEntry& entry, const Options& options, std::shared_ptr<PreparedShape> source,
+            std::shared_ptr<PreparedShape> target, const QuerySet& queries,
+            Leave leave = Leave::out_what_is_not_needed);
+    Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
+            Leave leave = Leave::out_what_is_not_needed);
+    ~Session();
+    Session(Session&&) noexcept;
+
+    // The query's lengths (tolerance, floor, cutoff, translations), the result's and the trace's are in the units of the input.
     // Bounds are rounded outward where scaling back is inexact. Starts the trace, and ends it if the solver traces.
     // The status is held against the bounds: `converged`, `below_floor` and `above_cutoff` are returned only where they are true.
-    // A pose that moves A so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another
-    // session, scaled by the posed extents: its preparation then counts as solving.
-    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, a pose that is not finite or
-    // makes a point that is not, a pose other than the identity where the source is an algebraic surface.
+    //
+    // H(A,B), of a solver that answers directed queries only: first h(A,B), then h(B,A) with the first lower bound as its floor.
+    // Counters are sums. Budget: for each of the two. A first lower bound above the cutoff ends it, the upper bound then is infinite.
+    // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
+    // built again, which counts as solving.
+    // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the
+    // posed extents: its preparation then counts as solving.
+    //
+    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, no thread, a pose that is not finite
+    // or makes a point that is not, a pose other than the identity of an algebraic surface.
     //
     // `state` is null, or from begin() of this session: one for each chain of poses. It is left as it is where the answer
     // comes from another session.
@@ -35,37 +58,52 @@ public:
     Result solve(const Query& query, Trace& trace) const { return solve(query, nullptr, trace); }
 
     // Null: the solver carries nothing along.
-    std::unique_ptr<State> begin() const { return solver_->begin(); }
+    std::unique_ptr<State> begin() const;
 
-    const Prepared& prepared() const { return *prepared_; }
+    // Of the first direction.
+    const Prepared& prepared() const;
     const Needs& needs() const { return needs_; }
+
+    // Of both directions; those of h(B,A) end in " (B to A)".
     const std::vector<PreparationTime>& preparation() const { return preparation_; }
     double prepare_seconds() const;
     std::size_t prepare_bytes() const;
 
+    // Whether an answer to this query builds structures over a posed copy of a target.
+    bool copies_target(const Query& query) const;
+
 private:
-    double widening(const Pose& pose) const;
-    double posed_extent(const Pose& pose) const;
-    Points original(Side side) const;
-    Result solve_rescaled(const Query& query, Points source, Trace& trace) const;
+    struct Part;   // a solver, made and prepared for one direction
+    struct Chain;  // the states of both
+
+    using Shapes = std::shared_ptr<PreparedShape>;
+
+    std::unique_ptr<Part> make_part(const Shapes& source, const Shapes& target, const QuerySet& queries) const;
+    void prepare(const std::string& suffix, const Shapes& source, const Shapes& target, const QuerySet& queries,
+                 std::unique_ptr<Part>& part);
+    double widening(const PreparedShape& shape, const Pose& pose) const;
+    double posed_extent(const PreparedShape& shape, const Pose& pose) const;
+    bool leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const;
+    Result solve_rescaled(const Query& query, Trace& trace) const;
+    Result directed(const Query& query, bool backward, Chain* chain, Trace& trace) const;
+    Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
     Query scaled(const Query& query) const;
     void scale_back(Result& result, Trace& trace, double wider) const;
 
     SolverEntry entry_;
     Options options_;
     Leave leave_;
-    std::unique_ptr<Scene> scene_;
-    std::unique_ptr<Scene> original_;  // only where scaling was not exact
-    bool moveable_ = true;             // the source may be posed: it is no algebraic surface
+    QuerySet queries_;
+    Shapes source_, target_;
     bool scalable_ = false;
     int exponent_ = 0;                          // scaled = original * 2^exponent
-    double lost_source_ = 0, lost_target_ = 0;  // 2^-1074 where a scaled coordinate was rounded, else 0
-    double largest_ = 0, smallest_ = 0;         // nonzero |coordinate| of the source, scaled
-    Needs needs_;
-    std::unique_ptr<Prepared> prepared_;
-    std::unique_ptr<Solver> solver_;
+    Needs needs_;                               // of the first direction
+    std::unique_ptr<Part> forward_, backward_;  // null where each answer makes its own
     std::vector<PreparationTime> preparation_;
 };
+
+// Whether the solver's scenes are scaled at all.
+bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);
 
 // An error text where the solver cannot take these shapes, empty where it can.
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target);

@@ -2,6 +2,10 @@
 // from below and above. One solver is one .cpp file without a header: it defines a class, a SolverInfo and one function
 // that registry.cpp lists. Read points/naive.cpp next.
 //
+// A solver must honour of a query: its poses, its tolerance, and `quantity` and `wanted` as far as its SolverInfo offers them.
+// All else in it is a permission that a solver may ignore. What a solver does not offer, Session does for it: H(A,B) = max of
+// h(A,B) and h(B,A) from two directed answers, and a target that moves, from a posed copy.
+//
 // What a solver may rely on (session.h sees to it): shapes are non-empty and finite, and unless it asks for
 // `original_coordinates` the scene is scaled by a power of two so that the largest |coordinate| is in [0.5, 1). Scenes
 // with an algebraic surface are never scaled.
@@ -13,6 +17,7 @@
 #include "scene.h"
 #include "trace.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -20,6 +25,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -59,34 +65,69 @@ struct Bounds {
     double gap() const { return upper - lower; }
 };
 
-// A pair that shows the lower bound: source_point on A posed, target_point its closest point on B.
+// A pair that shows the lower bound. Whatever the direction, source_point lies on A posed and target_point on B posed; the
+// direction says which of the two is far from the other shape: the other point is its closest point there.
 struct Witness {
+    enum class Direction { source_to_target, target_to_source };
     Vec3 source_point = Vec3::Zero(), target_point = Vec3::Zero();
     Index source_element = -1, target_element = -1;  // -1: unknown (peers that do not tell)
+    Direction direction = Direction::source_to_target;
 };
+std::string_view to_string(Witness::Direction direction);
 
-// Per-element fields and the like, by name; filled only where a query asks for them.
-using Extras = std::map<std::string, std::vector<double>>;
+// What a solver reports of itself, by name: a number, such as the share of points that it culled, or a text, such as the algorithm
+// that it chose.
+using Reported = std::map<std::string, std::variant<double, std::string>>;
 
-// What a solver reports of itself in words, by name, such as the algorithm that it chose.
-using Facts = std::map<std::string, std::string>;
+// A value for each vertex or each element of A, such as the upper bound of each triangle.
+struct Field {
+    enum class Of { vertices, elements };
+    enum class Meaning {
+        lower,
+        upper,
+        number
+    };  // lower and upper bounds of a distance are lengths; numbers have no unit
+    std::string name;
+    Of of = Of::elements;
+    Meaning meaning = Meaning::number;
+    std::vector<double> values;
+};
+using Fields = std::vector<Field>;
+
+// A proof of the upper bound that can be checked without the solver; `format` says how to read the bytes.
+struct Certificate {
+    std::string format;
+    std::string bytes;
+};
 
 struct Result {
     Status status = Status::stalled;
-    Bounds bounds;  // lower <= h(A posed, B) <= upper, whatever the status
+    Bounds bounds;  // lower <= the quantity of the query <= upper, whatever the status
     Witness witness;
     Counters counters;
-    Extras extras;
-    Facts facts = {};
+    Reported reported = {};
     std::string note =
         {};  // one line, why the status is not `converged`, where the solver knows more than the status says
+    std::optional<Fields> fields = {};            // only where the query wants them
+    std::optional<Certificate> certificate = {};  // likewise
     // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
 };
 
+enum class Quantity { directed, symmetric };  // h(A,B), H(A,B)
+std::string_view to_string(Quantity quantity);
+
+// What an answer is to hold beside its bounds. Not asked for where solving is timed.
+struct Wanted {
+    bool fields = false;
+    bool stages = false;  // in `reported`: seconds by stage, as "seconds: subdivide"
+    bool certificate = false;
+};
+
 struct Query {
-    Pose pose;
+    Quantity quantity = Quantity::directed;
+    Pose source_pose, target_pose;
     Tolerance tolerance;
     // Two permissions to stop early, as lengths, which a solver may ignore. "Is h above d?" is floor = cutoff = d; the tolerance
     // then ends nothing. The lower bound is proven and has its witness all the same: it is never the floor.
@@ -94,6 +135,8 @@ struct Query {
     double cutoff = std::numeric_limits<double>::infinity();      // may stop once lower > cutoff
     double time_limit = std::numeric_limits<double>::infinity();  // seconds of wall time
     std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();
+    int threads = 1;  // at most so many may work; the interval must not depend on it
+    Wanted wanted;
 
     // The status that a solver with these bounds may end with, if they are close enough for any. What is below the floor does
     // not count: the gap is upper - max(lower, floor).
@@ -108,13 +151,15 @@ struct Query {
 
 // What all queries to come have in common, so that a solver can leave out what they do not need.
 struct QuerySet {
-    bool moves = false;  // some pose is not the identity
+    bool moves = false;  // some pose of A is not the identity
     std::size_t count = 1;
     double finest_tolerance = 0;
+    bool target_moves = false;  // some pose of B is not the identity
+    bool symmetric = false;     // H(A,B) is asked for
 };
 
 // What a solver keeps from one pose of a chain to the next, such as the last witness. It may speed up an answer, and never changes
-// what a bound means.
+// what a bound means. A chain may go on with another instance of the solver, prepared on the same shapes in another pose.
 class State {
 public:
     virtual ~State() = default;
@@ -155,11 +200,20 @@ struct SolverInfo {
     std::string known_wrong =
         {};               // a published error that is kept to show it: why bounds may not hold; never certified
     bool exact = false;   // the gap does not depend on the tolerance
-    bool warm = false;    // makes use of a State
     bool traces = false;  // offers samples to Trace
+    // What Session does where a solver does not offer it, and what nobody does otherwise:
+    std::vector<Quantity> quantities = {Quantity::directed};
+    bool moving_target = false;         // honours Query::target_pose
+    bool warm = false;                  // makes use of a State
+    bool threads = false;               // makes use of Query::threads
+    bool fields = false;                // gives Result::fields where they are wanted
     bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
     Needs may_need = {};                // every structure it can ever use
     std::vector<ParameterSpec> parameters = {};
+
+    bool offers(Quantity quantity) const {
+        return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
+    }
 };
 
 struct SolverEntry {

@@ -7,6 +7,9 @@
 // pair, one triangle built, one query; `bytes` what the structure takes. What runs one after the other meets different
 // neighbours: for a comparison, compare.cpp times contenders in turn.
 #include "error.h"
+#include "kernel/textbook.h"
+#include "models.h"
+#include "random.h"
 #include "structures/adjacency.h"
 #include "structures/bvh.h"
 #include "structures/octree.h"
@@ -14,9 +17,6 @@
 #include "structures/point_octree.h"
 #include "structures/rtree.h"
 #include "structures/swept_sphere.h"
-#include "kernel/textbook.h"
-#include "models.h"
-#include "random.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -16,10 +16,9 @@ namespace hausbench {
 
 namespace {
 
-// Adds one direction to what is measured so far: H is the larger of the two.
-void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scene scene, const std::string& direction,
-                   Measured& measured, bool first) {
+void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source, Shape target, Measured& measured) {
     Query query;
+    query.quantity = request.symmetric ? Quantity::symmetric : Quantity::directed;
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
                        request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
     query.time_limit = request.time_limit;
@@ -31,40 +30,21 @@ void one_direction(const SolverEntry& entry, const MeasureRequest& request, Scen
     measured.tolerance_absolute = query.tolerance.of == Tolerance::Of::absolute
                                       ? query.tolerance.value
                                       : std::numeric_limits<double>::quiet_NaN();
+    QuerySet queries;
+    queries.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
+    queries.symmetric = request.symmetric;
     SolverMemory memory;
-    const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options), std::move(scene),
-                          {false, 1, query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0});
+    const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options),
+                          prepare_pair(entry.info, std::move(source), std::move(target)), queries);
     memory.prepared();
     memory.next_answer();
     Trace untraced;
     const auto begin = std::chrono::steady_clock::now();
-    Result result = session.solve(query, untraced);
-    result.note = one_line(result.note);
-    measured.solve_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    measured.prepare_seconds += session.prepare_seconds();
-    measured.peak_bytes = std::max(measured.peak_bytes, memory.peak_bytes(result.outside_bytes));
-    if (first) {
-        measured.result = result;
-        return;
-    }
-    Result& whole = measured.result;
-    if (result.bounds.lower > whole.bounds.lower) {
-        whole.witness = result.witness;
-        measured.witness_direction = direction;
-    }
-    // The status is that of H: where its bounds are still apart, it is the direction with the larger upper bound that keeps
-    // them apart, and says why.
-    if (result.bounds.upper > whole.bounds.upper) {
-        whole.status = result.status;
-        whole.note = result.note;
-    }
-    whole.bounds.lower = std::max(whole.bounds.lower, result.bounds.lower);
-    whole.bounds.upper = std::max(whole.bounds.upper, result.bounds.upper);
-    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
-        whole.status = *answer;
-        whole.note.clear();
-    }
-    for (const CounterField& field : counter_fields) whole.counters.*field.member += result.counters.*field.member;
+    measured.result = session.solve(query, untraced);
+    measured.solve_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    measured.result.note = one_line(measured.result.note);
+    measured.prepare_seconds = session.prepare_seconds();
+    measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
 }
 
 // What can be done where a solver does not take the pair.
@@ -113,14 +93,7 @@ Measured measure(const MeasureRequest& request) {
             "{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
             request.source.string()));
     }
-    if (request.symmetric)
-        one_direction(entry, request, {source.shape, target.shape}, "", measured, true);
-    else
-        one_direction(entry, request, {std::move(source.shape), std::move(target.shape)}, "", measured, true);
-    if (request.symmetric) {
-        one_direction(entry, request, {std::move(target.shape), std::move(source.shape)}, "target to source", measured,
-                      false);
-    }
+    solve(entry, request, std::move(source.shape), std::move(target.shape), measured);
     return measured;
 }
 
@@ -140,16 +113,14 @@ nlohmann::json to_json(const Measured& m, const MeasureRequest& request) {
         if (!v.allFinite()) return nullptr;
         return {v[0], v[1], v[2]};
     };
-    // A witness of the other direction lies on B first; the keys keep to A and B.
-    const bool turned = m.witness_direction == "target to source";
     const Witness& w = m.result.witness;
     return {{"lower", number(m.result.bounds.lower)},
             {"upper", number(m.result.bounds.upper)},
             {"status", to_string(m.result.status)},
             {"note", m.result.note},
-            {"source_point", point(turned ? w.target_point : w.source_point)},
-            {"target_point", point(turned ? w.source_point : w.target_point)},
-            {"witness_direction", m.witness_direction},
+            {"source_point", point(w.source_point)},
+            {"target_point", point(w.target_point)},
+            {"witness_direction", to_string(w.direction)},
             {"direction", request.symmetric ? "symmetric" : "source to target"},
             {"solver", m.solver},
             {"tolerance", request.tolerance},
@@ -174,9 +145,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         return text;
     };
     const Bounds& b = m.result.bounds;
-    const bool turned = m.witness_direction == "target to source";
-    const Vec3& p = turned ? m.result.witness.target_point : m.result.witness.source_point;
-    const Vec3& q = turned ? m.result.witness.source_point : m.result.witness.target_point;
+    const Vec3& p = m.result.witness.source_point;
+    const Vec3& q = m.result.witness.target_point;
     std::string text;
     text += fmt::format("source A   {}\n", shape(request.source, m.source_kind, m.source_elements, m.source_report));
     text += fmt::format("target B   {}\n", shape(request.target, m.target_kind, m.target_elements, m.target_report));
@@ -195,7 +165,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     }
     if (p.allFinite()) {
         text += fmt::format("witness    ({:.9g}, {:.9g}, {:.9g}) on A, ({:.9g}, {:.9g}, {:.9g}) on B{}\n", p[0], p[1],
-                            p[2], q[0], q[1], q[2], request.symmetric ? ", " + m.witness_direction : "");
+                            p[2], q[0], q[1], q[2],
+                            request.symmetric ? fmt::format(", {}", to_string(m.result.witness.direction)) : "");
     }
     text +=
         fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds, m.solve_seconds,

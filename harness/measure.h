@@ -25,12 +25,10 @@ struct MeasureRequest {
 
 struct Measured {
     std::string solver;
-    Result
-        result;  // of the symmetric distance: the bounds of H, the witness of the direction with the larger lower bound
+    Result result;
     double diagonal = 0, tolerance_absolute = 0;
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;
-    std::string witness_direction = "source to target";
     LoadReport source_report, target_report;
     ShapeKind source_kind{}, target_kind{};
     Index source_elements = 0, target_elements = 0;

@@ -73,6 +73,8 @@ struct Preparation {
 };
 
 // What became of it.
+using Facts = std::map<std::string, std::string>;
+
 struct Outcome {
     RowStatus status = RowStatus::skipped;
     std::string reason;
@@ -81,8 +83,8 @@ struct Outcome {
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;
     std::map<std::string, std::uint64_t> other_counters;  // of a file from a program that counts more
-    std::map<std::string, double> extras;  // what the solver reports of itself, where that is a single number
-    Facts facts;                           // and in words
+    std::map<std::string, double> extras;                 // numbers that the solver reports of itself
+    Facts facts;                                          // and texts
     double prepare_seconds = unknown;
     std::int64_t prepare_bytes = -1;
     double solve_seconds = unknown;

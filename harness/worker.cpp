@@ -45,10 +45,10 @@ public:
 
     int run() {
         const SolverEntry& entry = find_solver(order_.solver);
-        Scene scene{read_shape(order_.source_file).shape, read_shape(order_.target_file).shape};
+        Shape source = read_shape(order_.source_file).shape, target = read_shape(order_.target_file).shape;
         memory_.emplace();
-        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options), std::move(scene),
-                         order_.queries, order_.leave);
+        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options),
+                         prepare_pair(entry.info, std::move(source), std::move(target)), order_.queries, order_.leave);
         memory_->prepared();
         json structures = json::array(), left_out = json::array();
         for (const PreparationTime& p : session_->preparation())
@@ -76,7 +76,7 @@ private:
     void answer(const WorkOrder::Item& item) {
         send({{"event", "begin"}, {"row", item.row}});
         Query query;
-        query.pose = item.pose;
+        query.source_pose = item.pose;
         query.tolerance = item.tolerance;
         query.floor = item.floor;
         query.cutoff = item.cutoff;
@@ -108,10 +108,12 @@ private:
         outcome.bounds = result.bounds;
         outcome.witness = result.witness;
         outcome.counters = result.counters;
-        for (const auto& [name, values] : result.extras) {
-            if (values.size() == 1) outcome.extras[name] = values.front();
+        for (const auto& [name, value] : result.reported) {
+            if (const auto* real = std::get_if<double>(&value))
+                outcome.extras[one_line(name)] = *real;
+            else
+                outcome.facts[one_line(name)] = one_line(std::get<std::string>(value));
         }
-        for (const auto& [name, text] : result.facts) outcome.facts[one_line(name)] = one_line(text);
         add_preparation(outcome);
         outcome.solve_seconds = spent.wall_seconds;
         outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});

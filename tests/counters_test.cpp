@@ -3,11 +3,11 @@
 //
 // Where a change is meant: HAUSBENCH_BASELINE_REASON='why the counters change' build/release/tests/counters_test
 // writes the file anew; commit it together with the change.
-#include "structures/bvh.h"
-#include "structures/octree.h"
 #include "registry.h"
 #include "scenes.h"
 #include "session.h"
+#include "structures/bvh.h"
+#include "structures/octree.h"
 #include "tree_meshes.h"
 
 #include <cstdlib>

@@ -15,8 +15,6 @@
 namespace hausbench {
 namespace {
 
-const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
-
 double area(const TriangleMesh& mesh) {
     double sum = 0;
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {

@@ -57,7 +57,7 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
         };
         for (int i = 0; i < 10; ++i) {
             const Scene scene{moved(soup(cloud(random, 12))), moved(soup(cloud(random, 3 * (2 + 10 * i))))};
-            const auto& source = std::get<TriangleMesh>(scene.source);
+            const auto& source = mesh_of(scene.source);
             const double unit =
                 unit_roundoff * std::max(magnitude(source.vertices), magnitude(points_of(scene.target)));
             const Result result = solve(scene, 1e-3 * unit, {});
@@ -65,7 +65,7 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
             EXPECT_GT(result.bounds.gap(), 1e-3 * unit);
             EXPECT_LT(result.bounds.gap(), 400 * unit) << "the floor is higher than rounding";
             const auto [low, high] =
-                MeshReference(std::get<TriangleMesh>(scene.target)).hausdorff(source.vertices, source.triangles, 1e-7L);
+                MeshReference(mesh_of(scene.target)).hausdorff(source.vertices, source.triangles, 1e-7L);
             EXPECT_LE(result.bounds.lower, high);
             EXPECT_GE(result.bounds.upper, low);
         }
@@ -127,9 +127,9 @@ TEST(Guthe, TheTextbookKernelGoesWrong) {
     int wrong = 0;
     for (int i = 0; i < 500; ++i) {
         const Scene scene = rounded_collinear(random);
-        const auto& source = std::get<TriangleMesh>(scene.source);
+        const auto& source = mesh_of(scene.source);
         const auto [low, high] =
-            MeshReference(std::get<TriangleMesh>(scene.target)).hausdorff(source.vertices, source.triangles, 1e-6L);
+            MeshReference(mesh_of(scene.target)).hausdorff(source.vertices, source.triangles, 1e-6L);
         const Result robust = solve(scene, 1e-6, {});
         EXPECT_LE(robust.bounds.lower, high);
         EXPECT_GE(robust.bounds.upper, low);

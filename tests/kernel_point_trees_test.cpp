@@ -1,10 +1,10 @@
 // The octree and the R-tree over points, and bounds of computed distances: nothing is lost, everything lies where it is said to.
-#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
-#include "structures/rtree.h"
 #include "points/exact.h"
 #include "random.h"
 #include "scenes.h"
+#include "structures/point_octree.h"
+#include "structures/rtree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Adjacency and swept sphere volumes.
 #include "exact.h"
+#include "prepared.h"
 #include "structures/adjacency.h"
 #include "structures/swept_sphere.h"
-#include "prepared.h"
 #include "tree_meshes.h"
 
 #include <map>
@@ -209,7 +209,7 @@ TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::points));
     EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::mesh));
     EXPECT_FALSE(structure_kind<PointBvh>().fits(ShapeKind::surface));
-    EXPECT_FALSE(structure_kind<TriangleBvh>().fits(ShapeKind::points));
+    EXPECT_TRUE(structure_kind<TriangleBvh>().fits(ShapeKind::points));
     EXPECT_FALSE(structure_kind<Adjacency>().fits(ShapeKind::points));
 }
 

@@ -64,7 +64,7 @@ Result answer(const SolverEntry& entry, const SmallScene& small, const Parameter
     const Session session(entry, Options(entry.info.name, entry.info.parameters, given), small.scene,
                           {.moves = !small.pose.is_identity(), .count = 1, .finest_tolerance = 1e-6});
     Query query;
-    query.pose = small.pose;
+    query.source_pose = small.pose;
     query.tolerance = {Tolerance::Of::absolute, 1e-6};
     Trace trace;
     return session.solve(query, trace);
@@ -94,7 +94,7 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
             ASSERT_EQ(result.bounds.lower, naive.bounds.lower) << where;
             ASSERT_EQ(result.bounds.upper, naive.bounds.upper) << where;
             ASSERT_GE(result.witness.source_element, 0) << where;
-            if (entry->info.name == "adaptive") ++chosen[result.facts.at("chosen")];
+            if (entry->info.name == "adaptive") ++chosen[std::get<std::string>(result.reported.at("chosen"))];
         }
     }
     for (const char* choice : {"nohd", "earlybreak", "ohd"})
@@ -131,7 +131,7 @@ TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
         for (const std::int64_t depth : {2, 6, 12}) check("nohd", {{"depth", depth}});
         check("nohd", {{"early_break", false}});
         check("ohd", {{"culling", std::string("none")}});
-        culled += check("ohd", {}).extras.at("culled").front();
+        culled += std::get<double>(check("ohd", {}).reported.at("culled"));
         check("adaptive", {});
     }
     EXPECT_GT(culled, 1000);

@@ -1,13 +1,13 @@
 // scan against naive, bit by bit, on many scenes; and what it is built of.
 #include "exact.h"
 #include "kernel/morton.h"
-#include "structures/near_grid.h"
-#include "structures/point_blocks.h"
 #include "points/scan_search.h"
 #include "random.h"
 #include "registry.h"
 #include "scenes.h"
 #include "session.h"
+#include "structures/near_grid.h"
+#include "structures/point_blocks.h"
 
 #include <cmath>
 #include <limits>
@@ -125,7 +125,7 @@ Result answer(const std::string& solver, const Pair& pair, const Pose& pose, con
     const Session session(entry, Options(solver, entry.info.parameters, given),
                           Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
     Query query;
-    query.pose = pose;
+    query.source_pose = pose;
     query.tolerance.value = 1e-9;
     Trace trace;
     return session.solve(query, trace);
@@ -180,7 +180,7 @@ TEST(Scan, SameBitsAsNaiveAtEveryPose) {
         for (int p = 0; p < 5; ++p) {
             const Pose pose = turned(0.6, 0.8, random.vector(std::pow(10.0, random.below(6) - 3)));
             Query query;
-            query.pose = pose;
+            query.source_pose = pose;
             query.tolerance.value = 1e-9;
             Trace trace;
             const std::string where = "scene " + std::to_string(i) + ", " + pair.name + ", pose " + std::to_string(p);

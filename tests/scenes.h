@@ -75,6 +75,12 @@ inline void transform(Shape& shape, double scale, const Vec3& offset) {
     points.rowwise() += offset.transpose();
 }
 
+inline void transform(SharedShape& shape, double scale, const Vec3& offset) {
+    Shape copy = shape;
+    transform(copy, scale, offset);
+    shape = std::move(copy);
+}
+
 inline Pose turned(double c, double s, const Vec3& translation) {  // about z, then a permutation of the axes
     Pose pose;
     pose.rotation << c, -s, 0, 0, 0, 1, s, c, 0;

@@ -37,7 +37,7 @@ Result answer(const SolverEntry& entry, const Points& a, const Points& b, const 
 
 Query relative(const Pose& pose, double tolerance = 1e-9) {
     Query query;
-    query.pose = pose;
+    query.source_pose = pose;
     query.tolerance = {Tolerance::Of::lower, tolerance};
     return query;
 }

@@ -219,7 +219,7 @@ TEST(MeshBridge, OverlapsWithTheEnclosure) {
         EXPECT_LE(bridge.bounds.lower, enclosed.bounds.upper) << k.name;
         EXPECT_GE(bridge.bounds.upper, enclosed.bounds.lower) << k.name;
         narrow += bridge.bounds.gap() < 1;
-        const auto number = [&](const char* name) { return bridge.extras.at(name).at(0); };
+        const auto number = [&](const char* name) { return std::get<double>(bridge.reported.at(name)); };
         const double wide = number("mesh_upper") - number("mesh_lower") + number("mesh_a_to_surface") +
                             number("surface_to_mesh_a") + number("mesh_b_to_surface") + number("surface_to_mesh_b");
         EXPECT_LE(bridge.bounds.gap(), wide * (1 + 1e-12)) << k.name;
@@ -348,7 +348,7 @@ TEST(Session, SurfacesStandStillAndStayUnscaled) {
     const Session session = session_of("surface_enclosure", cone_1, cone_2);
     Query query;
     query.tolerance = {Tolerance::Of::absolute, 0.1};
-    query.pose.translation = Vec3(1, 0, 0);
+    query.source_pose.translation = Vec3(1, 0, 0);
     Trace trace;
     EXPECT_THROW((void)session.solve(query, trace), InputError);
     const SolverEntry& naive = find_solver("naive");

@@ -20,11 +20,11 @@
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
 #include "kernel/deadline.h"
-#include "structures/octree.h"
 #include "kernel/rounding.h"
 #include "kernel/textbook.h"
 #include "kernel/triangle_block.h"
 #include "solver.h"
+#include "structures/octree.h"
 
 #include <algorithm>
 #include <array>
@@ -352,12 +352,9 @@ Result Search::run() {
         double most = 0;
         for (Index v = 0; v < points_.rows(); ++v) most = std::max(most, squared_length(Vec3(points_.row(v)) - point));
         settled_ = rounding_.at_most(most, 0);
-        return farthest_.triangle < 0 ? Result{.status = Status::time_limit,
-                                               .bounds = {0, settled_},
-                                               .witness = {},
-                                               .counters = counters_,
-                                               .extras = {}}
-                                      : result(Status::time_limit);
+        return farthest_.triangle < 0
+                   ? Result{.status = Status::time_limit, .bounds = {0, settled_}, .witness = {}, .counters = counters_}
+                   : result(Status::time_limit);
     }
     push_triangles();
 
@@ -397,14 +394,14 @@ public:
         return {need<TriangleOctree>(Side::target)};
     }
 
-    void prepare(const Scene& scene, const Prepared& prepared) override {
-        source_ = &std::get<TriangleMesh>(scene.source);
-        target_ = &std::get<TriangleMesh>(scene.target);
+    void prepare(const Scene&, const Prepared& prepared) override {
+        source_ = &prepared.triangles(Side::source);
+        target_ = &prepared.triangles(Side::target);
         octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        Points points = posed(source_->vertices, query.pose);
+        Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
         return Search(*source_, *target_, octree_, std::move(points), query, trace, choices_).run();
@@ -424,7 +421,7 @@ SolverEntry guthe_solver() {
     info.name = "guthe";
     info.title = "Guthe et al.";
     info.paper = "guthe2005";
-    info.source.mesh = info.target.mesh = true;
+    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
     info.certified = true;
     info.traces = true;
     info.may_need = {need<TriangleOctree>(Side::target)};

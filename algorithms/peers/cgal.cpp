@@ -68,8 +68,8 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override {
         namespace pmp = CGAL::Polygon_mesh_processing;
-        source_ = &std::get<TriangleMesh>(scene.source);
-        const auto& target = std::get<TriangleMesh>(scene.target);
+        source_ = &mesh_of(scene.source);
+        const auto& target = mesh_of(scene.target);
         source_faces_ = faces_of(source_->triangles);
         source_shared_ = pmp::is_polygon_soup_a_polygon_mesh(source_faces_);
         const Faces target_faces = faces_of(target.triangles);
@@ -82,7 +82,7 @@ public:
         result.witness.target_point = result.witness.source_point;
         try {
             const SurfaceMesh source =
-                surface_mesh(posed(source_->vertices, query.pose), source_faces_, source_shared_);
+                surface_mesh(posed(source_->vertices, query.source_pose), source_faces_, source_shared_);
             if (query.tolerance.of == Tolerance::Of::absolute) {
                 result.bounds = bounds(source, query.tolerance.value);
                 if (result.bounds.gap() > query.tolerance.value)

@@ -108,7 +108,7 @@ public:
         }
     }
     void prepare(const Scene& scene, const Prepared&) override {
-        source_ = &scene.source;
+        scene_ = &scene;
         folder_.emplace("external");
         write_mesh_file(file("B"), scene.target, mesh_format_of(file("B")));
     }
@@ -117,8 +117,8 @@ public:
         Result result;
         result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
         result.witness.target_point = result.witness.source_point;
-        Shape a = *source_;
-        points_of(a) = posed(points_of(*source_), query.pose);
+        Shape a = scene_->source;
+        points_of(a) = posed(points_of(scene_->source), query.source_pose);
         const bool needs_length = command_.find("tolerance}") != std::string::npos;
         if (needs_length && query.tolerance.of == Tolerance::Of::lower) {
             result.note =
@@ -181,7 +181,7 @@ private:
     std::string command_, extension_;
     Place lower_, upper_, seconds_;
     double seconds_unit_;
-    const Shape* source_ = nullptr;
+    const Scene* scene_ = nullptr;
     HoldInterrupts hold_;  // destroyed after the folder
     std::optional<ScratchFolder> folder_;
 };

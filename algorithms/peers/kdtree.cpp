@@ -61,7 +61,7 @@ public:
     std::size_t prepared_bytes() const override { return tree_->usedMemory(*tree_); }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
 

@@ -7,10 +7,10 @@
 //
 // Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
 // chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
-#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
 #include "solver.h"
+#include "structures/point_octree.h"
 
 #include <array>
 
@@ -85,16 +85,16 @@ public:
     }
 
     Result solve(const Query& query, State* state, Trace& trace) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
         // A pose where none was announced: any that is ready is exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
-        result.facts["chosen"] = names[chosen];
-        result.extras["alpha"] = {overlap.alpha};
-        result.extras["iou"] = {overlap.iou};
+        result.reported["chosen"] = names[chosen];
+        result.reported["alpha"] = overlap.alpha;
+        result.reported["iou"] = overlap.iou;
         return result;
     }
 

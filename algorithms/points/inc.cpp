@@ -11,9 +11,9 @@
 // the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the most held at once). Budget: entries taken.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
-#include "structures/rtree.h"
 #include "points/exact.h"
 #include "solver.h"
+#include "structures/rtree.h"
 
 #include <algorithm>
 
@@ -51,7 +51,7 @@ public:
           a_(a),
           b_(b),
           query_(query),
-          a_box_(query.pose.is_identity() ? Box{} : box_of(a)),
+          a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
           deadline_(query.time_limit) {}
 
     Result run() {
@@ -93,7 +93,7 @@ private:
     static Box point_box(const Vec3& p) { return {p, p}; }
     Box source_box(Id id) const {
         if (is_point(id)) return point_box(a_.row(source_.order()[row(id)]));
-        return posed_box(source_.nodes()[static_cast<std::size_t>(id)].box, query_.pose, a_box_);
+        return posed_box(source_.nodes()[static_cast<std::size_t>(id)].box, query_.source_pose, a_box_);
     }
     Box target_box(Id id) const {
         return is_point(id) ? point_box(target_.points().row(~id)) : target_.nodes()[static_cast<std::size_t>(id)].box;
@@ -172,7 +172,7 @@ private:
 
     Result finish(const FarthestPoint& farthest, double rest, Status stopped) {
         Result result = exact_result(query_, a_, b_, farthest, counters_, rest, stopped);
-        result.extras["queue_bytes"] = {static_cast<double>(most_bytes_)};
+        result.reported["queue_bytes"] = static_cast<double>(most_bytes_);
         return result;
     }
 
@@ -201,7 +201,7 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
         return Search(*source_, *target_, a, b, query).run();

@@ -16,7 +16,7 @@ public:
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
 

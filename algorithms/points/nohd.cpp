@@ -15,8 +15,8 @@
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
 #include "kernel/deadline.h"
-#include "structures/point_octree.h"
 #include "solver.h"
+#include "structures/point_octree.h"
 
 #include <algorithm>
 
@@ -33,7 +33,7 @@ public:
           query_(query),
           depth_(depth),
           early_break_(early_break),
-          a_box_(query.pose.is_identity() ? Box{} : box_of(a)),
+          a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
           deadline_(query.time_limit) {}
 
     Result run() {
@@ -55,7 +55,7 @@ public:
                 continue;
             }
             for_each_part(tree_, head.cell, [&](const Cursor& part) {
-                const Box box = posed_box(part.cell, query_.pose, a_box_);
+                const Box box = posed_box(part.cell, query_.source_pose, a_box_);
                 const auto [upper, lower, undecided] = cell_to_points(box, b_, squared_lower_, early_break_, counters_);
                 if (!undecided) return;
                 if (lower > squared_lower_) squared_lower_ = lower, witness_cell_ = part;
@@ -134,7 +134,7 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
         return Search(*tree_, a, b, query, depth_, early_break_).run();

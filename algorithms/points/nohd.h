@@ -2,9 +2,9 @@
 // entries. Algorithms 3 and 5 are in each file.
 #pragma once
 
-#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
+#include "structures/point_octree.h"
 
 #include <limits>
 

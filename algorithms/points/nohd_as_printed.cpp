@@ -4,9 +4,9 @@
 // has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
 // drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
-#include "structures/point_octree.h"
 #include "points/nohd.h"
 #include "solver.h"
+#include "structures/point_octree.h"
 
 #include <queue>
 
@@ -26,7 +26,7 @@ public:
 
     // Algorithm 3.
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
         const Box around = box_of(a);
@@ -51,7 +51,7 @@ public:
             const PointOctree::Node& node = tree_->nodes()[static_cast<std::size_t>(head.cell.node)];
             if (head.cell.depth < depth_) {
                 for_each_part(*tree_, head.cell, [&](const Cursor& part) {
-                    const Box box = posed_box(part.cell, query.pose, around);
+                    const Box box = posed_box(part.cell, query.source_pose, around);
                     const auto [upper, lower, undecided] = cell_to_points(box, b, max_lb, true, counters);
                     if (!undecided) return;
                     if (lower > max_lb) max_lb = lower, shows_it = first_point(*tree_, part);

@@ -13,10 +13,10 @@
 // still, so motion does not touch it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
 // O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
 #include "kernel/deadline.h"
-#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/early_break.h"
 #include "solver.h"
+#include "structures/point_octree.h"
 
 #include <algorithm>
 #include <optional>
@@ -114,7 +114,7 @@ private:
     Result finish(std::uint64_t culled, Index first, Status stopped) {
         const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
-        result.extras["culled"] = {static_cast<double>(culled)};
+        result.reported["culled"] = static_cast<double>(culled);
         return result;
     }
 
@@ -158,7 +158,7 @@ public:
     std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(scene_->source), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
         return Search(*tree_, a, b, query).run(sample_, target_, culling_);

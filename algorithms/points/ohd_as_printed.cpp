@@ -6,10 +6,10 @@
 // of more than 2^40 cells along an axis: then cells are split down to single points, and nothing is culled.
 // O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD. Budget: points of A.
 #include "kernel/deadline.h"
-#include "structures/point_octree.h"
 #include "kernel/posed_box.h"
 #include "points/early_break.h"
 #include "solver.h"
+#include "structures/point_octree.h"
 
 #include <optional>
 #include <queue>
@@ -127,7 +127,7 @@ void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& far
 }
 
 Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
-    const Points a = posed(points_of(scene_->source), query.pose);
+    const Points a = posed(points_of(scene_->source), query.source_pose);
     const Points& b = points_of(scene_->target);
     if (out_of_range(a, b)) return {};
     const Deadline deadline(query.time_limit);
@@ -142,7 +142,7 @@ Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
     const auto finish = [&](Index first, Status stopped) {
         const double rest = squared_distances_at_most(a, b, nullptr, first);
         Result result = exact_result(query, a, b, farthest, counters, rest, stopped);
-        result.extras["culled"] = {static_cast<double>(culled)};
+        result.reported["culled"] = static_cast<double>(culled);
         return result;
     };
     for (const Index i : sample_) {

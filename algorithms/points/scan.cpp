@@ -19,10 +19,10 @@
 // the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
-#include "structures/near_grid.h"
-#include "structures/point_blocks.h"
 #include "points/scan_search.h"
 #include "solver.h"
+#include "structures/near_grid.h"
+#include "structures/point_blocks.h"
 
 #include <algorithm>
 #include <optional>
@@ -61,8 +61,8 @@ public:
 
     Result solve(const Query& query, State*, Trace&) const override {
         Points moved;
-        if (!query.pose.is_identity()) moved = posed(points_of(scene_->source), query.pose);
-        const Points& a = query.pose.is_identity() ? points_of(scene_->source) : moved;
+        if (!query.source_pose.is_identity()) moved = posed(points_of(scene_->source), query.source_pose);
+        const Points& a = query.source_pose.is_identity() ? points_of(scene_->source) : moved;
         const Points& b = points_of(scene_->target);
         const Extent source = extent_of(a);
         if (std::max(source.magnitude(), target_.magnitude()) > largest_safe_coordinate) return {};

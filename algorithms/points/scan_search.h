@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernel/counters.h"
-#include "structures/point_blocks.h"
 #include "points/exact.h"
+#include "structures/point_blocks.h"
 
 #include <cstdint>
 #include <span>

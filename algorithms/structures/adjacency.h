@@ -16,6 +16,7 @@ namespace hausbench {
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";
+    static constexpr bool structure_of_meshes_only = true;  // points have no neighbours
     static constexpr int structure_layout = 1;
 
     // O(n) time for bounded degrees, O(n log n) at worst; O(n) memory.

@@ -166,8 +166,8 @@ public:
     }
 
     void prepare(const Scene& scene, const Prepared&) override {
-        source_ = Subdivision(std::get<AlgebraicSurface>(scene.source), depth_, form_).take();
-        target_ = Subdivision(std::get<AlgebraicSurface>(scene.target), depth_, form_).take();
+        source_ = Subdivision(surface_of(scene.source), depth_, form_).take();
+        target_ = Subdivision(surface_of(scene.target), depth_, form_).take();
     }
 
     std::size_t prepared_bytes() const override { return source_.bytes() + target_.bytes(); }

@@ -297,8 +297,8 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override {
         const UpwardRounding upward;
-        source_.emplace(grown(std::get<AlgebraicSurface>(scene.source)));
-        target_.emplace(grown(std::get<AlgebraicSurface>(scene.target)));
+        source_.emplace(grown(surface_of(scene.source)));
+        target_.emplace(grown(surface_of(scene.target)));
     }
 
     std::size_t prepared_bytes() const override {

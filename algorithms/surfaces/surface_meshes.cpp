@@ -2,7 +2,7 @@
 // far each mesh is from its surface at most, proven in both directions (surface_mesh.h):
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
 // Certified, because the mesh solver has to be. The deviations, the mesh solver's own bounds and the numbers of triangles
-// are in the extras. The width is that of the deviations at least, of the order of a cell (of its square, where the surface is
+// are reported. The width is that of the deviations at least, of the order of a cell (of its square, where the surface is
 // smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
 // back to the farthest points of the boxes.
 //
@@ -28,7 +28,7 @@ public:
           asked_(find_solver(options.text("solver"))) {}
 
     void prepare(const Scene& scene, const Prepared&) override {
-        const auto &a = std::get<AlgebraicSurface>(scene.source), &b = std::get<AlgebraicSurface>(scene.target);
+        const auto &a = surface_of(scene.source), &b = surface_of(scene.target);
         TriangleMesh of_a = triangulate(a, cells_), of_b = triangulate(b, cells_);
         a_ = deviation(a, of_a, cells_, levels_);
         b_ = deviation(b, of_b, cells_, levels_);
@@ -61,14 +61,14 @@ public:
             result.bounds.upper = std::min(of_meshes.upper + a_.surface_to_mesh + b_.mesh_to_surface, farthest_);
         }
         result.witness.source_element = result.witness.target_element = -1;  // of meshes that nobody else has
-        result.extras = {{"mesh_a_to_surface", {a_.mesh_to_surface}},
-                         {"surface_to_mesh_a", {a_.surface_to_mesh}},
-                         {"mesh_b_to_surface", {b_.mesh_to_surface}},
-                         {"surface_to_mesh_b", {b_.surface_to_mesh}},
-                         {"mesh_lower", {of_meshes.lower}},
-                         {"mesh_upper", {of_meshes.upper}},
-                         {"triangles_a", {triangles_[0]}},
-                         {"triangles_b", {triangles_[1]}}};
+        result.reported = {{"mesh_a_to_surface", a_.mesh_to_surface},
+                           {"surface_to_mesh_a", a_.surface_to_mesh},
+                           {"mesh_b_to_surface", b_.mesh_to_surface},
+                           {"surface_to_mesh_b", b_.surface_to_mesh},
+                           {"mesh_lower", of_meshes.lower},
+                           {"mesh_upper", of_meshes.upper},
+                           {"triangles_a", triangles_[0]},
+                           {"triangles_b", triangles_[1]}};
         trace.record(result.bounds.lower, result.bounds.upper);
         if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
             result.status = *answer;

@@ -105,7 +105,7 @@ public:
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         Result result = good_->solve(query, nullptr, trace);
-        if (query.pose.translation.x() == at_) deed(how_, result);
+        if (query.source_pose.translation.x() == at_) deed(how_, result);
         return result;
     }
 

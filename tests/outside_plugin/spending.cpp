@@ -47,12 +47,12 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        if (query.pose.translation.x() == at_) touch(solve_megabytes_);
+        if (query.source_pose.translation.x() == at_) touch(solve_megabytes_);
         std::vector<std::thread> threads;
         for (std::int64_t i = 0; i < threads_; ++i) threads.emplace_back(burn, seconds_);
         for (std::thread& thread : threads) thread.join();
         Result result = good_->solve(query, nullptr, trace);
-        result.facts["threads"] = std::to_string(threads_) + "\nof its own";
+        result.reported["threads"] = std::to_string(threads_) + "\nof its own";
         return result;
     }
 

@@ -31,20 +31,20 @@ public:
     explicit VertexOnly(const Options&) {}
 
     void prepare(const Scene& scene, const Prepared&) override {
-        source_ = &scene.source;
+        scene_ = &scene;
         target_ = elements_of(scene.target, points_of(scene.target));
         target_magnitude_ = magnitude(points_of(scene.target));
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
-        const Points a = posed(points_of(*source_), query.pose);
+        const Points a = posed(points_of(scene_->source), query.source_pose);
         const double size = std::max(magnitude(a), target_magnitude_);
         if (size != 0 && !(size >= smallest_safe_magnitude && size <= largest_safe_magnitude)) return {};
 
         const Deadline deadline(query.time_limit);
         Result result;
         double upper = 0;
-        const std::vector<Triangle> elements = elements_of(*source_, a);
+        const std::vector<Triangle> elements = elements_of(scene_->source, a);
         for (std::size_t i = 0; i < elements.size(); ++i) {
             if (deadline.passed()) {
                 result.status = Status::time_limit;
@@ -75,7 +75,7 @@ public:
     }
 
 private:
-    const Shape* source_ = nullptr;
+    const Scene* scene_ = nullptr;
     std::vector<Triangle> target_;
     double target_magnitude_ = 0;
 };
