@@ -17,6 +17,10 @@ double diagonal(const Points& points) {
     return std::ldexp(std::sqrt(x * x + y * y + z * z), exponent);
 }
 
+double longest_side(const Points& points) {
+    return points.rows() == 0 ? 0 : (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff();
+}
+
 double magnitude(const Points& points) { return points.rows() == 0 ? 0 : points.cwiseAbs().maxCoeff(); }
 
 bool Pose::is_identity() const {

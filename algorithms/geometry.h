@@ -39,6 +39,9 @@ struct AlgebraicSurface {
 // Length of the diagonal of the axis-aligned box of the points.
 double diagonal(const Points& points);
 
+// Length of the longest side of that box.
+double longest_side(const Points& points);
+
 // Largest |coordinate|.
 double magnitude(const Points& points);
 

@@ -47,6 +47,7 @@ class Cases:
     source_elements: Ints
     target_elements: Ints
     source_diagonal: Floats
+    source_longest: Floats
     pose_index: Ints
     tolerance_absolute: Floats
     status: Texts
@@ -100,6 +101,7 @@ class Models:
     elements: Ints
     vertices: Ints
     diagonal: Floats
+    longest_side: Floats
     precision: Texts
     unreferenced: Ints
     source: Texts
@@ -163,6 +165,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/source_elements": 0,
     "cases/target_elements": 0,
     "cases/source_diagonal": 0.0,
+    "cases/source_longest": 0.0,
     "cases/pose_index": 0,
     "cases/tolerance_absolute": 0.0,
     "cases/status": "skipped",
@@ -204,6 +207,7 @@ DEFAULTS: dict[str, Any] = {
     "models/elements": 0,
     "models/vertices": 0,
     "models/diagonal": 0.0,
+    "models/longest_side": 0.0,
     "models/precision": "",
     "models/unreferenced": -1,
     "models/source": "",

@@ -259,7 +259,8 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
                          kind_of(loaded.shape),
                          element_count(loaded.shape),
                          static_cast<Index>(points_of(loaded.shape).rows()),
-                         diagonal(points_of(loaded.shape))};
+                         diagonal(points_of(loaded.shape)),
+                         longest_side(points_of(loaded.shape))};
 }
 
 }  // namespace hausbench

@@ -32,7 +32,7 @@ struct ResolvedModel {
     LoadReport report;
     ShapeKind kind = ShapeKind::mesh;
     Index elements = 0, vertices = 0;
-    double diagonal = 0;
+    double diagonal = 0, longest_side = 0;  // of the box of its points
 };
 
 struct MissingModel {

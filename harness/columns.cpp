@@ -120,10 +120,11 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(source)>("source", "model of the scene that is A", Identity::of_missing),
         at<Case, MEMBER(target)>("target", "model of the scene that is B", Identity::of_missing),
         at<Case, MEMBER(pose)>("pose", "of A: rotation row by row, then translation", Identity::always),
-        at<Case, MEMBER(tolerance_of)>(
-            "tolerance_of",
-            "what the tolerance is a fraction of: the `diagonal` of A, or `lower`; or `absolute`: a length",
-            Identity::always),
+        at<Case, MEMBER(tolerance_of)>("tolerance_of",
+                                       "what the tolerance is a fraction of: the `diagonal` or the `longest` side of "
+                                       "the box of A as loaded, whatever the "
+                                       "pose, or `lower`; or `absolute`: a length",
+                                       Identity::always),
         at<Case, MEMBER(tolerance)>("tolerance", "as asked", Identity::always),
         at<Case, MEMBER(limits.case_seconds)>("case_seconds_limit", "for one answer", Identity::always),
         at<Case, MEMBER(limits.prepare_seconds)>("prepare_seconds_limit", "for loading and preparing",
@@ -147,7 +148,8 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(exact)>("exact", "the true h(A,B), where the experiment gives it; else NaN"),
         at<Case, MEMBER(source_elements)>("source_elements", "points or triangles of A"),
         at<Case, MEMBER(target_elements)>("target_elements", "points or triangles of B"),
-        at<Case, MEMBER(source_diagonal)>("source_diagonal", "length"),
+        at<Case, MEMBER(source_diagonal)>("source_diagonal", "length, of the box of A as loaded"),
+        at<Case, MEMBER(source_longest)>("source_longest", "length of the longest side of that box; 0 in older files"),
         at<Case, MEMBER(pose_index)>("pose_index", "number in the motion"),
         {"tolerance_absolute", "as a length (NaN for `lower`)",
          Column<Case>::Real{1,
@@ -240,6 +242,7 @@ const Columns<ModelRecord>& model_columns() {
         at<ModelRecord, MEMBER(elements)>("elements", "points or triangles; of a surface 1"),
         at<ModelRecord, MEMBER(vertices)>("vertices", "of a surface the two corners of its box"),
         at<ModelRecord, MEMBER(diagonal)>("diagonal", "of the box of its points"),
+        at<ModelRecord, MEMBER(longest_side)>("longest_side", "of that box; 0 in older files"),
         at<ModelRecord, MEMBER(precision)>("precision", "`float64`, or `float32` if the reader rounds to it"),
         at<ModelRecord, MEMBER(unreferenced)>("unreferenced", "vertices dropped; -1 unknown"),
         at<ModelRecord, MEMBER(source)>("source", "where it comes from"),

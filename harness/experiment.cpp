@@ -315,6 +315,10 @@ toml::table with_profile(const fs::path& file, toml::table table, const std::str
 
 }  // namespace
 
+double unit_of(const std::string& of, double diagonal, double longest_side) {
+    return of == "diagonal" ? diagonal : of == "longest" ? longest_side : 1;
+}
+
 Experiment read_experiment(const fs::path& file, const std::string& profile) {
     Experiment experiment;
     experiment.file = file;
@@ -342,8 +346,9 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.paper = root.text("paper", "");
     experiment.tolerances = root.tolerances("tolerances");
     experiment.of = root.text("of", experiment.of);
-    if (experiment.of != "diagonal" && experiment.of != "absolute" && experiment.of != "lower") {
-        root.fail(*root.find("of"), fmt::format("'of' must be diagonal, absolute or lower, not '{}'", experiment.of));
+    if (std::find(tolerance_units.begin(), tolerance_units.end(), experiment.of) == tolerance_units.end()) {
+        root.fail(*root.find("of"), fmt::format("'of' must be diagonal, longest, absolute or lower, not '{}'{}",
+                                                experiment.of, nearest_hint(experiment.of, tolerance_units)));
     }
     experiment.floor = root.length("floor", experiment.floor);
     experiment.cutoff = root.length("cutoff", experiment.cutoff);

@@ -18,6 +18,13 @@ struct Limits {
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
 
+// What a tolerance is a fraction of: the diagonal or the longest side of A's box, or the lower bound; or a length.
+inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
+
+// The length that 1 stands for, where A's box has this diagonal and this longest side. Both are those of A as loaded, for
+// every pose and for both directions of H.
+double unit_of(const std::string& of, double diagonal, double longest_side);
+
 struct ScenePlan {
     std::string name, source, target;  // models of datasets/manifest.toml
     std::string note;
@@ -39,7 +46,7 @@ struct Experiment {
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
-    std::string of = "diagonal";                                         // diagonal | absolute | lower
+    std::string of = "diagonal";                                         // one of tolerance_units
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
     std::int64_t budget = -1;                                            // see Query; -1: none
     int repeats = 5;                                                     // timed repeats a round

@@ -142,11 +142,12 @@ std::string explain(const Plan& plan, const fs::path& results) {
         e.title, e.profile, plan.cases.size(), run, plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
     text += "MODELS\n";
     for (const ModelRow& model : plan.models) {
-        text += fmt::format("  {:<28} {:>9} {}, diagonal {:.6g}\n", model.info->name, model.resolved.elements,
+        text += fmt::format("  {:<28} {:>9} {}, {} {:.6g}\n", model.info->name, model.resolved.elements,
                             model.resolved.kind == ShapeKind::points    ? "points"
                             : model.resolved.kind == ShapeKind::surface ? "surface"
                                                                         : "triangles",
-                            model.resolved.diagonal);
+                            e.of == "longest" ? "longest side" : "diagonal",
+                            e.of == "longest" ? model.resolved.longest_side : model.resolved.diagonal);
     }
     text += "RUN\n";
     double total = 0;

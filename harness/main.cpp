@@ -214,15 +214,15 @@ int dispatch(int argc, char** argv) {
         ->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
         ->capture_default_str();
     measure_verb
-        ->add_option("--of", request.of,
-                     "diagonal: a fraction of the diagonal of A's box; absolute: a length in the files' unit; lower: a "
-                     "fraction of the lower bound")
+        ->add_option(
+            "--of", request.of,
+            "diagonal, longest: a fraction of the diagonal or of the longest side of A's box; absolute: a length in "
+            "the files' unit; lower: a fraction of the lower bound")
         ->capture_default_str()
         ->check([](const std::string& of) {
-            const std::vector<std::string> known = {"diagonal", "absolute", "lower"};
-            return std::find(known.begin(), known.end(), of) != known.end()
+            return std::find(tolerance_units.begin(), tolerance_units.end(), of) != tolerance_units.end()
                        ? ""
-                       : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, known));
+                       : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, tolerance_units));
         });
     measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");

@@ -20,7 +20,7 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     Query query;
     query.quantity = request.symmetric ? Quantity::symmetric : Quantity::directed;
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
-                       request.of == "diagonal" ? request.tolerance * measured.diagonal : request.tolerance};
+                       request.tolerance * measured.unit};
     query.time_limit = request.time_limit;
     if (request.cutoff) {
         query.floor = query.cutoff = *request.cutoff;
@@ -46,6 +46,8 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     measured.prepare_seconds = session.prepare_seconds();
     measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
 }
+
+const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
 // What can be done where a solver does not take the pair.
 std::string solvers_for(ShapeKind source, ShapeKind target) {
@@ -76,7 +78,8 @@ Measured measure(const MeasureRequest& request) {
     measured.target_kind = kind_of(target.shape);
     measured.source_elements = element_count(source.shape);
     measured.target_elements = element_count(target.shape);
-    measured.diagonal = diagonal(points_of(source.shape));
+    const Points& points_of_source = points_of(source.shape);
+    measured.unit = unit_of(request.of, diagonal(points_of_source), longest_side(points_of_source));
     const bool points = measured.source_kind == ShapeKind::points && measured.target_kind == ShapeKind::points;
     const bool surfaces = measured.source_kind == ShapeKind::surface && measured.target_kind == ShapeKind::surface;
     measured.solver = !request.solver.empty() ? request.solver
@@ -88,10 +91,10 @@ Measured measure(const MeasureRequest& request) {
         throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), why,
                                      solvers_for(measured.source_kind, measured.target_kind)));
     }
-    if (request.of == "diagonal" && measured.diagonal == 0) {
+    if (measured.unit == 0) {
         throw InputError(fmt::format(
-            "{}: its box has no diagonal, so a tolerance relative to it means nothing: use --of absolute or --of lower",
-            request.source.string()));
+            "{}: its box has no {}, so a tolerance relative to it means nothing: use --of absolute or --of lower",
+            request.source.string(), name_of_unit(request.of)));
     }
     solve(entry, request, std::move(source.shape), std::move(target.shape), measured);
     return measured;
@@ -150,10 +153,11 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     std::string text;
     text += fmt::format("source A   {}\n", shape(request.source, m.source_kind, m.source_elements, m.source_report));
     text += fmt::format("target B   {}\n", shape(request.target, m.target_kind, m.target_elements, m.target_report));
-    const std::string of = request.of == "diagonal"
-                               ? fmt::format("of A's diagonal {:.9g} (= {:.9g})", m.diagonal, m.tolerance_absolute)
-                           : request.of == "lower" ? "of the lower bound"
-                                                   : "(a length)";
+    const std::string of =
+        request.of == "lower" ? "of the lower bound"
+        : request.of == "absolute"
+            ? "(a length)"
+            : fmt::format("of A's {} {:.9g} (= {:.9g})", name_of_unit(request.of), m.unit, m.tolerance_absolute);
     text += fmt::format("solver     {}, tolerance {:g} {}\n", m.solver, request.tolerance, of);
     text +=
         fmt::format("distance   {} in [{:.17g}, {:.17g}]\n", request.symmetric ? "H(A,B)" : "h(A,B)", b.lower, b.upper);

@@ -17,7 +17,7 @@ struct MeasureRequest {
     std::string solver;  // empty: guthe for meshes, earlybreak for point sets
     ParameterMap options;
     double tolerance = 1e-6;
-    std::string of = "diagonal";   // diagonal | absolute | lower
+    std::string of = "diagonal";   // one of tolerance_units
     bool symmetric = false;        // H = max of both directions
     std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
     double time_limit = std::numeric_limits<double>::infinity();
@@ -26,7 +26,8 @@ struct MeasureRequest {
 struct Measured {
     std::string solver;
     Result result;
-    double diagonal = 0, tolerance_absolute = 0;
+    double unit = 1;  // see unit_of
+    double tolerance_absolute = 0;
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;
     LoadReport source_report, target_report;

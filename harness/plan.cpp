@@ -157,6 +157,7 @@ private:
                     asked.source_hash = source->content_hash;
                     asked.source_elements = source->elements;
                     asked.source_diagonal = source->diagonal;
+                    asked.source_longest = source->longest_side;
                 }
                 if (target) {
                     asked.target_hash = target->content_hash;
@@ -167,9 +168,8 @@ private:
                 asked.tolerance = tolerances[t];
                 asked.tolerance_of = experiment.of;
                 asked.limits = experiment.limits;
-                const double unit = experiment.of == "diagonal" ? asked.source_diagonal : 1;
-                asked.floor = experiment.floor * unit;
-                asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * unit;
+                asked.floor = experiment.floor * asked.unit();
+                asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
                 asked.budget = experiment.budget;
                 asked.certified = certified;
                 asked.identity = identify(asked);

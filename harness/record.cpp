@@ -27,7 +27,7 @@ double number(const json& value) {
 
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
-    return {Tolerance::Of::absolute, tolerance_of == "diagonal" ? tolerance * source_diagonal : tolerance};
+    return {Tolerance::Of::absolute, tolerance * unit()};
 }
 
 json options_json(const ParameterMap& options) {

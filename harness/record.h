@@ -33,7 +33,7 @@ struct Case {
     std::string scene, note, source, target;
     std::string source_hash, target_hash;  // of the shapes; empty for a missing model
     std::int64_t source_elements = 0, target_elements = 0;
-    double source_diagonal = 0;
+    double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
     int pose_index = 0;
     Pose pose;
     double tolerance = 0;
@@ -44,7 +44,8 @@ struct Case {
     double exact = unknown;  // the true distance, where the experiment gives it
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
-    Tolerance resolved_tolerance() const;  // relative to the diagonal becomes absolute: here and nowhere else
+    double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }
+    Tolerance resolved_tolerance() const;  // relative to A's box becomes absolute: here and nowhere else
 };
 
 std::string identify(const Case& asked);
@@ -128,7 +129,7 @@ inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown
 struct ModelRecord {
     std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
-    double diagonal = 0;
+    double diagonal = 0, longest_side = 0;
     std::array<double, 6> box = no_box;  // from, to in x, y and z
 };
 

@@ -45,6 +45,7 @@ ModelRecord record_of(const ModelRow& model) {
                        r.vertices,
                        r.report.unreferenced.value_or(-1),
                        r.diagonal,
+                       r.longest_side,
                        no_box};
     if (const auto& surface = model.info->surface) {
         record.polynomial = surface->polynomial;

@@ -447,6 +447,7 @@ TEST_F(Manifest, GeneratedAndDerivedShapesAreCachedByContent) {
     EXPECT_EQ(points_of(shape.shape), 0.5 * points_of(sphere(1)));
     EXPECT_EQ(resolved.content_hash, content_hash(shape.shape));
     EXPECT_EQ(resolved.diagonal, diagonal(points_of(shape.shape)));
+    EXPECT_EQ(resolved.longest_side, 1);
 
     const auto written = std::filesystem::last_write_time(resolved.shape_file);
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("half")).shape_file, resolved.shape_file);

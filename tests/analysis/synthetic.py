@@ -31,7 +31,7 @@ META: dict[str, Any] = {
 
 CASE: dict[str, Any] = {
     "identity": "", "solver": "", "label": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
-    "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "pose_index": 0,
+    "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "source_longest": 0.75, "pose_index": 0,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "tolerance": 0.0, "tolerance_of": "diagonal",
     "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
@@ -41,7 +41,7 @@ CASE: dict[str, Any] = {
     "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked",
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
-MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0,
+MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0, "longest_side": 0.75,
                          "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
                          "polynomial": "", "box": [NAN] * 6}
 ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "reported_seconds": NAN}

@@ -50,6 +50,23 @@ def test_relative_to_the_lower_bound(hausbench: Program, tetrahedron: Path, rais
     assert upper - lower <= 1e-3 * lower
 
 
+def test_relative_to_the_longest_side_of_a(hausbench: Program, tmp_path: Path) -> None:
+    """Of A's box as loaded, in both directions."""
+    needle, plate, point = tmp_path / "needle.off", tmp_path / "plate.off", tmp_path / "point.off"
+    needle.write_text("OFF\n3 1 0\n0 0 0\n8 0 1\n8 2 0\n3 0 1 2\n")
+    plate.write_text("OFF\n3 1 0\n0 0 0\n64 0 0\n0 64 0\n3 0 1 2\n")
+    point.write_text("OFF\n3 1 0\n1 1 1\n1 1 1\n1 1 1\n3 0 1 2\n")
+    options = ("--of", "longest", "--tolerance", "0.001")
+    for more in ((), ("--symmetric",)):
+        result = measured(hausbench, needle, plate, *options, *more)
+        assert result["tolerance_of"] == "longest" and result["tolerance_absolute"] == 0.001 * 8
+        assert result["upper"] - result["lower"] <= 0.001 * 8  # type: ignore[operator]
+    assert "of A's longest side 8 (= 0.008)" in hausbench("measure", needle, plate, *options).stdout
+    for unit, side in (("longest", "longest side"), ("diagonal", "diagonal")):
+        said = hausbench.fails("measure", point, plate, "--of", unit)
+        assert f"{point}: its box has no {side}" in said and "--of absolute" in said
+
+
 @pytest.mark.parametrize("more", [(), ("--symmetric",)])
 def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: tuple[str, ...]) -> None:
     """The distance is 0.25. The tolerance ends nothing: it is far too coarse to tell."""

@@ -266,6 +266,12 @@ def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: P
         assert texts(file, "cases/status") == ["budget" if key == "budget" else "ok"]
     assert answers == {"floor": "h <= floor", "cutoff": "h > cutoff", "budget": ""}
     assert texts(plain, "cases/answer") == ["gap"]
+    side = numbers(plain, "cases/source_longest")[0]
+    experiment.write_text(text.replace('"diagonal"', '"longest"') + "[profile.quick]\nfloor = 0.01\ncutoff = 0.5\n")
+    file = run(hausbench, experiment, tmp_path / "longest")
+    assert side != diagonal and numbers(file, "models/longest_side")[0] == side
+    assert numbers(file, "cases/tolerance_absolute")[0] == 1e-3 * side
+    assert (numbers(file, "cases/floor")[0], numbers(file, "cases/cutoff")[0]) == (0.01 * side, 0.5 * side)
     for key in ("floor", "cutoff"):
         experiment.write_text(f"{key} = -1\n{text}")
         assert key in hausbench.fails("run", experiment, "--results", tmp_path)
