@@ -38,6 +38,9 @@ class Cases:
     floor: Floats
     cutoff: Floats
     budget: Ints
+    target_pose: Floats
+    warm: Ints
+    chain: Texts
     identity: Texts
     label: Texts
     certified: Ints
@@ -156,6 +159,9 @@ DEFAULTS: dict[str, Any] = {
     "cases/floor": 0.0,
     "cases/cutoff": float("inf"),
     "cases/budget": -1,
+    "cases/target_pose": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+    "cases/warm": 0,
+    "cases/chain": "",
     "cases/identity": "",
     "cases/label": "",
     "cases/certified": -1,

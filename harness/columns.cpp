@@ -136,7 +136,13 @@ const Columns<Case>& case_columns() {
                                  Identity::where_given),
         at<Case, MEMBER(budget)>("budget", "of the solver's own unit of work, see its file; -1: none",
                                  Identity::where_given),
-        at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, pose, solver, options, tolerance, limits"),
+        at<Case, MEMBER(target_pose)>("target_pose", "of B, likewise", Identity::where_given),
+        at<Case, MEMBER(warm)>("warm", "1: the solver starts from what it kept of the pose before; 0: from nothing",
+                               Identity::where_given),
+        at<Case, MEMBER(chain)>(
+            "chain", "of a warm case: the `identity` of the case of the pose before it; empty at the first pose",
+            Identity::where_given),
+        at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
         at<Case, MEMBER(certified)>("certified",
                                     "1: the solver's bounds hold under the rounding of its own arithmetic; 0: they "
@@ -150,7 +156,7 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(target_elements)>("target_elements", "points or triangles of B"),
         at<Case, MEMBER(source_diagonal)>("source_diagonal", "length, of the box of A as loaded"),
         at<Case, MEMBER(source_longest)>("source_longest", "length of the longest side of that box; 0 in older files"),
-        at<Case, MEMBER(pose_index)>("pose_index", "number in the motion"),
+        at<Case, MEMBER(pose_index)>("pose_index", "number in the motions"),
         {"tolerance_absolute", "as a length (NaN for `lower`)",
          Column<Case>::Real{1,
                             [](const Case& asked, double* out) {

@@ -56,8 +56,8 @@ bool was_run(const Outcome& o) {
 // Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
 // One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
 std::string place_of(const Case& c) {
-    return nlohmann::json(
-               {c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance), c.tolerance_of})
+    return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
+                           c.tolerance_of, c.warm})
         .dump();
 }
 

@@ -160,9 +160,9 @@ bool wanted(const Reader& reader, const std::string& profile, const std::vector<
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& node) {
+Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& node, std::string_view key) {
     const toml::table* table = node.as_table();
-    if (!table) scene.fail(node, "'motion' must be a table such as { kind = \"static\" }");
+    if (!table) scene.fail(node, fmt::format("'{}' must be a table such as {{ kind = \"static\" }}", key));
     const auto kind = (*table)["kind"].value_or<std::string>("");
     if (kind == "static") {
         Reader(file, *table, "the motion", {"kind"});
@@ -239,12 +239,23 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     scene.source = reader.text("source");
     scene.target = reader.text("target");
     scene.note = reader.text("note", "");
-    if (const toml::node* motion = reader.find("motion")) scene.motion = read_motion(file, reader, *motion);
+    if (const toml::node* node = reader.find("motion")) scene.motion = read_motion(file, reader, *node, "motion");
+    if (const toml::node* node = reader.find("target_motion")) {
+        scene.target_motion = read_motion(file, reader, *node, "target_motion");
+        if (moves(scene.motion) && moves(scene.target_motion)) {
+            const std::size_t a = pose_count(scene.motion), b = pose_count(scene.target_motion);
+            if (a != b)
+                reader.fail(
+                    *node,
+                    fmt::format("'motion' has {} poses and 'target_motion' {}: give both as many, or make one static",
+                                a, b));
+        }
+    }
     if (const toml::node* exact = reader.find("exact")) {
         scene.exact = reader.number(*exact, "exact");
         if (scene.exact < 0) reader.fail(*exact, fmt::format("'exact' must not be below 0, as {} is", scene.exact));
-        if (moves(scene.motion))
-            reader.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's 'motion'");
+        if (moves(scene.motion) || moves(scene.target_motion))
+            reader.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's motions");
     }
     return scene;
 }
@@ -255,17 +266,23 @@ SolverPlan read_solver(const Reader& reader) {
     solver.label = reader.text("label", solver.name);
     solver.tolerances = reader.tolerances("tolerances");
     solver.scenes = reader.texts("scenes");
+    solver.warm = reader.flag("warm", solver.warm);
     const auto& absent = solvers_not_built();
     if (std::any_of(absent.begin(), absent.end(), [&](const NotBuilt& s) { return s.name == solver.name; })) {
         solver.options.resize(1);  // its parameters are unknown here; its cases become `not_built`
         return solver;
     }
+    const SolverEntry* entry = nullptr;
     try {
-        solver.options = read_options(reader, find_solver(solver.name));
+        entry = &find_solver(solver.name);
     } catch (const InputError& error) {
-        const std::string what = error.what();
-        if (what.find(".toml:") != std::string::npos) throw;
-        reader.fail(*reader.find("name"), what);
+        reader.fail(*reader.find("name"), error.what());
+    }
+    solver.options = read_options(reader, *entry);
+    if (solver.warm && !entry->info.warm) {
+        reader.fail(
+            *reader.find("warm"),
+            fmt::format("'warm': the solver '{}' carries nothing from one pose to the next: remove it", solver.name));
     }
     return solver;
 }
@@ -369,7 +386,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
-                              {"name", "source", "target", "note", "exact", "motion", "profiles"});
+                              {"name", "source", "target", "note", "exact", "motion", "target_motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 if (!wanted(reader, profile, profiles)) continue;
                 experiment.scenes.push_back(read_scene(file, reader));
@@ -379,7 +396,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 }
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
-                              {"name", "label", "parameters", "tolerances", "scenes", "profiles"});
+                              {"name", "label", "parameters", "tolerances", "scenes", "warm", "profiles"});
                 labels.push_back(reader.text("label", reader.text("name")));
                 if (!wanted(reader, profile, profiles)) continue;
                 SolverPlan solver = read_solver(reader);

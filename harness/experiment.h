@@ -29,7 +29,7 @@ struct ScenePlan {
     std::string name, source, target;  // models of datasets/manifest.toml
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // h(A,B), where it is known
-    Motion motion = Static{};
+    Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses
 };
 
 struct SolverPlan {
@@ -37,6 +37,7 @@ struct SolverPlan {
     std::vector<ParameterMap> options;  // one for each combination of swept parameters
     std::vector<double> tolerances;     // this solver's own, else the experiment's
     std::vector<std::string> scenes;    // only on these; empty: on all
+    bool warm = false;                  // each pose starts from what the pose before it left, see State
 };
 
 struct Experiment {

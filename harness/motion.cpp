@@ -16,8 +16,8 @@ namespace {
 
 double fraction(int step, int steps) { return steps == 1 ? 0.0 : double(step) / double(steps - 1); }
 
-std::vector<Pose> translated(const Translation& motion, const Shape& source) {
-    const double unit = motion.of_diagonal ? diagonal(points_of(source)) : 1.0;
+std::vector<Pose> translated(const Translation& motion, const Shape& shape) {
+    const double unit = motion.of_diagonal ? diagonal(points_of(shape)) : 1.0;
     std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
     for (int i = 0; i < motion.steps; ++i) {
         const double s = fraction(i, motion.steps);
@@ -26,8 +26,8 @@ std::vector<Pose> translated(const Translation& motion, const Shape& source) {
     return poses;
 }
 
-std::vector<Pose> rotated(const Rotation& motion, const Shape& source) {
-    const Points& points = points_of(source);
+std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {
+    const Points& points = points_of(shape);
     const Vec3 centre = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
     std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
     for (int i = 0; i < motion.steps; ++i) {
@@ -73,11 +73,18 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<Pose> poses_of(const Motion& motion, const Shape& source) {
-    if (const auto* m = std::get_if<Translation>(&motion)) return translated(*m, source);
-    if (const auto* m = std::get_if<Rotation>(&motion)) return rotated(*m, source);
+std::vector<Pose> poses_of(const Motion& motion, const Shape& shape) {
+    if (const auto* m = std::get_if<Translation>(&motion)) return translated(*m, shape);
+    if (const auto* m = std::get_if<Rotation>(&motion)) return rotated(*m, shape);
     if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file);
     return {Pose{}};
+}
+
+std::size_t pose_count(const Motion& motion) {
+    if (const auto* m = std::get_if<Translation>(&motion)) return std::size_t(m->steps);
+    if (const auto* m = std::get_if<Rotation>(&motion)) return std::size_t(m->steps);
+    if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file).size();
+    return 1;
 }
 
 bool moves(const Motion& motion) { return !std::holds_alternative<Static>(motion); }

@@ -1,4 +1,4 @@
-// Motions: the poses of a scene's source.
+// Motions: the poses of a scene's source, or of its target.
 #pragma once
 
 #include "scene.h"
@@ -12,14 +12,14 @@ namespace hausbench {
 
 struct Static {};
 
-// `steps` poses from `from` to `to`, both included; lengths in units of the source's diagonal, or absolute.
+// `steps` poses from `from` to `to`, both included; lengths in units of the diagonal of the shape that moves, or absolute.
 struct Translation {
     Vec3 from, to;
     int steps;
     bool of_diagonal;
 };
 
-// `steps` poses from 0 to `degrees` about an axis through the centre of the source's box, both included.
+// `steps` poses from 0 to `degrees` about an axis through the centre of its box, both included.
 struct Rotation {
     Vec3 axis;
     double degrees;
@@ -35,7 +35,10 @@ struct PoseFile {
 using Motion = std::variant<Static, Translation, Rotation, PoseFile>;
 
 // Throws InputError with the line of a pose file that does not hold twelve finite numbers.
-std::vector<Pose> poses_of(const Motion& motion, const Shape& source);
+std::vector<Pose> poses_of(const Motion& motion, const Shape& shape);
+
+// How many they are; throws likewise.
+std::size_t pose_count(const Motion& motion);
 
 bool moves(const Motion& motion);
 

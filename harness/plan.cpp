@@ -17,9 +17,13 @@ namespace hausbench {
 
 namespace {
 
+struct ScenePose {
+    Pose source, target;
+};
+
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
-    std::vector<Pose> poses{Pose{}};
+    std::vector<ScenePose> poses{ScenePose{}};
     std::string missing;                 // why it cannot run, empty if it can
     RowStatus row = RowStatus::skipped;  // the status of its rows then
 };
@@ -90,22 +94,31 @@ private:
     }
 
     SceneModels resolve(const ScenePlan& scene) {
-        SceneModels models{MissingModel{}, MissingModel{}, {Pose{}}, "", RowStatus::skipped};
+        SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, "", RowStatus::skipped};
         try {
             models.source = resolve(scene.source);
             models.target = resolve(scene.target);
             for (const auto* side : {&models.source, &models.target}) {
                 if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
             }
-            if (models.missing.empty() && moves(scene.motion)) {
-                models.poses =
-                    poses_of(scene.motion, read_shape(std::get<ResolvedModel>(models.source).shape_file).shape);
+            if (models.missing.empty()) {
+                move(scene.motion, models.source, models.poses, &ScenePose::source);
+                move(scene.target_motion, models.target, models.poses, &ScenePose::target);
             }
         } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
             models.missing = error.what();
             models.row = RowStatus::failed;
         }
         return models;
+    }
+
+    // A static side has the identity beside every pose of the other; two that move have as many poses (experiment.cpp).
+    static void move(const Motion& motion, const std::variant<ResolvedModel, MissingModel>& model,
+                     std::vector<ScenePose>& poses, Pose ScenePose::*side) {
+        if (!moves(motion)) return;
+        const auto moved = poses_of(motion, read_shape(std::get<ResolvedModel>(model).shape_file).shape);
+        poses.resize(moved.size());
+        for (std::size_t p = 0; p < moved.size(); ++p) poses[p].*side = moved[p];
     }
 
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
@@ -131,48 +144,23 @@ private:
             if (!no.empty()) decide(RowStatus::skipped, no);
         }
 
-        Job job;
-        job.scene = scene_number;
-        job.label = fmt::format("{} on {}", solver.label, scene.name);
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        const bool reads_trace =
-            entry && !plan_.leave_nothing_out &&
-            (entry->info.exact || (experiment.trace && entry->info.traces && experiment.of != "lower")) &&
-            experiment.floor == 0 && std::isinf(experiment.cutoff) && experiment.budget < 0;
-        const int certified = entry ? promises(*entry, given) : -1;
+        const bool reads_trace = entry && reads_finer(*entry, solver);
+        const Case common = without_pose(scene, models, solver, entry, given);
+        // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses.
+        std::vector<Job> jobs(solver.warm ? tolerances.size() : 1);
+        std::vector<std::string> before(tolerances.size());  // of warm cases: the identity of the last pose
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
-                Case asked;
-                asked.solver = solver.name;
-                asked.label = solver.label;
-                asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
-                asked.scene = scene.name;
-                asked.note = scene.note;
-                asked.exact = scene.exact;
-                asked.source = scene.source;
-                asked.target = scene.target;
-                if (source) {
-                    asked.source_hash = source->content_hash;
-                    asked.source_elements = source->elements;
-                    asked.source_diagonal = source->diagonal;
-                    asked.source_longest = source->longest_side;
-                }
-                if (target) {
-                    asked.target_hash = target->content_hash;
-                    asked.target_elements = target->elements;
-                }
+                Case asked = common;
                 asked.pose_index = int(p);
-                asked.pose = models.poses[p];
+                asked.pose = models.poses[p].source;
+                asked.target_pose = models.poses[p].target;
                 asked.tolerance = tolerances[t];
-                asked.tolerance_of = experiment.of;
-                asked.limits = experiment.limits;
-                asked.floor = experiment.floor * asked.unit();
-                asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
-                asked.budget = experiment.budget;
-                asked.certified = certified;
-                asked.identity = identify(asked);
+                if (solver.warm) asked.chain = before[t];
+                asked.identity = before[t] = identify(asked);
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));
                 if (decided) {
@@ -181,31 +169,79 @@ private:
                     plan_.read_off(row, {finest, entry->info.exact});
                 } else {
                     if (t == 0) finest = row;
-                    job.cases.push_back(row);
+                    jobs[solver.warm ? t : 0].cases.push_back(row);
                 }
             }
         }
-        note(job, entry, decided, models.poses.size() * tolerances.size());
-        if (job.cases.empty()) return;
-        job.source_file = source->shape_file;
-        job.target_file = target->shape_file;
-        const Case& first = plan_.cases[job.cases.front()];
-        const Tolerance tolerance = first.resolved_tolerance();
-        job.queries = {moves(scene.motion), job.cases.size(),
-                       tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
-        plan_.jobs.push_back(std::move(job));
+        const std::string label = fmt::format("{} on {}", solver.label, scene.name);
+        std::size_t run = 0;
+        for (Job& job : jobs) {
+            if (job.cases.empty()) continue;
+            run += job.cases.size();
+            job.scene = scene_number;
+            job.label = label;
+            job.source_file = source->shape_file;
+            job.target_file = target->shape_file;
+            const Tolerance tolerance = plan_.cases[job.cases.front()].resolved_tolerance();
+            job.queries = {moves(scene.motion) || moves(scene.target_motion), job.cases.size(),
+                           tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
+            plan_.jobs.push_back(std::move(job));
+        }
+        note(label, entry, decided, models.poses.size() * tolerances.size(), run);
     }
 
-    void note(const Job& job, const SolverEntry* entry, const std::optional<Outcome>& decided, std::size_t asked) {
+    // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
+    bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
+        const Experiment& e = plan_.experiment;
+        const bool traced = e.trace && entry.info.traces && e.of != "lower";
+        return (entry.info.exact || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
+               std::isinf(e.cutoff) && e.budget < 0;
+    }
+
+    // What all cases of a solver on a scene have in common. `entry` is null for a solver that is not built.
+    Case without_pose(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
+                      const SolverEntry* entry, const ParameterMap& given) const {
+        const Experiment& experiment = plan_.experiment;
+        Case asked;
+        asked.solver = solver.name;
+        asked.label = solver.label;
+        asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
+        asked.scene = scene.name;
+        asked.note = scene.note;
+        asked.exact = scene.exact;
+        asked.source = scene.source;
+        asked.target = scene.target;
+        if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {
+            asked.source_hash = source->content_hash;
+            asked.source_elements = source->elements;
+            asked.source_diagonal = source->diagonal;
+            asked.source_longest = source->longest_side;
+        }
+        if (const auto* target = std::get_if<ResolvedModel>(&models.target)) {
+            asked.target_hash = target->content_hash;
+            asked.target_elements = target->elements;
+        }
+        asked.tolerance_of = experiment.of;
+        asked.limits = experiment.limits;
+        asked.floor = experiment.floor * asked.unit();
+        asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
+        asked.budget = experiment.budget;
+        asked.warm = solver.warm;
+        asked.certified = entry ? promises(*entry, given) : -1;
+        return asked;
+    }
+
+    void note(const std::string& label, const SolverEntry* entry, const std::optional<Outcome>& decided,
+              std::size_t asked, std::size_t run) {
         auto& ledger = plan_.ledger;
         if (decided) {
-            ledger.push_back({decided->status == RowStatus::not_built ? "not_built" : "not_run", job.label, "all cases",
+            ledger.push_back({decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
                               decided->reason, std::int64_t(asked)});
-        } else if (asked > job.cases.size()) {
-            ledger.push_back({"not_run", job.label, coarser_tolerances,
+        } else if (asked > run) {
+            ledger.push_back({"not_run", label, coarser_tolerances,
                               entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"
                                                 : "the trace of the finest tolerance holds their answers",
-                              std::int64_t(asked - job.cases.size())});
+                              std::int64_t(asked - run)});
         }
     }
 

@@ -14,7 +14,8 @@
 
 namespace hausbench {
 
-// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run.
+// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run; of warm
+// cases one tolerance only, so that the cases are one chain, in the order of the poses.
 struct Job {
     std::size_t scene = 0;  // number in the experiment
     std::string label;      // "guthe on bunny"

@@ -35,12 +35,15 @@ struct Case {
     std::int64_t source_elements = 0, target_elements = 0;
     double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
     int pose_index = 0;
-    Pose pose;
+    Pose pose, target_pose;  // of A, of B
     double tolerance = 0;
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // likewise; -1: none
     Limits limits;
+    // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head.
+    bool warm = false;
+    std::string chain;
     double exact = unknown;  // the true distance, where the experiment gives it
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace hausbench {
 namespace {
 
@@ -41,7 +43,24 @@ TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
 }
 
 // Results in journals and files are found again by their identity: it must not change for what could be asked before.
-TEST(Record, IdentitiesOfOlderCasesStay) { EXPECT_EQ(identify(a_case()), "bc6fad1978b2d38f1762e5f589de794e93d97019beb375c912d19b0cc9ad6198"); }
+TEST(Record, IdentitiesOfOlderCasesStay) {
+    EXPECT_EQ(identify(a_case()), "bc6fad1978b2d38f1762e5f589de794e93d97019beb375c912d19b0cc9ad6198");
+}
+
+TEST(Record, WhatCameLaterIsPartOfTheIdentityOnlyWhereGiven) {
+    std::set<std::string> all = {identify(a_case())};
+    Case asked = a_case();
+    asked.target_pose.translation = Vec3(3, 2, 1);
+    all.insert(identify(asked));
+    std::swap(asked.pose, asked.target_pose);
+    all.insert(identify(asked));
+    asked = a_case();
+    asked.warm = true;
+    all.insert(identify(asked));
+    asked.chain = "cc";
+    all.insert(identify(asked));
+    EXPECT_EQ(all.size(), 5u);
+}
 
 }  // namespace
 }  // namespace hausbench

@@ -1,0 +1,153 @@
+// From an experiment file to its rows: the poses of both shapes, and chains of warm cases.
+#include "plan.h"
+
+#include "error.h"
+#include "registry.h"
+#include "temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+
+namespace hausbench {
+namespace {
+
+// Takes everything, never runs.
+class Idle : public Solver {
+    void prepare(const Scene&, const Prepared&) override {}
+    Result solve(const Query&, State*, Trace&) const override { return {}; }
+};
+
+SolverEntry idle(const char* name, bool exact) {
+    SolverInfo info{
+        .name = name, .title = name, .paper = "", .source = {true, true, true}, .target = {true, true, true}};
+    info.warm = info.traces = true;
+    info.exact = exact;
+    return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); }};
+}
+
+class PlanRows : public testing::Test {
+protected:
+    static void SetUpTestSuite() { add_solvers({idle("idle", false), idle("idle_exact", true)}, "test"); }
+
+    std::filesystem::path write(const std::string& name, const std::string& text) const {
+        const auto file = folder_.path() / name;
+        std::ofstream(file) << text;
+        return file;
+    }
+    Plan plan(const std::string& top, const std::string& scene, const std::string& solver) const {
+        const auto manifest =
+            write("manifest.toml",
+                  "[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 1.0\n"
+                  "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\n");
+        const auto file = write("s.toml", fmt::format("title = 't'\ntolerances = [0.1, 0.01]\n{}\n"
+                                                      "[[scene]]\nname = 's'\nsource = 'ball'\ntarget = 'half'\n{}\n"
+                                                      "[[solver]]\nname = 'idle'\n{}\n",
+                                                      top, scene, solver));
+        return make_plan(read_experiment(file, "quick"), Catalogue(manifest, folder_.path() / "cache", ""), {},
+                         [](const std::string&) {});
+    }
+    void refuses(const std::string& top, const std::string& scene, const std::string& solver,
+                 const std::vector<std::string>& words) const {
+        try {
+            plan(top, scene, solver);
+            FAIL() << scene << solver;
+        } catch (const InputError& error) {
+            for (const std::string& word : words)
+                EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+        }
+    }
+
+private:
+    TemporaryFolder folder_;
+};
+
+std::set<std::string> identities(const Plan& plan) {
+    std::set<std::string> all;
+    for (const Case& asked : plan.cases) all.insert(asked.identity);
+    return all;
+}
+
+TEST_F(PlanRows, BothShapesMove) {
+    const std::string a = "motion = { kind = 'translation', from = [0, 0, 0], to = [2, 0, 0], steps = 3 }\n";
+    const std::string b = "target_motion = { kind = 'translation', from = [0, 0, 0], to = [0, 2, 0], steps = 3 }\n";
+    const Plan still = plan("", "", ""), one = plan("", a, ""), other = plan("", b, ""), both = plan("", a + b, "");
+    ASSERT_EQ(both.cases.size(), 6u);  // three poses, two tolerances
+    const double whole = both.cases[0].source_diagonal;
+    for (std::size_t i : {0u, 2u, 4u}) {
+        const double s = double(i / 2);
+        EXPECT_EQ(both.cases[i].pose_index, int(i / 2));
+        EXPECT_EQ(both.cases[i].pose.translation, Vec3(s * whole, 0, 0));
+        EXPECT_NEAR(both.cases[i].target_pose.translation.y(), s * whole / 2, 1e-15);  // in diagonals of B
+        EXPECT_TRUE(one.cases[i].target_pose.is_identity());
+        EXPECT_TRUE(other.cases[i].pose.is_identity());
+        EXPECT_EQ(other.cases[i].target_pose.translation, both.cases[i].target_pose.translation);
+    }
+    EXPECT_TRUE(both.jobs.at(0).queries.moves && other.jobs.at(0).queries.moves);
+    EXPECT_FALSE(still.jobs.at(0).queries.moves);
+    // The first pose is that of the scene that stands still, and all others differ.
+    for (const Plan* moving : {&one, &other, &both}) {
+        EXPECT_EQ(moving->cases[0].identity, still.cases[0].identity);
+        EXPECT_EQ(identities(*moving).size(), 6u);
+    }
+    std::set<std::string> all;
+    for (const Plan* moving : {&one, &other, &both}) all.merge(identities(*moving));
+    EXPECT_EQ(all.size(), 2u + 3 * 4);
+}
+
+TEST_F(PlanRows, MotionsHaveAsManyPosesOrOneIsStatic) {
+    const std::string three = "motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 90, steps = 3 }\n";
+    const std::string two = "target_motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 90, steps = 2 }\n";
+    refuses("", three + two, "", {"s.toml:9:", "'motion' has 3 poses", "'target_motion' 2", "static"});
+    write("two.txt", "1 0 0 0 1 0 0 0 1 0 0 0\n1 0 0 0 1 0 0 0 1 5 0 0\n");
+    refuses("", three + "target_motion = { kind = 'poses', file = 'two.txt' }\n", "", {"s.toml:9:", "3", "2"});
+    EXPECT_EQ(plan("", three + "target_motion = { kind = 'static' }\n", "").cases.size(), 6u);
+    refuses("", two + "exact = 1\n", "", {"'exact'", "one pose"});
+    refuses("", "target_motion = 3", "", {"'target_motion' must be a table"});
+}
+
+TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
+    const std::string three = "motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 90, steps = 3 }\n";
+    const Plan cold = plan("trace = true", three, ""), warm = plan("trace = true", three, "warm = true");
+    ASSERT_EQ(warm.cases.size(), 6u);
+    EXPECT_EQ(cold.jobs.size(), 1u);
+    ASSERT_EQ(warm.jobs.size(), 2u);  // one a tolerance
+    for (const Job& job : warm.jobs) {
+        ASSERT_EQ(job.cases.size(), 3u);
+        EXPECT_EQ(job.queries.count, 3u);
+        EXPECT_EQ(job.queries.finest_tolerance, warm.cases[job.cases[0]].resolved_tolerance().value);
+        std::string before;
+        for (std::size_t p = 0; p < 3; ++p) {
+            const Case& asked = warm.cases[job.cases[p]];
+            EXPECT_EQ(asked.pose_index, int(p));
+            EXPECT_EQ(asked.tolerance, warm.cases[job.cases[0]].tolerance);
+            EXPECT_TRUE(asked.warm);
+            EXPECT_EQ(asked.chain, before);
+            before = asked.identity;
+        }
+    }
+    // Nothing is read off a finer row, not even of an exact solver.
+    EXPECT_EQ(cold.traced.size(), 3u);
+    EXPECT_TRUE(warm.traced.empty());
+    EXPECT_TRUE(plan("", three, "warm = true\n[[solver]]\nname = 'idle_exact'\nwarm = true").traced.empty());
+    // No warm case is a cold one, not even the first of a chain.
+    std::set<std::string> all = identities(cold);
+    all.merge(identities(warm));
+    EXPECT_EQ(all.size(), 12u);
+    // What comes before a pose is part of what is asked: the same last pose, reached another way.
+    Case last = warm.cases[warm.jobs[0].cases[2]];
+    last.chain = warm.cases[warm.jobs[0].cases[0]].identity;
+    EXPECT_NE(identify(last), last.identity);
+}
+
+TEST_F(PlanRows, OnlySolversThatCarryAStateAreWarm) {
+    refuses("", "", "[[solver]]\nname = 'naive'\nwarm = true",
+            {"s.toml:", "'warm'", "'naive' carries nothing from one pose to the next"});
+    refuses("", "", "warm = 1", {"'warm' must be true or false"});
+    EXPECT_EQ(plan("", "", "warm = false").cases[0].identity, plan("", "", "").cases[0].identity);
+}
+
+}  // namespace
+}  // namespace hausbench
