@@ -137,6 +137,9 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(budget)>("budget", "of the solver's own unit of work, see its file; -1: none",
                                  Identity::where_given),
         at<Case, MEMBER(target_pose)>("target_pose", "of B, likewise", Identity::where_given),
+        at<Case, MEMBER(quantity)>("quantity",
+                                   "`directed`: h(A,B), or `symmetric`: H(A,B), the larger of h(A,B) and h(B,A)",
+                                   Identity::where_given),
         at<Case, MEMBER(warm)>("warm", "1: the solver starts from what it kept of the pose before; 0: from nothing",
                                Identity::where_given),
         at<Case, MEMBER(chain)>(
@@ -151,7 +154,7 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(scene)>("scene", "of the experiment"),
         at<Case, MEMBER(note)>("scene_note",
                                "the experiment's remark on the scene, such as the model that it stands in for"),
-        at<Case, MEMBER(exact)>("exact", "the true h(A,B), where the experiment gives it; else NaN"),
+        at<Case, MEMBER(exact)>("exact", "the true distance, where the experiment gives it; else NaN"),
         at<Case, MEMBER(source_elements)>("source_elements", "points or triangles of A"),
         at<Case, MEMBER(target_elements)>("target_elements", "points or triangles of B"),
         at<Case, MEMBER(source_diagonal)>("source_diagonal", "length, of the box of A as loaded"),
@@ -186,10 +189,14 @@ const Columns<Outcome>& outcome_columns() {
                                                                                                : "gap";
                                },
                                nullptr}},
-        at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B)"),
-        at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= h(A posed, B)"),
-        at<Outcome, MEMBER(witness.source_point)>("witness_source", "the point on A posed that proves the lower bound"),
-        at<Outcome, MEMBER(witness.target_point)>("witness_target", "its closest point on B"),
+        at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B posed), or H where `quantity` says so"),
+        at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= that distance"),
+        at<Outcome, MEMBER(witness.source_point)>(
+            "witness_source", "a point on A posed: the one that proves the lower bound, or the closest to it"),
+        at<Outcome, MEMBER(witness.target_point)>("witness_target", "likewise on B posed"),
+        at<Outcome, MEMBER(witness.direction)>("witness_direction",
+                                               "`source to target`: the point on A proves the lower bound; `target to "
+                                               "source`: the one on B, where the distance is H"),
         at<Outcome, MEMBER(witness.source_element)>("witness_source_element", "point or triangle number, -1 unknown"),
         at<Outcome, MEMBER(witness.target_element)>("witness_target_element", "likewise"),
         at<Outcome, MEMBER(prepare_seconds)>(

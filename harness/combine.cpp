@@ -57,7 +57,7 @@ bool was_run(const Outcome& o) {
 // One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
 std::string place_of(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
-                           c.tolerance_of, c.warm})
+                           c.tolerance_of, to_string(c.quantity), c.warm})
         .dump();
 }
 

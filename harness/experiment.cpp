@@ -260,8 +260,18 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     return scene;
 }
 
-SolverPlan read_solver(const Reader& reader) {
+Quantity read_quantity(const Reader& reader, Quantity otherwise) {
+    const std::string text = reader.text("quantity", std::string(to_string(otherwise)));
+    for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
+        if (text == to_string(quantity)) return quantity;
+    }
+    reader.fail(*reader.find("quantity"), fmt::format("'quantity' must be directed (h) or symmetric (H), not '{}'{}",
+                                                      text, nearest_hint(text, {"directed", "symmetric"})));
+}
+
+SolverPlan read_solver(const Reader& reader, Quantity quantity) {
     SolverPlan solver;
+    solver.quantity = read_quantity(reader, quantity);
     solver.name = reader.text("name");
     solver.label = reader.text("label", solver.name);
     solver.tolerances = reader.tolerances("tolerances");
@@ -287,9 +297,9 @@ SolverPlan read_solver(const Reader& reader) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances", "of",     "floor",
-                                            "cutoff", "budget",  "repeats",    "rounds", "trace",
-                                            "limits", "profile", "scene",      "solver", "expected_unsound"};
+const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",      "floor",  "cutoff",
+                                            "budget", "repeats", "rounds",           "trace",   "limits", "profile",
+                                            "scene",  "solver",  "expected_unsound", "quantity"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -367,6 +377,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
         root.fail(*root.find("of"), fmt::format("'of' must be diagonal, longest, absolute or lower, not '{}'{}",
                                                 experiment.of, nearest_hint(experiment.of, tolerance_units)));
     }
+    experiment.quantity = read_quantity(root, experiment.quantity);
     experiment.floor = root.length("floor", experiment.floor);
     experiment.cutoff = root.length("cutoff", experiment.cutoff);
     experiment.budget = root.count("budget", 0, -1);
@@ -396,10 +407,10 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 }
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
-                              {"name", "label", "parameters", "tolerances", "scenes", "warm", "profiles"});
+                              {"name", "label", "parameters", "tolerances", "scenes", "quantity", "warm", "profiles"});
                 labels.push_back(reader.text("label", reader.text("name")));
                 if (!wanted(reader, profile, profiles)) continue;
-                SolverPlan solver = read_solver(reader);
+                SolverPlan solver = read_solver(reader, experiment.quantity);
                 if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
                 if (solver.tolerances.empty())
                     reader.fail("no 'tolerances', here or at the top: a tolerance has no default");

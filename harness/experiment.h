@@ -3,6 +3,7 @@
 
 #include "motion.h"
 #include "options.h"
+#include "solver.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -28,16 +29,17 @@ double unit_of(const std::string& of, double diagonal, double longest_side);
 struct ScenePlan {
     std::string name, source, target;  // models of datasets/manifest.toml
     std::string note;
-    double exact = std::numeric_limits<double>::quiet_NaN();  // h(A,B), where it is known
+    double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
     Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses
 };
 
 struct SolverPlan {
     std::string name, label;
-    std::vector<ParameterMap> options;  // one for each combination of swept parameters
-    std::vector<double> tolerances;     // this solver's own, else the experiment's
-    std::vector<std::string> scenes;    // only on these; empty: on all
-    bool warm = false;                  // each pose starts from what the pose before it left, see State
+    std::vector<ParameterMap> options;       // one for each combination of swept parameters
+    std::vector<double> tolerances;          // this solver's own, else the experiment's
+    std::vector<std::string> scenes;         // only on these; empty: on all
+    Quantity quantity = Quantity::directed;  // this solver's own, else the experiment's
+    bool warm = false;                       // each pose starts from what the pose before it left, see State
 };
 
 struct Experiment {
@@ -50,7 +52,8 @@ struct Experiment {
     std::string of = "diagonal";                                         // one of tolerance_units
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
     std::int64_t budget = -1;                                            // see Query; -1: none
-    int repeats = 5;                                                     // timed repeats a round
+    Quantity quantity = Quantity::directed;
+    int repeats = 5;     // timed repeats a round
     int rounds = 1;      // fresh processes; the order of solvers is turned round after each (ABBA)
     bool trace = false;  // coarser tolerances are read off the trace of the finest where a solver traces
     Limits limits;

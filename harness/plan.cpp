@@ -193,7 +193,8 @@ private:
     // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
         const Experiment& e = plan_.experiment;
-        const bool traced = e.trace && entry.info.traces && e.of != "lower";
+        const bool traced = e.trace && entry.info.traces && e.of != "lower" &&
+                            solver.quantity == Quantity::directed;  // H has no trace of its own
         return (entry.info.exact || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
                std::isinf(e.cutoff) && e.budget < 0;
     }
@@ -208,7 +209,8 @@ private:
         asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
         asked.scene = scene.name;
         asked.note = scene.note;
-        asked.exact = scene.exact;
+        asked.quantity = solver.quantity;
+        if (solver.quantity == experiment.quantity) asked.exact = scene.exact;
         asked.source = scene.source;
         asked.target = scene.target;
         if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {

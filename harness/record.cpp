@@ -81,8 +81,9 @@ std::string identify(const Case& asked) {
 }
 
 std::string name_of(const Case& c) {
-    return fmt::format("{} on {}, pose {}, tolerance {:g} of {}{}", c.label, c.scene, c.pose_index, c.tolerance,
-                       c.tolerance_of, c.warm ? ", warm" : "");
+    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", c.label, c.scene,
+                       c.quantity == Quantity::symmetric ? ", H" : "", c.pose_index, c.tolerance, c.tolerance_of,
+                       c.warm ? ", warm" : "");
 }
 
 RowStatus row_status(Status status) {

@@ -24,6 +24,8 @@ std::string_view to_string(RowStatus status);
 
 template <class E> inline constexpr int count_of = 0;  // of the values of an enumeration that a column holds by name
 template <> inline constexpr int count_of<RowStatus> = 10;
+template <> inline constexpr int count_of<Quantity> = 2;
+template <> inline constexpr int count_of<Witness::Direction> = 2;
 
 // What was asked for. Everything that can change the answer goes into `identity`.
 struct Case {
@@ -36,6 +38,7 @@ struct Case {
     double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
     int pose_index = 0;
     Pose pose, target_pose;  // of A, of B
+    Quantity quantity = Quantity::directed;
     double tolerance = 0;
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query

@@ -5,35 +5,42 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <tuple>
+#include <utility>
 
 namespace hausbench {
 namespace {
 
-// One scene in one pose: its rows are held against each other.
-class SceneCheck {
+// A row of a pair of shapes; `turned` where its source is the second of them.
+struct Member {
+    std::size_t row;
+    bool turned;
+};
+
+// Two shapes, each in one pose: the rows of both orders and of both quantities are held against each other.
+class PairCheck {
 public:
-    SceneCheck(std::vector<Row>& rows, std::vector<std::size_t> members, const Shape& source, const Shape& target,
-               const Stop& stop)
+    PairCheck(std::vector<Row>& rows, std::vector<Member> members, const Shape& first, const Shape& second,
+              const Stop& stop)
         : rows_(rows),
           members_(std::move(members)),
-          source_(source),
-          target_(target),
-          checker_(source, target, stop),
+          shapes_{&first, &second},
+          checkers_{Checker(first, second, stop), Checker(second, first, stop)},
           stop_(stop),
-          surfaces_(kind_of(source) == ShapeKind::surface && kind_of(target) == ShapeKind::surface) {}
+          surfaces_(kind_of(first) == ShapeKind::surface && kind_of(second) == ShapeKind::surface) {}
 
     // False where it was stopped.
     bool run() {
-        for (std::size_t i : members_) {
+        for (const Member& m : members_) {
             if (stop_ && stop_()) return false;
-            check_lower(rows_[i]);
+            check_lower(m);
         }
         if (stop_ && stop_()) return false;
+        best_[of_both] = std::max({best_[of_first], best_[of_second], best_[of_both]});
         refute_without_witness();
-        for (std::size_t i : members_) check_upper(rows_[i]);
+        for (const Member& m : members_) check_upper(m);
         return true;
     }
 
@@ -42,10 +49,16 @@ private:
         Verdict verdict;
         double shown;
     };
+    enum Distance { of_first, of_second, of_both };  // h from the first shape, h from the second, H
 
-    void check_lower(Row& row) {
+    Distance distance(const Member& m) const {
+        return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
+    }
+
+    void check_lower(const Member& m) {
+        Row& row = rows_[m.row];
         const double lower = row.outcome.bounds.lower;
-        const Witness& witness = row.outcome.witness;
+        Witness witness = row.outcome.witness;
         if (lower <= 0) {  // 0 needs no witness
             row.check.lower = Verdict::holds;
             return;
@@ -54,72 +67,97 @@ private:
             row.check = {Verdict::unsound, row.check.upper, "lower is infinite, and no two points are that far apart"};
             return;
         }
-        if (!witness.source_point.allFinite()) {
+        if (row.asked.quantity == Quantity::directed)
+            witness.direction = Witness::Direction::source_to_target;  // whatever it says
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
+        if (!p.allFinite()) {
             row.check.lower = Verdict::no_witness;
             return;
         }
-        const Vec3& p = witness.source_point;
-        const std::vector<double> same{p[0], p[1], p[2], double(witness.source_element), lower};
+        const bool from_second = forward == m.turned;
+        const Index element = forward ? witness.source_element : witness.target_element;
+        const std::vector<double> same{double(from_second), p[0], p[1], p[2], double(element), lower};
         auto at = known_.find(same);
         if (at == known_.end()) {
             Found found{};
-            found.verdict = surfaces_ ? check_surface_lower(std::get<AlgebraicSurface>(source_),
-                                                            std::get<AlgebraicSurface>(target_), lower, p, found.shown)
-                                      : checker_.lower(lower, witness, row.asked.pose, found.shown);
+            if (surfaces_)
+                found.verdict =
+                    check_surface_lower(std::get<AlgebraicSurface>(*shapes_[from_second]),
+                                        std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
+            else
+                found.verdict =
+                    checkers_[m.turned].lower(lower, witness, row.asked.pose, row.asked.target_pose, found.shown);
             at = known_.emplace(same, found).first;
         }
         const auto& [verdict, shown] = at->second;
         row.check.lower = verdict;
-        if (verdict == Verdict::holds) best_ = std::max(best_, lower);
+        if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], lower);
         if (verdict != Verdict::unsound) return;
-        row.check.reason =
-            surfaces_ ? fmt::format("lower {:.17g}: the target has a point {:.17g} from the witness", lower, shown)
-                      : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason = surfaces_
+                               ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
+                                             forward ? "target" : "source", shown)
+                               : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
     }
 
-    // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified.
+    // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified. One of H is one of h.
     void refute_without_witness() {
-        double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i : members_) {
-            if (rows_[i].asked.certified == 1 && rows_[i].check.lower == Verdict::holds)
-                least = std::min(least, rows_[i].outcome.bounds.upper);
+        std::array<double, 3> least;
+        least.fill(std::numeric_limits<double>::infinity());
+        for (const Member& m : members_) {
+            const Row& row = rows_[m.row];
+            const double upper = row.outcome.bounds.upper;
+            if (row.asked.certified == 1 && row.check.lower == Verdict::holds && upper >= best_[distance(m)])
+                least[distance(m)] = std::min(least[distance(m)], upper);
         }
-        for (std::size_t i : members_) {
-            Row& row = rows_[i];
+        for (Distance h : {of_first, of_second}) least[h] = std::min(least[h], least[of_both]);
+        for (const Member& m : members_) {
+            Row& row = rows_[m.row];
             const double lower = row.outcome.bounds.lower;
-            if (row.check.lower != Verdict::no_witness || !(lower > least) || least < best_) continue;
+            if (row.check.lower != Verdict::no_witness || !(lower > least[distance(m)])) continue;
             row.check.lower = Verdict::unsound;
-            row.check.reason =
-                fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row", lower, least);
+            row.check.reason = fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row",
+                                           lower, least[distance(m)]);
         }
     }
 
-    void check_upper(Row& row) const {
+    void check_upper(const Member& m) {
+        Row& row = rows_[m.row];
         const Bounds& b = row.outcome.bounds;
-        row.check.upper = b.upper >= best_ && b.upper >= b.lower ? Verdict::holds : Verdict::unsound;
+        const double best = best_[distance(m)];
+        row.check.upper = b.upper >= best && b.upper >= b.lower ? Verdict::holds : Verdict::unsound;
         if (row.check.upper == Verdict::holds) return;
         if (!row.check.reason.empty()) row.check.reason += "; ";
-        row.check.reason +=
-            b.upper < b.lower ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
-                              : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best_);
+        row.check.reason += b.upper < b.lower
+                                ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
+                                : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best);
     }
 
     std::vector<Row>& rows_;
-    std::vector<std::size_t> members_;
-    const Shape &source_, &target_;
-    Checker checker_;
+    std::vector<Member> members_;
+    std::array<const Shape*, 2> shapes_;
+    std::array<Checker, 2> checkers_;  // of the two orders
     const Stop& stop_;
     bool surfaces_;
-    double best_ = 0;                             // the largest verified lower bound; 0 always holds
+    std::array<double, 3> best_{};                // the largest verified lower bounds; 0 always holds
     std::map<std::vector<double>, Found> known_;  // many rows share a witness and a bound
 };
+
+using Placed = std::pair<std::string, std::vector<double>>;  // a model and its pose
+
+Placed placed(const std::string& model, const Pose& pose) {
+    std::vector<double> values(pose.rotation.data(), pose.rotation.data() + 9);
+    values.insert(values.end(), pose.translation.data(), pose.translation.data() + 3);
+    return {model, values};
+}
+
+bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
 }  // namespace
 
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
                  const Stop& stop) {
-    using SceneKey = std::tuple<std::string, std::string, std::vector<double>>;
-    std::map<SceneKey, std::vector<std::size_t>> scenes;
+    std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
@@ -130,16 +168,15 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
             }
             continue;
         }
-        if (!c.pose.rotation.allFinite() || !c.pose.translation.allFinite())
-            continue;  // only a damaged file holds such a pose
-        std::vector<double> pose(c.pose.rotation.data(), c.pose.rotation.data() + 9);
-        pose.insert(pose.end(), c.pose.translation.data(), c.pose.translation.data() + 3);
-        scenes[{c.source, c.target, pose}].push_back(i);
+        if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
+        const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
+        const bool turned = target < source;
+        pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
     }
-    for (const auto& [key, members] : scenes) {
-        const Shape *source = load(std::get<0>(key)), *target = load(std::get<1>(key));
-        if (!source || !target) continue;
-        if (!SceneCheck(rows, members, *source, *target, stop).run()) break;
+    for (const auto& [key, members] : pairs) {
+        const Shape *first = load(key.first.first), *second = load(key.second.first);
+        if (!first || !second) continue;
+        if (!PairCheck(rows, members, *first, *second, stop).run()) break;
     }
     for (Row& row : rows) {
         if (row.check.lower != Verdict::unsound && row.check.upper != Verdict::unsound) continue;

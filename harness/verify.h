@@ -1,14 +1,16 @@
 // Re-checks what solvers report. For points and meshes it shares no kernel, no tree and no rounding rule with the solvers; for
 // surfaces, verify_surface.h says what is shared.
 //
-// Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B) >= d(p, B) - e, so `lower` holds if
-// every element of B is at least lower + e away from p. Each element is tried with a separating plane in interval
+// Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B posed) >= d(p, B posed) - e, so `lower`
+// holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its witness on B instead
+// (Witness::direction): the same with A and B in each other's place. Each element is tried with a separating plane in interval
 // arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n), then, where that is not
-// enough, in exact rationals. e is computed in exact rationals. O(|B|) a witness.
+// enough, in exact rationals. e is computed in exact rationals. O(|A| + |B|) a witness.
 //
 // Where there is no witness: not above a certified solver's upper bound.
 //
-// Upper bound: not below a verified lower bound of the same scene and pose by any solver. That can refute, not prove.
+// Upper bound: not below a verified lower bound of the same shapes and poses by any solver. That can refute, not prove. A lower
+// bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
 #pragma once
 
 #include "result_file.h"
@@ -29,8 +31,9 @@ public:
     Checker(const Shape& source, const Shape& target, Stop stop = {});
 
     // Whether `lower` (finite) is proven by the witness, see above; if not, `shown` is what the witness does show (rounded
-    // down). `not_checked` where the pose takes the source out of the range of doubles.
-    Verdict lower(double lower, const Witness& witness, const Pose& pose, double& shown) const;
+    // down). `not_checked` where a pose takes a shape out of the range of doubles.
+    Verdict lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
+                  double& shown) const;
 
 private:
     const Shape &source_, &target_;

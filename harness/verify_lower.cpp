@@ -18,14 +18,6 @@ using Exact = CGAL::Simple_cartesian<Rational>;
 
 using Element = std::vector<Vec3>;  // one corner or three
 
-Element element(const Shape& shape, Index i) {
-    if (const auto* set = std::get_if<PointSet>(&shape)) return {set->points.row(i)};
-    const auto& mesh = std::get<TriangleMesh>(shape);
-    Element corners;
-    for (int k = 0; k < 3; ++k) corners.emplace_back(mesh.vertices.row(mesh.triangles(i, k)));
-    return corners;
-}
-
 // The definition of a posed point (algorithms/scene.h), written again on purpose.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
@@ -36,6 +28,31 @@ Vec3 moved(const Vec3& v, const Pose& pose) {
     }
     return out;
 }
+
+// A shape where it stands. Points are posed here, in round-to-nearest, and not while upward rounding is on.
+class Standing {
+public:
+    Standing(const Shape& shape, const Pose& pose) : shape_(shape), points_(&points_of(shape)) {
+        if (pose.is_identity()) return;
+        moved_ = *points_;
+        for (Index i = 0; i < moved_.rows(); ++i) moved_.row(i) = moved(points_->row(i).transpose(), pose).transpose();
+        points_ = &moved_;
+    }
+    Standing(const Standing&) = delete;
+
+    Index count() const { return element_count(shape_); }
+    bool finite() const { return points_->allFinite(); }
+    Element operator[](Index i) const {
+        if (kind_of(shape_) == ShapeKind::points) return {points_->row(i)};
+        const auto& triangles = std::get<TriangleMesh>(shape_).triangles;
+        return {points_->row(triangles(i, 0)), points_->row(triangles(i, 1)), points_->row(triangles(i, 2))};
+    }
+
+private:
+    const Shape& shape_;
+    const Points* points_;
+    Points moved_;
+};
 
 Exact::Point_3 exact(const Vec3& v) { return {Rational(v[0]), Rational(v[1]), Rational(v[2])}; }
 
@@ -98,24 +115,29 @@ bool separated(const Vec3& p, const Element& e, double r) {
 Checker::Checker(const Shape& source, const Shape& target, Stop stop)
     : source_(source), target_(target), stop_(std::move(stop)) {}
 
-Verdict Checker::lower(double lower, const Witness& witness, const Pose& pose, double& shown) const {
+Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
+                       double& shown) const {
     shown = 0;
-    const Vec3 p = witness.source_point;
-    // How far p is from A posed: from the element the witness names, else from the nearest.
-    const auto off = [&](Index i) -> std::optional<Element> {  // none where posing it leaves the range of doubles
-        Element corners = element(source_, i);
-        for (Vec3& v : corners) {
-            v = moved(v, pose);
+    const Standing source(source_, source_pose), target(target_, target_pose);
+    const bool forward = witness.direction == Witness::Direction::source_to_target;
+    const Standing &from = forward ? source : target, &to = forward ? target : source;
+    const Vec3 p = forward ? witness.source_point : witness.target_point;
+    const Index named = forward ? witness.source_element : witness.target_element;
+    if (!to.finite()) return Verdict::not_checked;
+    // How far p is from the shape that it should lie on: from the element that the witness names, else from the nearest.
+    std::optional<Element> nearest_off;  // none where posing it leaves the range of doubles
+    const auto off = [&](Index i) -> std::optional<Element> {
+        Element corners = from[i];
+        for (const Vec3& v : corners) {
             if (!v.allFinite()) return std::nullopt;
         }
         return corners;
     };
-    std::optional<Element> nearest_off;
-    if (witness.source_element >= 0 && witness.source_element < element_count(source_)) {
-        nearest_off = off(witness.source_element);
+    if (named >= 0 && named < from.count()) {
+        nearest_off = off(named);
     } else {
         double least = std::numeric_limits<double>::infinity();
-        for (Index i = 0; i < element_count(source_); ++i) {
+        for (Index i = 0; i < from.count(); ++i) {
             const auto corners = off(i);
             if (!corners) continue;
             const double d = rough_offset(p, *corners).stableNorm();
@@ -130,15 +152,15 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& pose, d
     std::vector<Index> doubtful;  // those that interval arithmetic does not settle
     {
         CGAL::Protect_FPU_rounding<true> upward;
-        for (Index i = 0; i < element_count(target_); ++i) {
-            if (!std::isfinite(r) || !separated(p, element(target_, i), r)) doubtful.push_back(i);
+        for (Index i = 0; i < to.count(); ++i) {
+            if (!std::isfinite(r) || !separated(p, to[i], r)) doubtful.push_back(i);
         }
     }
     if (doubtful.empty()) return shown = lower, Verdict::holds;
     std::optional<Rational> nearest;
     for (Index i : doubtful) {
         if (stop_ && stop_()) return Verdict::not_checked;
-        const Rational d = squared_distance(p, element(target_, i));
+        const Rational d = squared_distance(p, to[i]);
         if (!nearest || d < *nearest) nearest = d;
     }
     const double distance = root_at_most(*nearest);

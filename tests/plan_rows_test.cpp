@@ -1,4 +1,4 @@
-// From an experiment file to its rows: the poses of both shapes, and chains of warm cases.
+// From an experiment file to its rows: the poses of both shapes, both quantities, and chains of warm cases.
 #include "plan.h"
 
 #include "error.h"
@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <set>
 
@@ -140,6 +141,25 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
     Case last = warm.cases[warm.jobs[0].cases[2]];
     last.chain = warm.cases[warm.jobs[0].cases[0]].identity;
     EXPECT_NE(identify(last), last.identity);
+}
+
+TEST_F(PlanRows, OfEitherQuantity) {
+    const Plan h = plan("trace = true", "exact = 3", ""),
+               both = plan("trace = true\nquantity = 'symmetric'", "exact = 3", ""),
+               mixed = plan("trace = true", "exact = 3", "[[solver]]\nname = 'idle_exact'\nquantity = 'symmetric'");
+    for (const Case& asked : h.cases) EXPECT_TRUE(asked.quantity == Quantity::directed && asked.exact == 3);
+    for (const Case& asked : both.cases) EXPECT_TRUE(asked.quantity == Quantity::symmetric && asked.exact == 3);
+    EXPECT_EQ(mixed.cases[0].identity, h.cases[0].identity);
+    EXPECT_NE(both.cases[0].identity, h.cases[0].identity);
+    // What the experiment gives is of its own quantity.
+    for (std::size_t i : {2u, 3u})
+        EXPECT_TRUE(mixed.cases[i].quantity == Quantity::symmetric && std::isnan(mixed.cases[i].exact));
+    // H has no trace to read coarser answers from; an exact solver needs none.
+    EXPECT_EQ(h.traced.size(), 1u);
+    EXPECT_TRUE(both.traced.empty());
+    EXPECT_EQ(mixed.traced.size(), 2u);
+    refuses("quantity = 'symetric'", "", "", {"s.toml:3:", "'quantity'", "did you mean 'symmetric'"});
+    refuses("", "", "quantity = 'h'", {"'quantity'", "directed (h) or symmetric (H)"});
 }
 
 TEST_F(PlanRows, OnlySolversThatCarryAStateAreWarm) {

@@ -59,7 +59,10 @@ TEST(Record, WhatCameLaterIsPartOfTheIdentityOnlyWhereGiven) {
     all.insert(identify(asked));
     asked.chain = "cc";
     all.insert(identify(asked));
-    EXPECT_EQ(all.size(), 5u);
+    asked = a_case();
+    asked.quantity = Quantity::symmetric;
+    all.insert(identify(asked));
+    EXPECT_EQ(all.size(), 6u);
 }
 
 }  // namespace

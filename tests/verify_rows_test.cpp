@@ -91,5 +91,146 @@ TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
     EXPECT_EQ(rows[2].check.lower, Verdict::unsound);
 }
 
+// A is a point, B that point and another one 5 away: h(A,B) = 0, h(B,A) = 5 = H.
+class VerifyBothDirections : public testing::Test {
+protected:
+    VerifyBothDirections() {
+        PointSet both{Points(2, 3)};
+        both.points << 0, 0, 0, 5, 0, 0;
+        b = both;
+    }
+    const Shape* load(const std::string& name) const { return name == "a" ? &a : &b; }
+    void verify() {
+        verify_rows(rows, [this](const std::string& name) { return load(name); });
+    }
+    // Of h(A,B), of h(B,A), and of H by the witness on B.
+    static Row from_a(double lower, double upper) { return answer(lower, upper, Vec3::Zero()); }
+    static Row from_b(double lower, double upper) {
+        Row row = answer(lower, upper, {5, 0, 0});
+        std::swap(row.asked.source, row.asked.target);
+        row.outcome.witness.source_element = 1;
+        return row;
+    }
+    static Row symmetric(double lower, double upper) {
+        Row row = answer(lower, upper, Vec3::Zero());
+        row.asked.quantity = Quantity::symmetric;
+        row.outcome.witness.target_point = {5, 0, 0};
+        row.outcome.witness.target_element = 1;
+        row.outcome.witness.direction = Witness::Direction::target_to_source;
+        return row;
+    }
+    Verdict lower(std::size_t i) const { return rows[i].check.lower; }
+    Verdict upper(std::size_t i) const { return rows[i].check.upper; }
+
+    Shape a = point(0, 0, 0), b;
+    std::vector<Row> rows;
+};
+
+TEST_F(VerifyBothDirections, AWitnessOnBShowsTheSymmetricDistance) {
+    rows = {symmetric(5, 5), symmetric(std::nextafter(5.0, 6.0), 6)};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(0), Verdict::holds);
+    EXPECT_EQ(lower(1), Verdict::unsound);
+    // The element that is named is one of B: the first of them is 5 away from the witness.
+    rows = {symmetric(5, 5)};
+    rows[0].outcome.witness.target_element = 0;
+    verify();
+    EXPECT_EQ(lower(0), Verdict::unsound);
+    // A witness on A shows nothing here.
+    rows = {symmetric(5, 5)};
+    rows[0].outcome.witness.direction = Witness::Direction::source_to_target;
+    verify();
+    EXPECT_EQ(lower(0), Verdict::unsound);
+    // A row of h(A,B) has its witness on A, whatever it says.
+    rows = {symmetric(5, 5)};
+    rows[0].asked.quantity = Quantity::directed;
+    verify();
+    EXPECT_EQ(lower(0), Verdict::unsound);
+}
+
+TEST_F(VerifyBothDirections, TheSymmetricDistanceRefutesNoDirectedOne) {
+    rows = {symmetric(5, 5), from_a(0, 0), symmetric(0, 4)};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(1), Verdict::holds);
+    EXPECT_EQ(upper(2), Verdict::unsound);
+}
+
+TEST_F(VerifyBothDirections, EachDirectedDistanceRefutesTheSymmetricOneAndNotTheOther) {
+    rows = {from_b(5, 5), from_a(0, 0), symmetric(0, 4), from_b(0, 4)};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(1), Verdict::holds);  // h(B,A) says nothing of h(A,B)
+    EXPECT_EQ(upper(2), Verdict::unsound);
+    EXPECT_EQ(upper(3), Verdict::unsound);
+    // The scene the other way round is the same symmetric distance.
+    rows = {from_b(5, 5), symmetric(0, 4)};
+    std::swap(rows[1].asked.source, rows[1].asked.target);
+    verify();
+    EXPECT_EQ(upper(1), Verdict::unsound);
+    // h(A,B) refutes it as well.
+    a = point(0, 3, 0);
+    rows = {answer(3, 3, {0, 3, 0}), symmetric(0, 2)};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(1), Verdict::unsound);
+}
+
+TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
+    const auto bare = [](Row row) {
+        row.outcome.witness.source_point = row.outcome.witness.target_point = Vec3::Constant(unknown);
+        return row;
+    };
+    // One of h(A,B) says nothing of H.
+    rows = {from_a(0, 0), bare(symmetric(5, 6))};
+    rows[0].asked.certified = 1;
+    verify();
+    EXPECT_EQ(lower(1), Verdict::no_witness);
+    // One of H holds for both directions.
+    rows = {symmetric(5, 5), bare(from_a(6, 7)), bare(from_b(6, 7)), bare(symmetric(6, 7))};
+    rows[0].asked.certified = 1;
+    verify();
+    for (std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lower(i), Verdict::unsound) << i;
+    // Not one that is itself refuted.
+    rows = {symmetric(0, 4), bare(from_b(4.5, 7)), from_b(5, 5)};
+    rows[0].asked.certified = 1;
+    verify();
+    EXPECT_EQ(upper(0), Verdict::unsound);
+    EXPECT_EQ(lower(1), Verdict::no_witness);
+}
+
+TEST_F(VerifyBothDirections, BothShapesArePosed) {
+    // B stands 2 higher: h(A,B) = 2, and B's far point is sqrt(29) away from A.
+    const auto raised = [](Row row) {
+        row.asked.target_pose.translation = Vec3(0, 0, 2);
+        return row;
+    };
+    rows = {raised(from_a(2, 2)), from_a(0, 0), raised(from_a(std::nextafter(2.0, 3.0), 3)),
+            raised(symmetric(5.25, 5.5))};
+    rows[3].outcome.witness.target_point = {5, 0, 2};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(0), Verdict::holds);
+    EXPECT_EQ(upper(1), Verdict::holds);  // of another pose
+    EXPECT_EQ(lower(2), Verdict::unsound);
+    EXPECT_EQ(lower(3), Verdict::holds);
+    // The scene turned round is the same if its poses are.
+    Row turned = from_b(5.25, 5.5);
+    turned.asked.pose.translation = Vec3(0, 0, 2);
+    turned.outcome.witness.source_point = {5, 0, 2};
+    rows = {turned, raised(symmetric(0, 5)), symmetric(0, 5)};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(upper(1), Verdict::unsound);
+    EXPECT_EQ(upper(2), Verdict::holds);
+    // A pose beyond the doubles leaves nothing to check.
+    rows = {from_a(2, 2)};
+    rows[0].asked.target_pose.rotation *= 1e308;
+    rows[0].asked.target_pose.translation = Vec3::Constant(1e308);
+    verify();
+    EXPECT_EQ(lower(0), Verdict::not_checked);
+}
+
 }  // namespace
 }  // namespace hausbench
