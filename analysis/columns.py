@@ -39,6 +39,7 @@ class Cases:
     cutoff: Floats
     budget: Ints
     target_pose: Floats
+    quantity: Texts
     warm: Ints
     chain: Texts
     identity: Texts
@@ -61,6 +62,7 @@ class Cases:
     upper: Floats
     witness_source: Floats
     witness_target: Floats
+    witness_direction: Texts
     witness_source_element: Ints
     witness_target_element: Ints
     prepare_seconds: Floats
@@ -160,6 +162,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/cutoff": float("inf"),
     "cases/budget": -1,
     "cases/target_pose": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+    "cases/quantity": "directed",
     "cases/warm": 0,
     "cases/chain": "",
     "cases/identity": "",
@@ -182,6 +185,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/upper": float("nan"),
     "cases/witness_source": [float("nan"), float("nan"), float("nan")],
     "cases/witness_target": [float("nan"), float("nan"), float("nan")],
+    "cases/witness_direction": "source to target",
     "cases/witness_source_element": -1,
     "cases/witness_target_element": -1,
     "cases/prepare_seconds": float("nan"),

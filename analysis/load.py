@@ -179,27 +179,27 @@ class Results:
                     and np.isfinite(self.cases.upper[case]))
 
     @cached_property
-    def _references(self) -> dict[tuple[str, str, bytes], Interval]:
-        found: dict[tuple[str, str, bytes], Interval] = {}
+    def _references(self) -> dict[tuple[str, str, str, bytes], Interval]:
+        found: dict[tuple[str, str, str, bytes], Interval] = {}
         for case in range(len(self.cases)):
             if self.cases.certified[case] != 1 or not self.is_bounded(case):
                 continue
-            key, old = self._pair(case), Interval(-np.inf, np.inf)
+            key, old = self._asked(case), Interval(-np.inf, np.inf)
             old = found.get(key, old)
             found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
                                   min(old.upper, float(self.cases.upper[case])))
         return {key: Interval(min(interval), max(interval)) for key, interval in found.items()}
 
-    def _pair(self, case: int) -> tuple[str, str, bytes]:
-        pose: Floats = self.cases.pose[case] + 0.0  # -0 and 0 are the same pose
-        return self.cases.source[case], self.cases.target[case], pose.tobytes()
+    def _asked(self, case: int) -> tuple[str, str, str, bytes]:
+        poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # -0 and 0 are the same pose
+        return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """What is proven of the true distance of this case's source, target and pose: [greatest lower, least upper] of
-        all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
+        """What is proven of the true distance of this case, h or H, of the same shapes in the same poses: [greatest lower,
+        least upper] of all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
         (which `verify` reports) give the interval between the two.
         """
-        return self._references.get(self._pair(case), Interval(np.nan, np.nan))
+        return self._references.get(self._asked(case), Interval(np.nan, np.nan))
 
     def reference(self, scene: str, pose_index: int = 0) -> Interval:
         rows = self.rows(scene=scene, pose_index=pose_index)

@@ -133,6 +133,16 @@ def test_only_certified_rows_make_a_reference(tmp_path: Path) -> None:
     assert np.isnan(results.reference("y")).all() and np.isnan(results.error(2))
 
 
+def test_a_reference_is_of_one_quantity_in_one_pose_of_both_shapes(tmp_path: Path) -> None:
+    file = ResultFile("asked")
+    file.case("guthe", "x", [1.0], lower=1.0, upper=2.0)
+    file.case("guthe", "x", [1.0], lower=3.0, upper=4.0, quantity="symmetric")
+    file.case("guthe", "x", [1.0], lower=5.0, upper=6.0, target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 9, 0, 0])
+    file.case("guthe", "x", [1.0], lower=1.5, upper=2.0, target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, -0.0, 0, 0])
+    results = load.load(file.write(tmp_path))
+    assert [results.reference_of(case) for case in range(4)] == [(1.5, 2.0), (3.0, 4.0), (5.0, 6.0), (1.5, 2.0)]
+
+
 def test_error_and_gap(small: load.Results) -> None:
     assert small.error(0) == 0 and small.gap(0) == 0
     assert small.error(1) == pytest.approx(0.1) and small.gap(1) == pytest.approx(0.35)
@@ -166,12 +176,16 @@ def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
     file.case("naive", "x", [3.0], prepare_seconds=0.5, lower=1.0, upper=1.0, solve_seconds=4.0)
     path = file.write(tmp_path)
     with h5py.File(path, "a") as opened:
-        for name in ("answers", "cases/clock", "cases/facts", "cases/exact", "preparation/round", "models/box", "models/polynomial"):
+        for name in ("answers", "cases/clock", "cases/facts", "cases/exact", "cases/quantity", "cases/target_pose",
+                     "cases/warm", "cases/chain", "cases/witness_direction", "cases/source_longest", "models/longest_side", "preparation/round", "models/box", "models/polynomial"):
             del opened[name]
     results = load.load(path)
     assert results.clock_of(0) == "wall" and results.solve_by_round(0) == {0: 3.0} and results.total_by_round(0) == {0: 3.5}
     assert results.facts(0) == {} and np.isnan(results.cases.exact[0]) and np.isnan(results.models.box).all()
     assert results.models.box.shape == (2, 6) and results.models.polynomial[0] == ""
+    assert results.cases.quantity[0] == "directed" and results.cases.witness_direction[0] == "source to target"
+    assert results.cases.target_pose[0].tolist() == [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0] and results.reference_of(0) == (1.0, 1.0)
+    assert results.cases.warm[0] == 0 and results.cases.chain[0] == "" and results.cases.source_longest[0] == 0
 
 
 def test_a_newer_file_has_more_columns(tmp_path: Path) -> None:

@@ -138,7 +138,9 @@ def test_files_of_older_and_newer_programs(hausbench: Program, experiment: Path,
     shutil.copy(good, tmp_path / "older.h5")
     with h5py.File(tmp_path / "older.h5", "r+") as f:
         f["meta"].attrs["schema_version"] = 1
-        for name in ("answers", "cases/clock", "cases/exact", "cases/facts", "models/box", "models/polynomial", "preparation/round"):
+        for name in ("answers", "cases/clock", "cases/exact", "cases/facts", "cases/quantity",
+                     "cases/target_pose", "cases/warm", "cases/chain", "cases/witness_direction", "cases/source_longest", "models/box",
+                     "models/longest_side", "models/polynomial", "preparation/round"):
             del f[name]
     shutil.copy(good, tmp_path / "more.h5")
     with h5py.File(tmp_path / "more.h5", "r+") as f:
