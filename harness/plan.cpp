@@ -140,7 +140,11 @@ private:
         const auto* source = std::get_if<ResolvedModel>(&models.source);
         const auto* target = std::get_if<ResolvedModel>(&models.target);
         if (!decided) {
-            const std::string no = refusal(entry->info, source->kind, target->kind);
+            std::string no = refusal(entry->info, source->kind, target->kind);
+            if (no.empty() && solver.quantity == Quantity::symmetric && !entry->info.offers(Quantity::symmetric)) {
+                no = refusal(entry->info, target->kind, source->kind);
+                if (!no.empty()) no += ", as H(A,B) asks for";
+            }
             if (!no.empty()) decide(RowStatus::skipped, no);
         }
 

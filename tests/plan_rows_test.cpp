@@ -21,17 +21,20 @@ class Idle : public Solver {
     Result solve(const Query&, State*, Trace&) const override { return {}; }
 };
 
-SolverEntry idle(const char* name, bool exact) {
+SolverEntry idle(const char* name, bool exact, bool points = true) {
     SolverInfo info{
         .name = name, .title = name, .paper = "", .source = {true, true, true}, .target = {true, true, true}};
     info.warm = info.traces = true;
     info.exact = exact;
+    info.source.points = points;
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); }};
 }
 
 class PlanRows : public testing::Test {
 protected:
-    static void SetUpTestSuite() { add_solvers({idle("idle", false), idle("idle_exact", true)}, "test"); }
+    static void SetUpTestSuite() {
+        add_solvers({idle("idle", false), idle("idle_exact", true), idle("idle_without_points", true, false)}, "test");
+    }
 
     std::filesystem::path write(const std::string& name, const std::string& text) const {
         const auto file = folder_.path() / name;
@@ -42,7 +45,8 @@ protected:
         const auto manifest =
             write("manifest.toml",
                   "[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 1.0\n"
-                  "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\n");
+                  "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'scale'\nfactor = 0.5\n"
+                  "[model.cloud]\nsource = 'generated'\nrecipe = 'uniform_points'\ncount = 9\nseed = 1\n");
         const auto file = write("s.toml", fmt::format("title = 't'\ntolerances = [0.1, 0.01]\n{}\n"
                                                       "[[scene]]\nname = 's'\nsource = 'ball'\ntarget = 'half'\n{}\n"
                                                       "[[solver]]\nname = 'idle'\n{}\n",
@@ -158,6 +162,15 @@ TEST_F(PlanRows, OfEitherQuantity) {
     EXPECT_EQ(h.traced.size(), 1u);
     EXPECT_TRUE(both.traced.empty());
     EXPECT_EQ(mixed.traced.size(), 2u);
+    // Without a symmetric answer of its own a solver must take both orders.
+    const auto to_cloud = [&](const char* quantity) {
+        const Plan plan = this->plan(quantity, "[[scene]]\nname = 'c'\nsource = 'ball'\ntarget = 'cloud'",
+                                     "scenes = ['s']\n[[solver]]\nname = 'idle_without_points'\nscenes = ['c']");
+        return plan.decided.empty() ? "" : plan.decided.begin()->second.reason;
+    };
+    EXPECT_EQ(to_cloud(""), "");
+    EXPECT_EQ(to_cloud("quantity = 'symmetric'"),
+              "solver 'idle_without_points' takes no points as source, as H(A,B) asks for");
     refuses("quantity = 'symetric'", "", "", {"s.toml:3:", "'quantity'", "did you mean 'symmetric'"});
     refuses("", "", "quantity = 'h'", {"'quantity'", "directed (h) or symmetric (H)"});
 }

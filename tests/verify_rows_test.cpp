@@ -232,5 +232,21 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     EXPECT_EQ(lower(0), Verdict::not_checked);
 }
 
+TEST_F(VerifyBothDirections, OfSurfacesToo) {
+    const auto ball = [](const std::string& squared_radius) {
+        AlgebraicSurface surface{"x^2 + y^2 + z^2 - " + squared_radius, Points(2, 3)};
+        surface.box.row(0).setConstant(-2);
+        surface.box.row(1).setConstant(2);
+        return surface;
+    };
+    a = ball("1"), b = ball("9/4");
+    rows = {symmetric(0.4999, 0.6), symmetric(0.51, 0.6), from_b(0.4999, 0.6)};
+    for (Row& row : rows) row.outcome.witness.target_point = row.outcome.witness.source_point = {0, 0, 1.5};
+    verify();
+    EXPECT_EQ(lower(0), Verdict::holds);
+    EXPECT_EQ(lower(1), Verdict::unsound);
+    EXPECT_EQ(lower(2), Verdict::holds);
+}
+
 }  // namespace
 }  // namespace hausbench
