@@ -90,8 +90,7 @@ const BuiltStructure& PreparedShape::structure(const StructureKind& kind, bool* 
     return built_.emplace(kind.name, std::move(built)).first->second;
 }
 
-int scale_exponent(const Shape& source, const Shape& target) {
-    const double largest = std::max(magnitude(points_of(source)), magnitude(points_of(target)));
+int scale_exponent(double largest) {
     int exponent = 0;
     if (largest > 0) std::frexp(largest, &exponent);
     return -exponent;

@@ -167,8 +167,8 @@ private:
     std::map<std::string, BuiltStructure> built_;
 };
 
-// The exponent that brings the largest |coordinate| of the two into [0.5, 1); 0 where all are zero.
-int scale_exponent(const Shape& source, const Shape& target);
+// The exponent that brings the largest |coordinate| into [0.5, 1); 0 where that is zero.
+int scale_exponent(double largest);
 
 // What one solver declared, of the two shapes of a scene.
 class Prepared {

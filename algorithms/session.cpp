@@ -91,7 +91,7 @@ bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
 PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
     if (!scalable(info, kind_of(source), kind_of(target)))
         return {std::make_shared<PreparedShape>(std::move(source)), std::make_shared<PreparedShape>(std::move(target))};
-    const int exponent = scale_exponent(source, target);
+    const int exponent = scale_exponent(std::max(magnitude(points_of(source)), magnitude(points_of(target))));
     return {std::make_shared<PreparedShape>(std::move(source), exponent),
             std::make_shared<PreparedShape>(std::move(target), exponent)};
 }

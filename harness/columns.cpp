@@ -295,6 +295,8 @@ const Columns<Preparation>& preparation_columns() {
         at<Preparation, MEMBER(name)>("name", "of the structure, or `solver` for what the solver built itself"),
         at<Preparation, MEMBER(seconds)>("seconds", "wall time"),
         at<Preparation, MEMBER(bytes)>("bytes", ""),
+        at<Preparation, MEMBER(shared)>(
+            "shared", "1: it was there already, for another pair of a matrix; `seconds` is what it cost then"),
     };
     return columns;
 }

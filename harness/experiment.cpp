@@ -236,8 +236,12 @@ std::vector<ParameterMap> read_options(const Reader& reader, const SolverEntry& 
 ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     ScenePlan scene;
     scene.name = reader.text("name");
-    scene.source = reader.text("source");
-    scene.target = reader.text("target");
+    if (!reader.find("sources")) {
+        if (const toml::node* node = reader.find("targets"))
+            reader.fail(*node, "'targets' makes a matrix together with 'sources': give both, or 'source' and 'target'");
+        scene.source = reader.text("source");
+        scene.target = reader.text("target");
+    }
     scene.note = reader.text("note", "");
     if (const toml::node* node = reader.find("motion")) scene.motion = read_motion(file, reader, *node, "motion");
     if (const toml::node* node = reader.find("target_motion")) {
@@ -258,6 +262,36 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
             reader.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's motions");
     }
     return scene;
+}
+
+// One scene for each source and each target, source by source; without `sources` the one that it is.
+std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
+    if (!reader.find("sources")) return {scene};
+    for (const char* key : {"source", "target", "exact"}) {
+        if (const toml::node* node = reader.find(key))
+            reader.fail(*node,
+                        fmt::format("'{}' is of one pair, and 'sources' makes a matrix: remove one of the two", key));
+    }
+    std::vector<std::string> sources = reader.texts("sources"), targets = reader.texts("targets");
+    if (!reader.find("targets")) targets = sources;
+    for (const auto& [key, names] : {std::pair{"sources", sources}, std::pair{"targets", targets}}) {
+        const toml::node& node = reader.find(key) ? *reader.find(key) : *reader.find("sources");
+        if (names.empty()) reader.fail(node, fmt::format("'{}' names no model", key));
+        if (std::set<std::string>(names.begin(), names.end()).size() != names.size())
+            reader.fail(node, fmt::format("'{}' names a model twice", key));
+    }
+    std::vector<ScenePlan> pairs;
+    for (const std::string& source : sources) {
+        for (const std::string& target : targets) {
+            ScenePlan pair = scene;
+            pair.matrix = scene.name;
+            pair.name = fmt::format("{}: {} to {}", scene.name, source, target);
+            pair.source = source;
+            pair.target = target;
+            pairs.push_back(std::move(pair));
+        }
+    }
+    return pairs;
 }
 
 Quantity read_quantity(const Reader& reader, Quantity otherwise) {
@@ -397,14 +431,18 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
-                              {"name", "source", "target", "note", "exact", "motion", "target_motion", "profiles"});
+                              {"name", "source", "target", "sources", "targets", "note", "exact", "motion",
+                               "target_motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 if (!wanted(reader, profile, profiles)) continue;
-                experiment.scenes.push_back(read_scene(file, reader));
-                if (!names.insert(experiment.scenes.back().name).second) {
-                    reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one",
-                                            experiment.scenes.back().name, profile));
-                }
+                const ScenePlan scene = read_scene(file, reader);
+                const auto pairs = expand(reader, scene);
+                experiment.scenes.insert(experiment.scenes.end(), pairs.begin(), pairs.end());
+                bool fresh = names.insert(scene.name).second;
+                for (const ScenePlan& pair : pairs)
+                    fresh = fresh && (pair.matrix.empty() || names.insert(pair.name).second);
+                if (!fresh)
+                    reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, profile));
             } else {
                 Reader reader(file, *item.as_table(), "[[solver]]",
                               {"name", "label", "parameters", "tolerances", "scenes", "quantity", "warm", "profiles"});

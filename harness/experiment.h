@@ -28,6 +28,7 @@ double unit_of(const std::string& of, double diagonal, double longest_side);
 
 struct ScenePlan {
     std::string name, source, target;  // models of datasets/manifest.toml
+    std::string matrix;  // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
     Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses

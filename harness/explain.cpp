@@ -109,14 +109,21 @@ std::string clock_text(double seconds) {
                            : fmt::format("{:.1f} min", seconds / 60);
 }
 
-// Which structures the solver asks for on this scene, and which it can do without.
+std::size_t shapes_of(const Job& job) {
+    std::set<fs::path> files;
+    for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});
+    return files.size();
+}
+
+// Which structures the solver asks for on this scene (of a matrix, on its first pair), and which it can do without.
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
     if (entry.info.may_need.empty()) return;
-    const Scene scene{read_shape(job.source_file).shape, read_shape(job.target_file).shape};
+    const Job::Pair& pair = job.pairs.front();
+    const Scene scene{read_shape(pair.source_file).shape, read_shape(pair.target_file).shape};
     const Options options(first.solver, entry.info.parameters, first.options);
-    const Needs needs = entry.make(options)->needs(scene, job.queries);
+    const Needs needs = entry.make(options)->needs(scene, pair.queries);
     for (const Need& need : entry.info.may_need) {
         const bool wanted = std::find(needs.begin(), needs.end(), need) != needs.end();
         text += fmt::format("      {} {}\n", wanted ? "prepares" : "leaves out", to_string(need));
@@ -160,7 +167,10 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        if (poses.size() > 1)
+        if (job.exponent)
+            text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",
+                                shapes_of(job), job.pairs.size());
+        else if (poses.size() > 1)
             text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
     }
     text += "LEFT OUT\n";

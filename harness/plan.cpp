@@ -12,10 +12,14 @@
 #include <cstdio>
 #include <optional>
 #include <set>
+#include <tuple>
 
 namespace hausbench {
 
 namespace {
+
+// Further apart, and pairs of a matrix go to workers of their own.
+constexpr int widest_scale_of_a_worker = 60;
 
 struct ScenePose {
     Pose source, target;
@@ -42,6 +46,11 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
+// A matrix is chosen as a whole, or by a pair of it.
+bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
+    return chosen(choice, scene.name) || (!scene.matrix.empty() && chosen(choice, scene.matrix));
+}
+
 // Whether the solver's bounds hold under rounding with these options.
 bool promises(const SolverEntry& entry, const ParameterMap& given) {
     return entry.info.certified && entry.make(Options(entry.info.name, entry.info.parameters, given))->certified();
@@ -58,7 +67,10 @@ public:
     Plan make(const Choice& choice) {
         const Experiment& experiment = plan_.experiment;
         std::vector<std::string> scene_names, solver_names;
-        for (const ScenePlan& scene : experiment.scenes) scene_names.push_back(scene.name);
+        for (const ScenePlan& scene : experiment.scenes) {
+            scene_names.push_back(scene.name);
+            if (!scene.matrix.empty()) scene_names.push_back(scene.matrix);
+        }
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
         plan_.leave_nothing_out = choice.leave_nothing_out;
         check_choice(choice.scenes, scene_names, "scene");
@@ -70,15 +82,16 @@ public:
         }
         catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
-            if (!chosen(choice.scenes, experiment.scenes[i].name)) continue;
+            if (!chosen(choice.scenes, experiment.scenes[i])) continue;
             const SceneModels models = resolve(experiment.scenes[i]);
             for (const SolverPlan& solver : experiment.solvers) {
                 const auto& on = solver.scenes;
-                if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i].name)) continue;
+                if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i])) continue;
                 for (const ParameterMap& options : solver.options) add(i, models, solver, options);
             }
         }
         if (plan_.cases.empty()) refuse_empty();
+        join_matrices();
         check_identities();
         return std::move(plan_);
     }
@@ -184,11 +197,16 @@ private:
             run += job.cases.size();
             job.scene = scene_number;
             job.label = label;
-            job.source_file = source->shape_file;
-            job.target_file = target->shape_file;
             const Tolerance tolerance = plan_.cases[job.cases.front()].resolved_tolerance();
-            job.queries = {moves(scene.motion) || moves(scene.target_motion), job.cases.size(),
-                           tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0};
+            QuerySet queries;
+            queries.moves = moves(scene.motion);
+            queries.target_moves = moves(scene.target_motion);
+            queries.symmetric = solver.quantity == Quantity::symmetric;
+            queries.count = job.cases.size();
+            queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
+            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
+            if (queries.target_moves || (queries.symmetric && queries.moves))
+                note_copies(label, *entry, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);
@@ -251,6 +269,91 @@ private:
         }
     }
 
+    // What a moving target costs where the solver does not offer it.
+    void note_copies(const std::string& label, const SolverEntry& entry, const QuerySet& queries,
+                     const SceneModels& models) {
+        if (entry.info.moving_target) return;
+        const bool both = queries.target_moves && queries.symmetric && queries.moves;
+        plan_.ledger.push_back(
+            {"prepared_again", label, structures_for_each_pose,
+             fmt::format("the solver offers no moving target: each pose builds what it needs over {} "
+                         "as posed, within its time",
+                         both                   ? "A and B"
+                         : queries.target_moves ? "B"
+                                                : "A"),
+             std::int64_t(models.poses.size())});
+    }
+
+    // The jobs of one matrix, solver and set of options become one, or several where scales are too far apart.
+    void join_matrices() {
+        using Key = std::tuple<std::string, std::string, std::string, bool, double>;
+        std::map<Key, std::size_t> number;
+        std::vector<std::vector<Job>> groups;
+        for (Job& job : plan_.jobs) {
+            const ScenePlan& scene = plan_.experiment.scenes[job.scene];
+            const Case& first = plan_.cases[job.cases.front()];
+            if (scene.matrix.empty()) {
+                groups.push_back({std::move(job)});
+                continue;
+            }
+            // Chains of several tolerances stay apart, so that a pair's cases stand together.
+            const Key key{scene.matrix, first.label, options_json(first.options).dump(), first.warm,
+                          first.warm ? first.tolerance : 0};
+            const auto [at, fresh] = number.emplace(key, groups.size());
+            if (fresh) groups.emplace_back();
+            groups[at->second].push_back(std::move(job));
+        }
+        plan_.jobs.clear();
+        for (auto& group : groups) {
+            const ScenePlan& scene = plan_.experiment.scenes[group.front().scene];
+            if (scene.matrix.empty())
+                plan_.jobs.push_back(std::move(group.front()));
+            else
+                join(scene.matrix, std::move(group));
+        }
+    }
+
+    void join(const std::string& matrix, std::vector<Job> group) {
+        const Case& first = plan_.cases[group.front().cases.front()];
+        const SolverInfo& info = find_solver(first.solver).info;
+        const std::size_t scene = group.front().scene;
+        std::vector<int> exponents;
+        for (const Job& job : group) exponents.push_back(exponent_of(info, job.pairs.front()));
+        // The largest first. Scaling by 2^60 less than a pair would be by itself loses nothing that counts (Session).
+        while (!group.empty()) {
+            const int most = *std::min_element(exponents.begin(), exponents.end());
+            Job joined;
+            joined.scene = scene;
+            joined.label = fmt::format("{} on {}", first.label, matrix);
+            joined.exponent = most;
+            std::vector<Job> rest;
+            std::vector<int> rest_exponents;
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                if (exponents[i] - most > widest_scale_of_a_worker) {
+                    rest.push_back(std::move(group[i]));
+                    rest_exponents.push_back(exponents[i]);
+                    continue;
+                }
+                joined.pairs.push_back(group[i].pairs.front());
+                joined.cases.insert(joined.cases.end(), group[i].cases.begin(), group[i].cases.end());
+            }
+            plan_.jobs.push_back(std::move(joined));
+            group = std::move(rest);
+            exponents = std::move(rest_exponents);
+        }
+    }
+
+    // What a session on this pair alone would scale by.
+    int exponent_of(const SolverInfo& info, const Job::Pair& pair) {
+        for (const auto& file : {pair.source_file, pair.target_file}) {
+            if (extents_.contains(file)) continue;
+            const Shape shape = read_shape(file).shape;
+            extents_[file] = {kind_of(shape), magnitude(points_of(shape))};
+        }
+        const Extent &a = extents_.at(pair.source_file), &b = extents_.at(pair.target_file);
+        return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
+    }
+
     [[noreturn]] void refuse_empty() const {
         const Experiment& e = plan_.experiment;
         const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
@@ -276,6 +379,11 @@ private:
     const Catalogue& catalogue_;
     const std::function<void(const std::string&)>& say_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
+    struct Extent {
+        ShapeKind kind;
+        double magnitude;
+    };
+    std::map<std::filesystem::path, Extent> extents_;
     Plan plan_;
 };
 

@@ -9,18 +9,26 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace hausbench {
 
-// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run; of warm
-// cases one tolerance only, so that the cases are one chain, in the order of the poses.
+// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run; or on all pairs
+// of a matrix whose scales are near enough, each shape loaded and prepared once. Of warm cases one tolerance only, so that those
+// of a pair are one chain, in the order of the poses.
 struct Job {
-    std::size_t scene = 0;  // number in the experiment
+    struct Pair {
+        std::filesystem::path source_file, target_file;
+        QuerySet queries;
+        std::size_t cases = 0;  // how many of them, in the order of `cases`
+    };
+
+    std::size_t scene = 0;  // number in the experiment; of a matrix that of its first
     std::string label;      // "guthe on bunny"
-    std::filesystem::path source_file, target_file;
-    QuerySet queries;
+    std::vector<Pair> pairs;
+    std::optional<int> exponent;     // of a matrix: what all shapes are scaled by
     std::vector<std::size_t> cases;  // rows of Plan::cases, in running order
 };
 
@@ -32,6 +40,7 @@ struct FromTrace {
 
 inline constexpr const char* coarser_tolerances = "coarser tolerances";
 inline constexpr const char* structures_for_each_pose = "structures for each pose";
+inline constexpr const char* structures_for_each_pair = "structures for each pair";
 
 struct ModelRow {
     const ModelInfo* info;

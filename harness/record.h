@@ -77,6 +77,7 @@ struct Preparation {
     std::string name;
     double seconds = 0;
     std::int64_t bytes = 0;
+    int shared = 0;
 };
 
 // What became of it.

@@ -103,33 +103,49 @@ private:
         return &outcome;
     }
 
-    void run_job(const Job& job, int round) {
-        std::vector<std::size_t> rows;
-        for (std::size_t row : job.cases) {
-            if (kept(row, round)) continue;
-            const Outcome* first = round == 0 ? nullptr : kept(row, 0);
-            if (round > 0 && !(first && (first->status == RowStatus::ok || first->status == RowStatus::floor)))
-                continue;  // nothing to time
-            rows.push_back(row);
+    // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head.
+    std::vector<std::size_t> places_to_run(const Job& job, int round) const {
+        std::vector<std::size_t> places;
+        for (std::size_t begin = 0; begin < job.cases.size();) {
+            std::size_t end = begin + 1;
+            while (end < job.cases.size() && !plan_.cases[job.cases[end]].chain.empty()) ++end;
+            bool wanted = false;
+            for (std::size_t i = begin; i < end; ++i) wanted = wanted || to_run(job.cases[i], round);
+            for (std::size_t i = begin; wanted && i < end; ++i) places.push_back(i);
+            begin = end;
         }
-        progress_.done(job.cases.size() - rows.size());
-        if (rows.empty()) return;
+        return places;
+    }
+
+    bool to_run(std::size_t row, int round) const {
+        if (kept(row, round)) return false;
+        if (round == 0) return true;
+        const Outcome* first = kept(row, 0);
+        return first && (first->status == RowStatus::ok || first->status == RowStatus::floor);  // else nothing to time
+    }
+
+    void run_job(const Job& job, int round) {
+        std::vector<std::size_t> places = places_to_run(job, round);
+        progress_.done(job.cases.size() - places.size());
+        if (places.empty()) return;
         progress_.doing(job.label);
         std::map<RowStatus, int> statuses;
-        while (!rows.empty() && !interrupted) {
-            const std::size_t finished = supervise(
-                order(job, round, rows), {.prepared = [&](const json& left_out) { note_left_out(job, left_out); },
-                                          .finished =
-                                              [&](std::size_t row, Outcome outcome) {
-                                                  outcome.build = build_of(plan_.cases[row].solver);
-                                                  outcome.machine = this_machine().id;
-                                                  outcome.repeats_asked = plan_.experiment.repeats;
-                                                  ++statuses[outcome.status];
-                                                  journal_.append({plan_.cases[row].identity, round}, outcome);
-                                                  progress_.done(1);
-                                              },
-                                          .interrupted = [] { return interrupted != 0; }});
-            rows.erase(rows.begin(), rows.begin() + std::ptrdiff_t(finished));
+        while (!places.empty() && !interrupted) {
+            std::set<std::size_t> finished;
+            supervise(order(job, round, places),
+                      {.prepared = [&](const json& left_out) { note_left_out(job, left_out); },
+                       .finished =
+                           [&](std::size_t row, Outcome outcome) {
+                               outcome.build = build_of(plan_.cases[row].solver);
+                               outcome.machine = this_machine().id;
+                               outcome.repeats_asked = plan_.experiment.repeats;
+                               ++statuses[outcome.status];
+                               journal_.append({plan_.cases[row].identity, round}, outcome);
+                               progress_.done(1);
+                               finished.insert(row);
+                           },
+                       .interrupted = [] { return interrupted != 0; }});
+            std::erase_if(places, [&](std::size_t place) { return finished.contains(job.cases[place]); });
         }
         std::string text;
         for (const auto& [status, count] : statuses)
@@ -137,25 +153,29 @@ private:
         if (!text.empty()) progress_.line(fmt::format("{}: {}", job.label, text));
     }
 
-    WorkOrder order(const Job& job, int round, const std::vector<std::size_t>& rows) const {
-        const Case& first = plan_.cases[rows.front()];
+    WorkOrder order(const Job& job, int round, const std::vector<std::size_t>& places) const {
+        const Case& first = plan_.cases[job.cases[places.front()]];
         WorkOrder order;
         order.solver = first.solver;
         order.options = first.options;
-        order.source_file = job.source_file;
-        order.target_file = job.target_file;
-        order.queries = job.queries;
+        for (const Job::Pair& pair : job.pairs)
+            order.pairs.push_back({pair.source_file, pair.target_file, pair.queries});
+        order.exponent = job.exponent;
         order.limits = first.limits;
         order.round = round;
         order.repeats = plan_.experiment.repeats;
         order.leave = plan_.leave_nothing_out ? Leave::nothing_out : Leave::out_what_is_not_needed;
         order.plugins = plugin_hashes();
-        for (std::size_t row : rows) {
+        std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0;
+        for (std::size_t place : places) {
+            while (place >= pair_end) pair_end += job.pairs[++pair].cases;
+            const std::size_t row = job.cases[place];
             const Case& asked = plan_.cases[row];
+            if (asked.chain.empty()) ++chain;
             const auto marks = plan_.marks(row);
-            const bool traced = round == 0 && plan_.experiment.trace && !marks.empty();
-            order.items.push_back(
-                {row, asked.pose, asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, traced, marks});
+            const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
+            order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
+                                   asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, traced, marks});
         }
         return order;
     }
@@ -214,6 +234,13 @@ private:
     // A worker prepares once and then answers every pose: what preparing again for each of them would have cost.
     void note_structures_reused(ResultFile& result) const {
         for (const Job& job : plan_.jobs) {
+            if (job.exponent) {
+                note_shapes_shared(job, result);
+                continue;
+            }
+            const QuerySet& queries = job.pairs.front().queries;
+            if (queries.target_moves || (queries.symmetric && queries.moves))
+                continue;             // see note_copies() in plan.cpp
             std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
             std::set<int> poses;
             for (std::size_t row : job.cases) {
@@ -230,6 +257,35 @@ private:
                  fmt::format("built {} and used for all {} poses",
                              builds.size() == 1 ? "once" : fmt::format("{} times", builds.size()), poses.size()),
                  std::int64_t(left_out), mean * double(left_out)});
+        }
+    }
+
+    // A worker of a matrix prepares each shape once for all its pairs.
+    void note_shapes_shared(const Job& job, ResultFile& result) const {
+        struct Use {
+            int built = 0, shared = 0;
+            double saved = 0;
+        };
+        std::map<std::string, Use> uses;
+        std::size_t place = 0;
+        for (const Job::Pair& pair : job.pairs) {
+            const Outcome* outcome = kept(job.cases[place], 0);  // any case of the pair says the same
+            place += pair.cases;
+            if (!outcome) continue;
+            for (const Preparation& part : outcome->preparation) {
+                if (part.round != 0 || part.name.starts_with("solver")) continue;
+                const std::size_t side = part.name.find(' ') + 1;  // "target BVH": by whatever side it is reached
+                Use& use = uses[part.name.substr(side, part.name.find(" (B to A)") - side)];
+                ++(part.shared ? use.shared : use.built);
+                if (part.shared) use.saved += part.seconds;
+            }
+        }
+        for (const auto& [name, use] : uses) {
+            if (use.shared == 0) continue;
+            result.ledger.push_back({"not_prepared", job.label, structures_for_each_pair,
+                                     fmt::format("{}: built over {} shapes and used {} times by {} pairs", name,
+                                                 use.built, use.built + use.shared, job.pairs.size()),
+                                     use.shared, use.saved});
         }
     }
 

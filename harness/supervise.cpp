@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 namespace hausbench {
@@ -24,34 +25,37 @@ struct NotAnEvent {};
 class Supervisor {
 public:
     Supervisor(const WorkOrder& order, const Supervision& report)
-        : order_(order), report_(report), worker_(program_path(), to_json(order).dump()) {
-        allow(order.limits.prepare_seconds);
+        : order_(order),
+          report_(report),
+          worker_(program_path(), to_json(order).dump()),
+          chain_end_(order.chain_end(0)) {
+        allow(seconds_to_prepare());
     }
 
-    std::size_t run() {
+    void run() {
         std::string line;
         for (;;) {
-            if (report_.interrupted()) return finished_;  // the case in flight is run again on resume
-            if (!within_memory()) return finished_;
+            if (report_.interrupted()) return;  // the case in flight is run again on resume
+            if (!within_memory()) return;
             switch (worker_.listen(turn, line)) {
                 case WorkerProcess::Heard::nothing:
-                    if (!within_time()) return finished_;
+                    if (!within_time()) return;
                     break;
                 case WorkerProcess::Heard::closed: {
-                    if (finished_ == order_.items.size()) return finished_;
+                    if (finished_ == order_.items.size()) return;
                     if (!worker_.ended_within(std::chrono::seconds(1))) {
                         fail(RowStatus::failed, "the worker closed its events and went on");
-                        return finished_;
+                        return;
                     }
                     const std::string how = worker_.end();
                     fail(worker_.signal() ? RowStatus::signal : RowStatus::failed,
                          how.empty() ? "the worker ended early" : "ended by " + how);
-                    return finished_;
+                    return;
                 }
                 case WorkerProcess::Heard::line:
                     if (!hear(line)) {
                         fail(RowStatus::failed, "the worker wrote something that is not an event");
-                        return finished_;
+                        return;
                     }
             }
         }
@@ -80,7 +84,7 @@ private:
         const Limits& limits = order_.limits;
         fail(RowStatus::timeout,
              prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
-                       : fmt::format("killed: not loaded and prepared within {} s", limits.prepare_seconds));
+                       : fmt::format("killed: not loaded and prepared within {} s", seconds_to_prepare()));
         return false;
     }
 
@@ -100,43 +104,55 @@ private:
         const auto kind = event.at("event").get<std::string>();
         const double seconds = order_.limits.case_seconds;
         if (kind == "prepared") {
-            expect(!prepared_);
+            expect(!prepared_ && finished_ < order_.items.size());
             report_.prepared(event.at("left_out"));
             prepared_ = true;
             allow(with_grace(seconds));
             return;
         }
-        expect(prepared_ && finished_ < order_.items.size() && event.at("row").get<std::size_t>() == row());
-        expect(kind == "begin" ? !began_ : kind == "answer" ? began_ && !answered_ : answered_);
+        expect(prepared_ && finished_ < order_.items.size());
+        const auto row = event.at("row").get<std::size_t>();
+        const std::size_t length = chain_end_ - finished_;
         if (kind == "begin") {
+            expect(!began_ && outcomes_.size() < length && row == order_.items[finished_ + outcomes_.size()].row);
             began_ = true;
             allow(with_grace(seconds));
-        } else if (kind == "answer") {
-            outcome_ = outcome_from_json(event.at("outcome"));
-            answered_ = true;
+            return;
+        }
+        if (kind == "answer") {
+            expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
+            outcomes_.push_back(outcome_from_json(event.at("outcome")));
+            began_ = false;
             allow(with_grace(3 * seconds));
-        } else if (kind == "repeat") {
+            return;
+        }
+        expect(outcomes_.size() == length);
+        if (kind == "end") {
+            expect(row == order_.items[finished_ + closed_].row);
+            report_.finished(row, std::move(outcomes_[closed_]));
+            if (++closed_ == length) next_chain();
+            allow(prepared_ ? with_grace(seconds) : seconds_to_prepare());
+            return;
+        }
+        Outcome& outcome = outcomes_[place_of(row)];
+        if (kind == "repeat") {
             const json& r = event.at("repeat");
-            expect(outcome_.repeats.size() < std::size_t(order_.repeats));
-            outcome_.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
-            allow(with_grace(3 * seconds));
-        } else if (kind == "trace") {
-            expect(outcome_.trace.empty());
+            expect(outcome.repeats.size() < std::size_t(order_.repeats));
+            outcome.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
+        } else {
+            expect(kind == "trace" && outcome.trace.empty());
             for (const json& s : event.at("samples"))
-                outcome_.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
+                outcome.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
             if (event.at("differs").get<bool>()) {
-                outcome_.status = RowStatus::failed;
-                outcome_.reason =
+                outcome.status = RowStatus::failed;
+                outcome.reason =
                     "the traced run ended with other bounds than the first: the solver is not deterministic";
             }
-        } else {
-            expect(kind == "end");
-            close(outcome_);
-            allow(with_grace(seconds));
         }
+        allow(with_grace(3 * seconds));
     }
 
-    // The worker has ended or has to end: the case in flight gets its row, or all cases if it never got to the first.
+    // The worker has ended or has to end: the case in flight gets its row, or all of its pair if that never got ready.
     void fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.end();
@@ -145,30 +161,55 @@ private:
         outcome.status = status;
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
+        const std::size_t length = chain_end_ - finished_;
         if (!prepared_) {
-            while (finished_ < order_.items.size()) close(outcome);
-        } else if (answered_) {  // the answer counts where only its timing was cut short, by time
-            const bool untimed = outcome_.repeats.empty() && order_.repeats > 0;
-            if (outcome_.status == RowStatus::ok && (untimed || status == RowStatus::out_of_memory)) {
-                outcome_.status = status;
-                outcome_.reason = (untimed ? "answered, but not while it was timed: "
-                                           : "answered, but was killed while it was timed: ") +
-                                  outcome.reason;
-            }
-            close(outcome_);
+            for (const std::size_t end = order_.pair_end(finished_); finished_ < end; ++finished_)
+                report_.finished(order_.items[finished_].row, outcome);
+        } else if (outcomes_.size() == length) {  // the answers count where only their timing was cut short, by time
+            for (std::size_t k = closed_; k < length; ++k)
+                report_.finished(order_.items[finished_ + k].row, cut_short(outcomes_[k], outcome));
         } else {
-            close(outcome);
+            const std::size_t broken = finished_ + outcomes_.size();
+            report_.finished(order_.items[broken].row, outcome);
+            outcome.status = RowStatus::failed;
+            outcome.reason = "the chain of poses broke at an earlier pose: " + outcome.reason;
+            for (std::size_t k = broken + 1; k < chain_end_; ++k) report_.finished(order_.items[k].row, outcome);
         }
     }
 
-    void close(Outcome outcome) {
-        report_.finished(row(), std::move(outcome));
-        ++finished_;
-        began_ = answered_ = false;
-        outcome_ = {};
+    Outcome cut_short(Outcome answered, const Outcome& how) const {
+        const bool untimed = answered.repeats.empty() && order_.repeats > 0;
+        if (answered.status == RowStatus::ok && (untimed || how.status == RowStatus::out_of_memory)) {
+            answered.status = how.status;
+            answered.reason =
+                (untimed ? "answered, but not while it was timed: " : "answered, but was killed while it was timed: ") +
+                how.reason;
+        }
+        return answered;
     }
 
-    std::size_t row() const { return order_.items[finished_].row; }
+    // The next case or chain of cases, of a pair that has to be prepared first where it is another one.
+    void next_chain() {
+        const std::size_t pair = order_.items[finished_].pair;
+        finished_ = chain_end_;
+        closed_ = 0;
+        outcomes_.clear();
+        if (finished_ == order_.items.size()) return;
+        if (order_.items[finished_].pair != pair) prepared_ = false;
+        chain_end_ = order_.chain_end(finished_);
+    }
+
+    // The limit is for each shape; those that are there already leave a fraction of it for the solver itself.
+    double seconds_to_prepare() const {
+        return order_.limits.prepare_seconds * (order_.exponent ? std::max(1, order_.new_shapes(finished_)) : 1);
+    }
+
+    std::size_t place_of(std::size_t row) const {
+        for (std::size_t k = closed_; k < outcomes_.size(); ++k) {
+            if (order_.items[finished_ + k].row == row) return k;
+        }
+        throw NotAnEvent{};
+    }
 
     static void expect(bool fits) {
         if (!fits) throw NotAnEvent{};
@@ -178,13 +219,15 @@ private:
     const Supervision& report_;
     WorkerProcess worker_;
     Clock::time_point deadline_, next_look_ = Clock::now();
-    bool prepared_ = false, began_ = false, answered_ = false;
-    std::size_t finished_ = 0;
-    Outcome outcome_;  // of the case in flight, as far as it is known
+    bool prepared_ = false, began_ = false;
+    std::size_t finished_ = 0,
+                chain_end_;          // the case or chain of cases in flight: of the items from `finished_` on ...
+    std::vector<Outcome> outcomes_;  // ... those that are answered, as far as they are known ...
+    std::size_t closed_ = 0;         // ... and ended
 };
 
 }  // namespace
 
-std::size_t supervise(const WorkOrder& order, const Supervision& report) { return Supervisor(order, report).run(); }
+void supervise(const WorkOrder& order, const Supervision& report) { Supervisor(order, report).run(); }
 
 }  // namespace hausbench

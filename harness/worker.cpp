@@ -1,5 +1,6 @@
-// Events, in order: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is timed), "repeat" for
-// each timed repeat, "trace", "end". "refused" instead of "prepared" if the solver cannot take the scene.
+// Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
+// timed), "repeat" for each timed repeat, "trace", "end". Of a warm chain of poses first all are answered; each repeat, and
+// the trace, is then a whole pass from its head; "end" comes for each at the end.
 #include "worker.h"
 
 #include "error.h"
@@ -16,8 +17,10 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <set>
 
 namespace hausbench {
 
@@ -44,21 +47,17 @@ public:
     Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
 
     int run() {
-        const SolverEntry& entry = find_solver(order_.solver);
-        Shape source = read_shape(order_.source_file).shape, target = read_shape(order_.target_file).shape;
-        memory_.emplace();
-        session_.emplace(entry, Options(order_.solver, entry.info.parameters, order_.options),
-                         prepare_pair(entry.info, std::move(source), std::move(target)), order_.queries, order_.leave);
-        memory_->prepared();
-        json structures = json::array(), left_out = json::array();
-        for (const PreparationTime& p : session_->preparation())
-            structures.push_back({p.name, number(p.seconds), p.bytes});
-        for (const Need& need : entry.info.may_need) {
-            const auto& built = session_->needs();
-            if (std::find(built.begin(), built.end(), need) == built.end()) left_out.push_back(to_string(need));
+        for (std::size_t i = 0; i < order_.items.size();) {
+            open(order_.items[i].pair, i);
+            for (const std::size_t end = order_.pair_end(i); i < end;) {
+                const std::size_t last = order_.chain_end(i);
+                if (order_.items[i].warm)
+                    answer_chain(i, last);
+                else
+                    answer_cold(order_.items[i]);
+                i = last;
+            }
         }
-        send({{"event", "prepared"}, {"structures", structures}, {"left_out", left_out}});
-        for (const WorkOrder::Item& item : order_.items) answer(item);
         return 0;
     }
 
@@ -73,34 +72,81 @@ private:
         }
     }
 
-    void answer(const WorkOrder::Item& item) {
-        send({{"event", "begin"}, {"row", item.row}});
+    // Loads and prepares what is not there yet.
+    void open(std::size_t number, std::size_t first) {
+        const WorkOrder::Pair& pair = order_.pairs.at(number);
+        const SolverEntry& entry = find_solver(order_.solver);
+        const Options options(order_.solver, entry.info.parameters, order_.options);
+        session_.reset();
+        if (order_.exponent) {
+            const PreparedPair shapes{shape(pair.source_file, first), shape(pair.target_file, first)};
+            session_.emplace(entry, options, shapes, pair.queries, order_.leave);
+        } else {
+            Shape source = read_shape(pair.source_file).shape, target = read_shape(pair.target_file).shape;
+            memory_.emplace();
+            session_.emplace(entry, options, prepare_pair(entry.info, std::move(source), std::move(target)),
+                             pair.queries, order_.leave);
+            memory_->prepared();
+        }
+        json left_out = json::array();
+        const auto& built = session_->needs();
+        for (const Need& need : entry.info.may_need) {
+            if (std::find(built.begin(), built.end(), need) == built.end()) left_out.push_back(to_string(need));
+        }
+        send({{"event", "prepared"}, {"left_out", left_out}});
+    }
+
+    // Of a matrix; let go of where no item from `first` on needs it.
+    std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
+        std::erase_if(shapes_, [&](const auto& known) {
+            return std::none_of(order_.items.begin() + std::ptrdiff_t(first), order_.items.end(),
+                                [&](const auto& item) {
+                                    const WorkOrder::Pair& pair = order_.pairs.at(item.pair);
+                                    return pair.source_file == known.first || pair.target_file == known.first;
+                                });
+        });
+        auto& known = shapes_[file];
+        if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, *order_.exponent);
+        return known;
+    }
+
+    Query query_of(const WorkOrder::Item& item) const {
         Query query;
-        query.source_pose = item.pose;
+        query.quantity = item.quantity;
+        query.source_pose = item.source_pose;
+        query.target_pose = item.target_pose;
         query.tolerance = item.tolerance;
         query.floor = item.floor;
         query.cutoff = item.cutoff;
         if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
         query.time_limit = order_.limits.case_seconds;
+        return query;
+    }
 
-        memory_->next_answer();
+    struct Answer {
+        Result result;
+        Spent spent;
+        RowStatus status;
+    };
+
+    // Sends it; none where the solver threw.
+    std::optional<Answer> answer(const WorkOrder::Item& item, State* state) {
+        send({{"event", "begin"}, {"row", item.row}});
+        if (memory_) memory_->next_answer();
         Trace untraced;
         const Stopwatch watch;
         Result result;
-        Outcome outcome;
         try {
-            result = session_->solve(query, untraced);
+            result = session_->solve(query_of(item), state, untraced);
         } catch (const std::bad_alloc&) {
-            give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
-            return;
+            return give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
         } catch (const std::exception& error) {
-            give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
-            return;
+            return give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
         } catch (...) {
-            give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
-            return;
+            return give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
         }
         const Spent spent = watch.spent();
+        Outcome outcome;
         outcome.status = row_status(result.status);
         outcome.solver_status = to_string(result.status);
         if (outcome.status != RowStatus::ok)
@@ -119,30 +165,70 @@ private:
         outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});
         outcome.clock = spent.several_threads ? "wall" : "cpu";
         outcome.reported_seconds = result.reported_seconds;
-        outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
+        if (memory_) outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
+        return Answer{std::move(result), spent, outcome.status};
+    }
 
-        if (outcome.status == RowStatus::ok || outcome.status == RowStatus::floor)
-            time_repeats(item, query, spent.wall_seconds);
-        if (item.trace) trace(item, query, result);
+    static bool timed(RowStatus status) { return status == RowStatus::ok || status == RowStatus::floor; }
+
+    void answer_cold(const WorkOrder::Item& item) {
+        if (const auto first = answer(item, nullptr)) {
+            if (timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
+            if (item.trace) trace(item, nullptr, first->result);
+        }
         send({{"event", "end"}, {"row", item.row}});
     }
 
+    // A solver that throws has left the state as nobody knows: the chain ends there.
+    void answer_chain(std::size_t begin, std::size_t end) {
+        std::vector<std::optional<Answer>> first;
+        std::unique_ptr<State> state = session_->begin();
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i > begin && !first.back()) {
+                send({{"event", "begin"}, {"row", order_.items[i].row}});
+                first.push_back(
+                    give_up(order_.items[i], RowStatus::failed, "the chain of poses broke at an earlier pose"));
+            } else {
+                first.push_back(answer(order_.items[i], state.get()));
+            }
+        }
+        double spent = 0;
+        for (int k = 0; k < order_.repeats && (k == 0 || spent < most_seconds_of_repeats(end - begin)); ++k) {
+            state = session_->begin();
+            for (std::size_t i = begin; i < end && first[i - begin]; ++i) {
+                const WorkOrder::Item& item = order_.items[i];
+                Trace untraced;
+                const Stopwatch watch;
+                (void)session_->solve(query_of(item), state.get(), untraced);
+                const Spent once = watch.spent();
+                spent += once.wall_seconds;
+                if (timed(first[i - begin]->status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
+            }
+        }
+        state = session_->begin();
+        for (std::size_t i = begin; i < end && first[i - begin] && order_.items[i].trace; ++i)
+            trace(order_.items[i], state.get(), first[i - begin]->result);
+        for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
+    }
+
+    double most_seconds_of_repeats(std::size_t cases) const { return 2 * order_.limits.case_seconds * double(cases); }
+
     // No answer, and none to time; the solver may do better on the next case.
-    void give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
+    std::nullopt_t give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
         outcome.reason = one_line(reason);
         add_preparation(outcome);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
-        send({{"event", "end"}, {"row", item.row}});
+        return std::nullopt;
     }
 
     void add_preparation(Outcome& outcome) const {
         outcome.prepare_seconds = session_->prepare_seconds();
         outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
         for (const PreparationTime& p : session_->preparation())
-            outcome.preparation.push_back({order_.round, p.name, p.seconds, std::int64_t(p.bytes)});
+            outcome.preparation.push_back({order_.round, p.name, p.seconds, std::int64_t(p.bytes), p.shared ? 1 : 0});
     }
 
     std::string reason(Status status) const {
@@ -164,18 +250,22 @@ private:
     void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
-        for (int i = 0; i < order_.repeats && (i == 0 || spent < 2 * order_.limits.case_seconds); ++i) {
+        for (int i = 0; i < order_.repeats && (i == 0 || spent < most_seconds_of_repeats(1)); ++i) {
             const Timing timing = time_once(*session_, query, iterations);
             spent += timing.wall_seconds * double(iterations);
-            send({{"event", "repeat"},
-                  {"row", item.row},
-                  {"repeat", {order_.round, number(timing.wall_seconds), number(timing.cpu_seconds), iterations}}});
+            repeated(item, timing, iterations);
         }
     }
 
-    void trace(const WorkOrder::Item& item, const Query& query, const Result& first) {
+    void repeated(const WorkOrder::Item& item, const Timing& timing, std::int64_t iterations) {
+        send({{"event", "repeat"},
+              {"row", item.row},
+              {"repeat", {order_.round, number(timing.wall_seconds), number(timing.cpu_seconds), iterations}}});
+    }
+
+    void trace(const WorkOrder::Item& item, State* state, const Result& first) {
         Trace traced(Trace::Mode::on, item.marks);
-        const Result again = session_->solve(query, traced);
+        const Result again = session_->solve(query_of(item), state, traced);
         json samples = json::array();
         for (const TraceSample& s : traced.samples())
             samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
@@ -190,6 +280,7 @@ private:
     WorkOrder order_;
     int events_;
     std::optional<SolverMemory> memory_;
+    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> shapes_;
     std::optional<Session> session_;
 };
 
@@ -201,12 +292,47 @@ ParameterMap parameters_of(const json& object) {
 
 }  // namespace
 
+std::size_t WorkOrder::chain_end(std::size_t first) const {
+    std::size_t end = first + 1;
+    while (end < items.size() && items[end].chain == items[first].chain) ++end;
+    return end;
+}
+
+std::size_t WorkOrder::pair_end(std::size_t first) const {
+    std::size_t end = first + 1;
+    while (end < items.size() && items[end].pair == items[first].pair) ++end;
+    return end;
+}
+
+int WorkOrder::new_shapes(std::size_t first) const {
+    std::set<std::filesystem::path> before, all;
+    for (std::size_t i = 0; i <= first; ++i) {
+        const Pair& pair = pairs.at(items[i].pair);
+        for (const auto& file : {pair.source_file, pair.target_file}) {
+            all.insert(file);
+            if (i < first) before.insert(file);
+        }
+    }
+    return int(all.size() - before.size());
+}
+
 json to_json(const WorkOrder& o) {
-    json items = json::array(), plugins = json::object();
+    json items = json::array(), pairs = json::array(), plugins = json::object();
     for (const auto& [file, hash] : o.plugins) plugins[file.string()] = hash;
+    for (const auto& p : o.pairs) {
+        const QuerySet& q = p.queries;
+        pairs.push_back({{"source", p.source_file.string()},
+                         {"target", p.target_file.string()},
+                         {"queries", {q.moves, q.count, q.finest_tolerance, q.target_moves, q.symmetric}}});
+    }
     for (const auto& i : o.items) {
         items.push_back({{"row", i.row},
-                         {"pose", pose_json(i.pose)},
+                         {"pair", i.pair},
+                         {"chain", i.chain},
+                         {"warm", i.warm},
+                         {"symmetric", i.quantity == Quantity::symmetric},
+                         {"pose", pose_json(i.source_pose)},
+                         {"target_pose", pose_json(i.target_pose)},
                          {"of_lower", i.tolerance.of == Tolerance::Of::lower},
                          {"tolerance", i.tolerance.value},
                          {"floor", i.floor},
@@ -217,9 +343,8 @@ json to_json(const WorkOrder& o) {
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
-            {"source", o.source_file.string()},
-            {"target", o.target_file.string()},
-            {"queries", {o.queries.moves, o.queries.count, o.queries.finest_tolerance}},
+            {"pairs", pairs},
+            {"exponent", o.exponent ? json(*o.exponent) : json()},
             {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
             {"round", o.round},
             {"repeats", o.repeats},
@@ -232,9 +357,13 @@ WorkOrder work_order_from_json(const json& j) {
     WorkOrder o;
     o.solver = j.at("solver");
     o.options = parameters_of(j.at("options"));
-    o.source_file = j.at("source").get<std::string>();
-    o.target_file = j.at("target").get<std::string>();
-    o.queries = {j.at("queries").at(0), j.at("queries").at(1), j.at("queries").at(2)};
+    for (const json& p : j.at("pairs")) {
+        const json& q = p.at("queries");
+        o.pairs.push_back({p.at("source").get<std::string>(),
+                           p.at("target").get<std::string>(),
+                           {q.at(0), q.at(1), q.at(2), q.at(3), q.at(4)}});
+    }
+    if (!j.at("exponent").is_null()) o.exponent = j.at("exponent").get<int>();
     o.limits = {j.at("limits").at(0), j.at("limits").at(1), j.at("limits").at(2)};
     o.round = j.at("round");
     o.repeats = j.at("repeats");
@@ -242,7 +371,12 @@ WorkOrder work_order_from_json(const json& j) {
     for (const json& i : j.at("items")) {
         o.items.push_back(
             {i.at("row"),
+             i.at("pair"),
+             i.at("chain"),
+             i.at("warm"),
+             i.at("symmetric").get<bool>() ? Quantity::symmetric : Quantity::directed,
              pose_of(i.at("pose")),
+             pose_of(i.at("target_pose")),
              {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
              i.at("floor"),
              number(i.at("cutoff")),

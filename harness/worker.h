@@ -6,20 +6,30 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace hausbench {
 
 // What a worker is told on its standard input, as one JSON object.
 struct WorkOrder {
     std::string solver;
     ParameterMap options;
-    std::filesystem::path source_file, target_file;
-    QuerySet queries;
+    struct Pair {
+        std::filesystem::path source_file, target_file;
+        QuerySet queries;
+    };
+    std::vector<Pair> pairs;
+    std::optional<int> exponent;  // of a matrix: all shapes are scaled by it, and each is loaded and prepared once
     Limits limits;
     int round = 0, repeats = 0;
     Leave leave = Leave::out_what_is_not_needed;
     struct Item {
         std::size_t row;
-        Pose pose;
+        std::size_t pair;   // items of one pair stand together
+        std::size_t chain;  // so do those of one chain, in order; a cold case is a chain of its own
+        bool warm;
+        Quantity quantity;
+        Pose source_pose, target_pose;
         Tolerance tolerance;
         double floor, cutoff;
         std::int64_t budget;  // -1: none
@@ -27,6 +37,13 @@ struct WorkOrder {
         std::vector<double> marks;
     };
     std::vector<Item> items;
+
+    // One after the last item of the chain that begins at `first`, of the pair.
+    std::size_t chain_end(std::size_t first) const;
+    std::size_t pair_end(std::size_t first) const;
+
+    // How many shapes are loaded for this item's pair that no earlier item has asked for.
+    int new_shapes(std::size_t first) const;
     std::map<std::filesystem::path, std::string> plugins = {};  // file -> SHA-256
 };
 

@@ -90,8 +90,9 @@ TEST_F(PlanRows, BothShapesMove) {
         EXPECT_TRUE(other.cases[i].pose.is_identity());
         EXPECT_EQ(other.cases[i].target_pose.translation, both.cases[i].target_pose.translation);
     }
-    EXPECT_TRUE(both.jobs.at(0).queries.moves && other.jobs.at(0).queries.moves);
-    EXPECT_FALSE(still.jobs.at(0).queries.moves);
+    const QuerySet &two = both.jobs.at(0).pairs.at(0).queries, &b_alone = other.jobs.at(0).pairs.at(0).queries;
+    EXPECT_TRUE(two.moves && two.target_moves && !b_alone.moves && b_alone.target_moves);
+    EXPECT_FALSE(still.jobs.at(0).pairs.at(0).queries.moves);
     // The first pose is that of the scene that stands still, and all others differ.
     for (const Plan* moving : {&one, &other, &both}) {
         EXPECT_EQ(moving->cases[0].identity, still.cases[0].identity);
@@ -121,8 +122,8 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
     ASSERT_EQ(warm.jobs.size(), 2u);  // one a tolerance
     for (const Job& job : warm.jobs) {
         ASSERT_EQ(job.cases.size(), 3u);
-        EXPECT_EQ(job.queries.count, 3u);
-        EXPECT_EQ(job.queries.finest_tolerance, warm.cases[job.cases[0]].resolved_tolerance().value);
+        EXPECT_EQ(job.pairs.at(0).queries.count, 3u);
+        EXPECT_EQ(job.pairs.at(0).queries.finest_tolerance, warm.cases[job.cases[0]].resolved_tolerance().value);
         std::string before;
         for (std::size_t p = 0; p < 3; ++p) {
             const Case& asked = warm.cases[job.cases[p]];

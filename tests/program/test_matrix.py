@@ -1,0 +1,125 @@
+"""A matrix of models: each shape is prepared once, and every pair is answered as it is alone."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from conftest import Program
+from test_results import run_in
+from test_run import numbers, texts
+
+# Two in the range of one worker, one 2^40 smaller, one 2^300 smaller, which gets a worker of its own with itself.
+EXPONENTS = {"a": 0, "b": 1, "small": -40, "tiny": -300}
+
+SOLVERS = '[[solver]]\nname = "guthe"\n[[solver]]\nname = "earlybreak"\n[[solver]]\nname = "guthe"\nlabel = "H"\nquantity = "symmetric"\n'
+
+
+def bumpy(seed: int, exponent: int, n: int = 9) -> str:
+    """An n x n sheet of random heights, 2^exponent times as large."""
+    numbers_of = random.Random(seed)
+    scale = 2.0**exponent
+    vertices = [(scale * x / n, scale * y / n, scale * numbers_of.random()) for y in range(n) for x in range(n)]
+    faces = [f for y in range(n - 1) for x in range(n - 1) for v in [n * y + x]
+             for f in ((v, v + 1, v + n), (v + 1, v + n + 1, v + n))]
+    lines = [f"{x!r} {y!r} {z!r}" for x, y, z in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    return f"OFF\n{len(vertices)} {len(faces)} 0\n" + "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    folder = tmp_path / "root"
+    (folder / "datasets").mkdir(parents=True)
+    manifest = ""
+    for i, (name, exponent) in enumerate(EXPONENTS.items()):
+        (folder / "datasets" / f"{name}.off").write_text(bumpy(i, exponent))
+        manifest += f'[model.{name}]\nsource = "file"\npath = "{name}.off"\nlicence = "none"\n'
+    (folder / "datasets" / "manifest.toml").write_text(manifest)
+    return folder
+
+
+def write(file: Path, scenes: str, solvers: str = SOLVERS) -> Path:
+    file.write_text(f'title = "a matrix"\ntolerances = [1e-3, 1e-2]\nof = "diagonal"\nrepeats = 1\n{scenes}{solvers}')
+    return file
+
+
+def test_pairs_have_the_same_bits_alone_and_in_the_matrix(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    names = list(EXPONENTS)
+    matrix = write(tmp_path / "matrix.toml", f'[[scene]]\nname = "all"\nsources = {names}\ntargets = {names}\n')
+    alone = write(tmp_path / "alone.toml", "".join(
+        f'[[scene]]\nname = "all: {a} to {b}"\nsource = "{a}"\ntarget = "{b}"\n' for a in names for b in names))
+    for file in (matrix, alone):
+        done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
+        assert done.returncode == 0, done.stderr
+    one, other = tmp_path / "matrix.h5", tmp_path / "alone.h5"
+    assert len(texts(one, "cases/scene")) == 3 * 16 * 2
+    for column in ("scene", "solver", "identity", "status", "lower_check", "upper_check"):
+        assert texts(one, f"cases/{column}") == texts(other, f"cases/{column}"), column
+    # earlybreak takes no meshes; a thousandth of a tiny A is less than double precision tells beside a large B.
+    assert [texts(one, "cases/status").count(status) for status in ("ok", "floor", "skipped")] == [48, 16, 32]
+    with h5py.File(one) as f:
+        counters = [name for name in f["cases"] if name.startswith("counter_")]
+    for column in ("lower", "upper", "witness_source", "witness_target", "witness_source_element", *counters):
+        np.testing.assert_array_equal(numbers(one, f"cases/{column}"), numbers(other, f"cases/{column}"), err_msg=column)
+    ok = np.array([status in ("ok", "floor") for status in texts(one, "cases/status")])
+    assert (numbers(one, "cases/peak_bytes") == -1).all() and (numbers(other, "cases/peak_bytes")[ok] >= 0).all()
+    assert np.isfinite(numbers(one, "cases/prepare_seconds")[ok]).all()
+
+
+def ledger(file: Path, what: str) -> list[tuple[str, str, int]]:
+    return [(subject, reason, int(count)) for subject, w, reason, count in zip(
+        *(texts(file, f"ledger/{name}") for name in ("subject", "what", "reason")), numbers(file, "ledger/count")) if w == what]
+
+
+def test_each_shape_is_prepared_once_and_the_ledger_says_so(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    manifest = root / "datasets" / "manifest.toml"
+    names = [f"m{i}" for i in range(10)]
+    for i, name in enumerate(names):
+        (root / "datasets" / f"{name}.off").write_text(bumpy(100 + i, 0, 6))
+        manifest.write_text(manifest.read_text() + f'[model.{name}]\nsource = "file"\npath = "{name}.off"\nlicence = "none"\n')
+    file = write(tmp_path / "ten.toml", f'[[scene]]\nname = "ten"\nsources = {names}\n', '[[solver]]\nname = "guthe"\n')
+    done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
+    assert done.returncode == 0, done.stderr
+    result = tmp_path / "ten.h5"
+    assert texts(result, "cases/status") == ["ok"] * 200
+    assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 100 times by 100 pairs", 90)]
+    shown = run_in(hausbench, root, "explain", file)
+    assert "each of 10 shapes is loaded and prepared once for all 100 pairs" in shown.stdout
+    # A pair, or the matrix as a whole, can be chosen.
+    pair = run_in(hausbench, root, "run", file, "--results", tmp_path / "pair", "--quiet", "--scene", "ten: m3 to m4")
+    assert pair.returncode == 0 and len(texts(tmp_path / "pair" / "ten.h5", "cases/scene")) == 2
+
+
+def test_far_scales_get_a_worker_of_their_own(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    names = list(EXPONENTS)
+    file = write(tmp_path / "matrix.toml", f'[[scene]]\nname = "all"\nsources = {names}\n', '[[solver]]\nname = "guthe"\n')
+    shown = run_in(hausbench, root, "explain", file).stdout
+    assert "each of 4 shapes is loaded and prepared once for all 15 pairs" in shown
+    assert "each of 1 shapes is loaded and prepared once for all 1 pairs" in shown
+
+
+def test_a_crash_costs_its_case_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    (root / "datasets" / "b.off").write_text("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n")  # damaged: its pairs fail, with the reason
+    file = write(tmp_path / "matrix.toml", '[[scene]]\nname = "all"\nsources = ["a", "b"]\n', '[[solver]]\nname = "guthe"\n')
+    done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
+    assert done.returncode == 0, done.stderr
+    result = tmp_path / "matrix.h5"
+    by_scene = dict(zip(texts(result, "cases/scene"), texts(result, "cases/status")))
+    assert by_scene == {"all: a to a": "ok", "all: a to b": "failed", "all: b to a": "failed", "all: b to b": "failed"}
+
+
+@pytest.mark.parametrize(("scene", "says"), [
+    ('sources = ["a"]\nsource = "a"', "'source' is of one pair"),
+    ('sources = []', "'sources' names no model"),
+    ('sources = ["a", "a"]', "'sources' names a model twice"),
+    ('targets = ["a"]', "'targets' makes a matrix together with 'sources'"),
+    ('sources = ["a"]\ntargets = ["nobody"]', "nobody"),
+])
+def test_what_is_no_matrix(hausbench: Program, root: Path, tmp_path: Path, scene: str, says: str) -> None:
+    file = write(tmp_path / "bad.toml", f'[[scene]]\nname = "bad"\n{scene}\n', '[[solver]]\nname = "guthe"\n')
+    done = run_in(hausbench, root, "run", file, "--results", tmp_path)
+    assert done.returncode == 2 and says in done.stderr, done.stderr
