@@ -275,3 +275,52 @@ def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: P
     for key in ("floor", "cutoff"):
         experiment.write_text(f"{key} = -1\n{text}")
         assert key in hausbench.fails("run", experiment, "--results", tmp_path)
+
+
+BOTH = """\
+title = "both shapes, both directions"
+tolerances = [1e-3]
+repeats = 1
+[[scene]]
+name = "still"
+source = "sphere1"
+target = "cube1"
+[[scene]]
+name = "together"
+source = "sphere1"
+target = "cube1"
+motion = { kind = "translation", of = "absolute", from = [0, 0, 0], to = [4, 2, 1], steps = 3 }
+target_motion = { kind = "translation", of = "absolute", from = [0, 0, 0], to = [4, 2, 1], steps = 3 }
+[[scene]]
+name = "back"
+source = "cube1"
+target = "sphere1"
+[[solver]]
+name = "guthe"
+[[solver]]
+name = "guthe"
+quantity = "symmetric"
+"""
+
+
+def test_both_poses_and_both_directions_are_measured(hausbench: Program, tmp_path: Path) -> None:
+    experiment = tmp_path / "both.toml"
+    experiment.write_text(BOTH)
+    file = run(hausbench, experiment, tmp_path)
+    assert set(texts(file, "cases/status")) == {"ok"}
+    assert set(texts(file, "cases/lower_check")) == set(texts(file, "cases/upper_check")) == {"holds"}
+    names = zip(texts(file, "cases/scene"), texts(file, "cases/quantity"), numbers(file, "cases/pose_index"))
+    intervals = dict(zip(names, zip(numbers(file, "cases/lower"), numbers(file, "cases/upper"))))
+    tolerance = 1.001 * max(numbers(file, "cases/tolerance_absolute"))
+    forth, back = intervals["still", "directed", 0], intervals["back", "directed", 0]
+    assert abs(forth[0] - back[0]) > 10 * tolerance  # the two directions differ
+    for scene in ("still", "back"):
+        assert intervals[scene, "symmetric", 0][0] == pytest.approx(max(forth[0], back[0]), abs=tolerance)
+    # Shapes that move together keep their distances.
+    for quantity in ("directed", "symmetric"):
+        for pose in range(3):
+            assert intervals["together", quantity, pose][0] == pytest.approx(intervals["still", quantity, 0][0], abs=tolerance)
+    moved = [i for i, pose in enumerate(numbers(file, "cases/target_pose")) if pose[9] == 4]
+    assert len(moved) == 2 and {texts(file, "cases/scene")[i] for i in moved} == {"together"}
+    assert hausbench("verify", file).returncode == 0
+    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # rows of h and H are not taken for each other
