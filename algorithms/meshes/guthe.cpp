@@ -19,10 +19,10 @@
 // both are there to be compared with, and their bounds may be wrong.
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
-#include "kernel/deadline.h"
-#include "kernel/rounding.h"
-#include "kernel/textbook.h"
-#include "kernel/triangle_block.h"
+#include "search/bounds.h"
+#include "search/queue.h"
+#include "search/subdivision.h"
+#include "search/target.h"
 #include "solver.h"
 #include "structures/octree.h"
 
@@ -32,151 +32,55 @@
 namespace hausbench {
 namespace {
 
-// By then a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
-// edge divide the diameter by 2, but for a factor of sqrt(3) in all.
-constexpr int most_levels_midpoint = 50, most_levels_longest_edge = 102;
-constexpr Index scan_at_most = 32;  // triangles of B that are as soon scanned as searched
-
-struct Vertex {
-    Vec3 point;
-    double squared = -1;  // distance to B, squared; negative: not known yet
-    Index triangle = -1;  // of B, nearest
-};
-
 struct Piece {
-    std::array<Vertex, 3> corners;
+    std::array<MeasuredPoint, 3> corners;
     double upper;
     Index source;  // triangle of A
     Index best;    // triangle of B whose bound was least
     int level;
 };
 
-// Which piece to split next: the heap moves these, and the pieces stay where they are.
-struct Queued {
-    double upper;
-    std::uint32_t piece;
-
-    bool operator<(const Queued& other) const { return upper < other.upper; }
-};
-
 struct Choices {
-    bool textbook = false, certify = true, longest_edge = false;
-};
-
-// A piece cut up: its corners (0, 1, 2), the midpoints of edges after them, and the pieces as three of these points each.
-struct Cut {
-    std::array<Vertex, 6> points;
-    std::size_t point_count = 3, piece_count = 0;
-    std::array<std::array<std::size_t, 3>, 4> pieces{};
+    bool textbook = false, certify = true;
+    Split split = Split::midpoint;
 };
 
 // One query.
 class Search {
 public:
-    Search(const TriangleMesh& a, const TriangleMesh& b, const TriangleOctree* octree, Points posed_vertices,
-           const Query& query, Trace& trace, const Choices& choices)
+    Search(const TriangleMesh& a, const Target& target, const Points& posed_vertices, const SurfaceRounding& rounding,
+           const Query& query, Trace& trace, Split split)
         : a_(a),
-          b_(b),
-          octree_(octree),
-          points_(std::move(posed_vertices)),
-          query_(query),
-          trace_(trace),
-          textbook_(choices.textbook),
-          longest_edge_(choices.longest_edge),
-          deadline_(query.time_limit),
-          rounding_{std::max(magnitude(points_), magnitude(b.vertices)), choices.certify} {}
+          target_(target),
+          points_(posed_vertices),
+          split_(split),
+          bounds_(query, target, rounding, counters_, trace) {}
 
     Result run();
 
 private:
-    ClosestPoint closest(const Vec3& point, Index warm);
-    double squared_distance(const Vec3& point, const Triangle& triangle) const;
-    void squared_distances(const Cut& cut, const Triangle& triangle, BlockFeet& feet) const;
-    Vertex vertex_at(const Vec3& point, Index warm, Index source, int level);
+    MeasuredPoint measure(const Vec3& point, Index warm, Index source, int level);
     bool measure_vertices();
     void push_triangles();
-    bool settle(const Piece& piece);
+    bool settle(const Piece& piece) { return bounds_.settle(piece.upper, piece.level, most_levels(split_)); }
     void push(const Piece& piece);
-    Piece pop();
-    Cut cut(const Piece& piece);
     void split(const Piece& piece);
-    double upper() const { return std::max(settled_, heap_.empty() ? 0.0 : heap_.front().upper); }
-    double certified_lower();
-    Result result(Status status);
 
     const TriangleMesh& a_;
-    const TriangleMesh& b_;
-    const TriangleOctree* octree_;
-    Points points_;
-    const Query& query_;
-    Trace& trace_;
-    bool textbook_, longest_edge_;
-    Deadline deadline_;
-    SurfaceRounding rounding_;
+    const Target& target_;
+    const Points& points_;
+    Split split_;
     Counters counters_;
-    std::vector<Vertex> vertices_;  // of A
-    std::vector<Queued> heap_;
-    std::vector<Piece> pieces_;
-    std::vector<std::uint32_t> free_;  // places in pieces_
-    double settled_ = 0;               // the largest upper bound of what was purged
-    Vertex farthest_;
-    Index farthest_source_ = -1;
-    int farthest_level_ = 0;
-    double certified_ = -1;  // of farthest_, negative: to be computed
+    SearchBounds bounds_;
+    std::vector<MeasuredPoint> vertices_;  // of A
+    PieceQueue<Piece> queue_;
 };
 
-ClosestPoint Search::closest(const Vec3& point, Index warm) {
-    ClosestHints hints;
-    hints.warm_triangle = warm;
-    if (!textbook_)
-        return octree_ ? octree_->closest(point, hints, counters_) : closest_by_scan(b_, point, hints, counters_);
-
-    ClosestPoint best;
-    if (octree_) {
-        best = octree_->textbook_closest(point, hints, counters_);
-    } else {
-        ++counters_.closest_point_queries;
-        for (Index i = 0; i < b_.triangles.rows(); ++i) {
-            ++counters_.point_triangle_distances;
-            const TrianglePoint found = textbook_closest_point(point, triangle_of(b_, i));
-            if (found.squared_distance <= best.squared_distance) offer(best, found, i);
-        }
-    }
-    // All were NaN: something has to be answered.
-    if (best.triangle < 0) best = {best.squared_distance, triangle_of(b_, 0).a, 0};
-    return best;
-}
-
-double Search::squared_distance(const Vec3& point, const Triangle& triangle) const {
-    return (textbook_ ? textbook_closest_point(point, triangle) : closest_point(point, triangle)).squared_distance;
-}
-
-// Of the points of a cut, lane by lane.
-void Search::squared_distances(const Cut& cut, const Triangle& triangle, BlockFeet& feet) const {
-    if (textbook_) {
-        for (std::size_t k = 0; k < cut.point_count; ++k) {
-            feet.squared_distance[k] = squared_distance(cut.points[k].point, triangle);
-        }
-        return;
-    }
-    PointBlock block;
-    for (std::size_t lane = 0; lane < block_width; ++lane) {
-        const Vec3& point = cut.points[std::min(lane, cut.point_count - 1)].point;
-        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = point[k];
-    }
-    closest_points(block, triangle, feet);
-}
-
-Vertex Search::vertex_at(const Vec3& point, Index warm, Index source, int level) {
-    const ClosestPoint nearest = closest(point, warm);
-    const Vertex vertex{point, nearest.squared_distance, nearest.triangle};
-    if (vertex.squared > farthest_.squared) {
-        farthest_ = vertex;
-        farthest_source_ = source;
-        farthest_level_ = level;
-        certified_ = -1;
-    }
-    return vertex;
+MeasuredPoint Search::measure(const Vec3& point, Index warm, Index source, int level) {
+    const ClosestPoint nearest = target_.closest(point, warm, counters_);
+    const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
+    bounds_.offer(measured, source, level);
+    return measured;
 }
 
 // False: out of time.
@@ -184,51 +88,24 @@ bool Search::measure_vertices() {
     vertices_.resize(static_cast<std::size_t>(points_.rows()));
     Index warm = -1;
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
-        if (i % 128 == 0 && deadline_.passed()) return false;
+        if (i % 128 == 0 && bounds_.out_of_time()) return false;
         for (const Index v : a_.triangles.row(i)) {
             if (vertices_[static_cast<std::size_t>(v)].triangle >= 0)
                 warm = vertices_[static_cast<std::size_t>(v)].triangle;
         }
         for (const Index v : a_.triangles.row(i)) {
-            Vertex& vertex = vertices_[static_cast<std::size_t>(v)];
-            if (vertex.triangle < 0) vertex = vertex_at(points_.row(v), warm, i, 0);
+            MeasuredPoint& vertex = vertices_[static_cast<std::size_t>(v)];
+            if (vertex.triangle < 0) vertex = measure(points_.row(v), warm, i, 0);
             warm = vertex.triangle;
         }
     }
     return true;
 }
 
-// Whether the piece needs no further work; its bound is kept.
-bool Search::settle(const Piece& piece) {
-    // Any bound that comes from vertices no farther than the farthest one is purged here: among them, exactly, those of
-    // pieces whose vertices share a nearest triangle. What is below the floor is of no interest.
-    const int most_levels = longest_edge_ ? most_levels_longest_edge : most_levels_midpoint;
-    const double known = std::max(rounding_.at_most(farthest_.squared, piece.level), query_.floor);
-    if (piece.upper > known && piece.level < most_levels) return false;
-    settled_ = std::max(settled_, piece.upper);
-    return true;
-}
-
 void Search::push(const Piece& piece) {
     if (settle(piece)) return;
     ++counters_.queue_pushes;
-    std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
-    if (free_.empty()) {
-        pieces_.push_back(piece);
-    } else {
-        place = free_.back();
-        free_.pop_back();
-        pieces_[place] = piece;
-    }
-    heap_.push_back({piece.upper, place});
-    std::push_heap(heap_.begin(), heap_.end());
-}
-
-Piece Search::pop() {
-    std::pop_heap(heap_.begin(), heap_.end());
-    free_.push_back(heap_.back().piece);
-    heap_.pop_back();
-    return pieces_[free_.back()];
+    queue_.push(piece);
 }
 
 void Search::push_triangles() {
@@ -239,15 +116,15 @@ void Search::push_triangles() {
             piece.corners[static_cast<std::size_t>(k)] = vertices_[static_cast<std::size_t>(a_.triangles(i, k))];
         }
         double least = std::numeric_limits<double>::infinity();
-        for (const Vertex& corner : piece.corners) {
-            const Triangle near = triangle_of(b_, corner.triangle);
+        for (const MeasuredPoint& corner : piece.corners) {
+            const Triangle near = target_.triangle(corner.triangle);
             double most = 0;
-            for (const Vertex& other : piece.corners) {
+            for (const MeasuredPoint& other : piece.corners) {
                 if (other.triangle == corner.triangle) {
                     most = std::max(most, other.squared);
                 } else {
                     ++counters_.point_triangle_distances;
-                    most = std::max(most, squared_distance(other.point, near));
+                    most = std::max(most, target_.squared_distance(other.point, near));
                 }
             }
             ++counters_.bound_tests;
@@ -256,55 +133,34 @@ void Search::push_triangles() {
                 piece.best = corner.triangle;
             }
         }
-        piece.upper = rounding_.at_most(least, 0);
+        piece.upper = bounds_.at_most(least, 0);
         push(piece);
     }
-}
-
-Cut Search::cut(const Piece& piece) {
-    const int level = piece.level + 1;
-    Cut cut;
-    for (std::size_t k = 0; k < 3; ++k) cut.points[k] = piece.corners[k];
-    const auto add_midpoint = [&](std::size_t a, std::size_t b) {
-        const Vertex &one = cut.points[a], &two = cut.points[b];
-        cut.points[cut.point_count++] = vertex_at(0.5 * (one.point + two.point), one.triangle, piece.source, level);
-    };
-    if (!longest_edge_) {  // 3, 4, 5 are the midpoints opposite 0, 1, 2
-        for (std::size_t k = 0; k < 3; ++k) add_midpoint((k + 1) % 3, (k + 2) % 3);
-        cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
-        cut.piece_count = 4;
-        return cut;
-    }
-    std::size_t opposite = 0;
-    double longest = -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double length = squared_length(cut.points[(k + 1) % 3].point - cut.points[(k + 2) % 3].point);
-        if (length > longest) longest = length, opposite = k;
-    }
-    const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
-    add_midpoint(one, two);
-    cut.pieces[0] = {opposite, one, 3};
-    cut.pieces[1] = {opposite, 3, two};
-    cut.piece_count = 2;
-    return cut;
 }
 
 void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
-    const Cut cut = this->cut(piece);
+    const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
+        return measure(point, near.triangle, piece.source, level);
+    });
+    PointBlock block;
     std::array<Index, 7> near{piece.best};
-    for (std::size_t k = 0; k < cut.point_count; ++k) near[k + 1] = cut.points[k].triangle;
+    for (std::size_t lane = 0; lane < block_width; ++lane) {
+        const MeasuredPoint& vertex = cut.vertices[std::min(lane, cut.vertex_count - 1)];
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = vertex.point[k];
+        if (lane < cut.vertex_count) near[lane + 1] = vertex.triangle;
+    }
 
     std::array<double, 4> least;
     std::array<Index, 4> best{};
     least.fill(std::numeric_limits<double>::infinity());
-    for (std::size_t s = 0; s <= cut.point_count; ++s) {
+    for (std::size_t s = 0; s <= cut.vertex_count; ++s) {
         if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
         BlockFeet feet;
-        squared_distances(cut, triangle_of(b_, near[s]), feet);
+        target_.squared_distances(block, cut.vertex_count, target_.triangle(near[s]), feet);
         const double* squared = feet.squared_distance;
-        counters_.point_triangle_distances += cut.point_count;
+        counters_.point_triangle_distances += cut.vertex_count;
         for (std::size_t c = 0; c < cut.piece_count; ++c) {
             ++counters_.bound_tests;
             const auto& corners = cut.pieces[c];
@@ -316,68 +172,19 @@ void Search::split(const Piece& piece) {
         }
     }
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const auto& corners = cut.pieces[c];
-        Piece child{
-            {cut.points[corners[0]], cut.points[corners[1]], cut.points[corners[2]]}, 0, piece.source, best[c], level};
-        child.upper = std::min(piece.upper, rounding_.at_most(least[c], level));
-        push(child);
+        const double upper = std::min(piece.upper, bounds_.at_most(least[c], level));
+        push({cut.corners(c), upper, piece.source, best[c], level});
     }
-}
-
-double Search::certified_lower() {
-    if (!rounding_.certify) return std::sqrt(farthest_.squared);
-    if (certified_ < 0) {
-        const double distance = octree_ ? octree_->certified_distance(farthest_.point, counters_)
-                                        : certified_distance_by_scan(b_, farthest_.point, counters_);
-        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_level_);
-    }
-    return certified_;
-}
-
-Result Search::result(Status status) {
-    Result result;
-    result.bounds = {certified_lower(), std::max(upper(), certified_lower())};
-    const ClosestPoint nearest = closest(farthest_.point, farthest_.triangle);
-    result.witness = {farthest_.point, nearest.point, farthest_source_, nearest.triangle};
-    result.counters = counters_;
-    result.status = query_.answer(result.bounds.lower, result.bounds.upper).value_or(status);
-    trace_.record(result.bounds.lower, result.bounds.upper);
-    return result;
 }
 
 Result Search::run() {
-    if (!measure_vertices()) {
-        // The distance to one point of B is convex too: no triangle of A is farther than its vertices.
-        const Vec3 point = b_.vertices.row(b_.triangles(0, 0));
-        double most = 0;
-        for (Index v = 0; v < points_.rows(); ++v) most = std::max(most, squared_length(Vec3(points_.row(v)) - point));
-        settled_ = rounding_.at_most(most, 0);
-        return farthest_.triangle < 0
-                   ? Result{.status = Status::time_limit, .bounds = {0, settled_}, .witness = {}, .counters = counters_}
-                   : result(Status::time_limit);
-    }
+    if (!measure_vertices()) return bounds_.result_without_bounds(points_);
     push_triangles();
-
-    double loss = 0;  // what certifying the witness has cost so far
     while (true) {
-        const double high = upper(), low = std::max(std::sqrt(farthest_.squared) - loss, 0.0);
-        if (trace_.on()) trace_.record(certified_lower(), high);
-        // Seemingly answered, or nothing is left to split. Certifying the witness costs a query, so it comes last.
-        const std::optional<Status> seems = query_.answer(low, high);
-        const bool done = heap_.empty() || heap_.front().upper <= settled_;
-        if (seems || done) {
-            if (const auto answer = query_.answer(certified_lower(), high)) return result(*answer);
-        }
-        if (seems == Status::converged || done) {
-            if (!seems) return result(Status::precision_floor);
-            loss = std::max(2 * loss, std::sqrt(farthest_.squared) - certified_lower());
-            if (!(loss < query_.tolerance.gap(certified_lower()))) return result(Status::precision_floor);
-            continue;
-        }
-        if (counters_.subdivisions >= query_.budget) return result(Status::budget);
-        if (counters_.subdivisions % 64 == 0 && deadline_.passed()) return result(Status::time_limit);
-        const Piece piece = pop();
-        if (!settle(piece)) split(piece);  // the lower bound may have risen since it was pushed
+        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions))
+            return bounds_.result(*status, queue_.upper());
+        const Piece piece = queue_.pop();
+        if (!settle(piece)) split(piece);  // the lower bound may be larger than when it was pushed
     }
 }
 
@@ -385,7 +192,7 @@ class Guthe final : public Solver {
 public:
     explicit Guthe(const Options& options)
         : choices_{options.text("kernel") == "textbook", options.flag("certify"),
-                   options.text("split") == "longest_edge"} {}
+                   options.text("split") == "longest_edge" ? Split::longest_edge : Split::midpoint} {}
 
     bool certified() const override { return choices_.certify && !choices_.textbook; }
 
@@ -401,10 +208,11 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        Points points = posed(source_->vertices, query.source_pose);
+        const Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        return Search(*source_, *target_, octree_, std::move(points), query, trace, choices_).run();
+        const Target target(*target_, octree_, choices_.textbook);
+        return Search(*source_, target, points, {most, choices_.certify}, query, trace, choices_.split).run();
     }
 
 private:

@@ -1,0 +1,59 @@
+#include "bounds.h"
+
+#include <cmath>
+
+namespace hausbench {
+
+double SearchBounds::certified_lower() {
+    if (!rounding_.certify || farthest_.triangle < 0) return std::sqrt(farthest_squared());
+    if (certified_ < 0) {
+        const double distance = target_.certified_distance(farthest_.point, counters_);
+        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_level_);
+    }
+    return certified_;
+}
+
+std::optional<Status> SearchBounds::end(double queued, std::uint64_t spent) {
+    while (true) {
+        const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
+        if (trace_.on()) trace_.record(certified_lower(), high);
+        // Seemingly answered, or nothing is left to split. Certifying the witness costs a query, so it comes last.
+        const std::optional<Status> seems = query_.answer(low, high);
+        const bool done = queued <= settled_;
+        if (seems || done) {
+            if (const auto answer = query_.answer(certified_lower(), high)) return answer;
+        }
+        if (seems != Status::converged && !done) break;
+        if (!seems) return Status::precision_floor;
+        loss_ = std::max(2 * loss_, std::sqrt(farthest_squared()) - certified_lower());
+        if (!(loss_ < query_.tolerance.gap(certified_lower()))) return Status::precision_floor;
+    }
+    if (spent >= query_.budget) return Status::budget;
+    if (spent % 64 == 0 && deadline_.passed()) return Status::time_limit;
+    return std::nullopt;
+}
+
+Result SearchBounds::result(Status status, double queued) {
+    Result result;
+    const double lower = certified_lower();
+    result.bounds = {lower, std::max({settled_, queued, lower})};
+    if (farthest_.triangle >= 0) {
+        const ClosestPoint nearest = target_.closest(farthest_.point, farthest_.triangle, counters_);
+        result.witness = {farthest_.point, nearest.point, farthest_source_, nearest.triangle};
+        trace_.record(lower, result.bounds.upper);
+    }
+    result.counters = counters_;
+    result.status = query_.answer(lower, result.bounds.upper).value_or(status);
+    return result;
+}
+
+Result SearchBounds::result_without_bounds(const Points& vertices) {
+    // The distance to one point of B is convex: no triangle of A is farther from it than its vertices.
+    const Vec3 point = target_.triangle(0).a;
+    double most = 0;
+    for (Index v = 0; v < vertices.rows(); ++v) most = std::max(most, squared_length(Vec3(vertices.row(v)) - point));
+    settled_ = rounding_.at_most(most, 0);
+    return result(Status::time_limit, 0);
+}
+
+}  // namespace hausbench

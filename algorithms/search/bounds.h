@@ -1,0 +1,82 @@
+// What a branch-and-bound search over pieces of A knows of h(A, B): the farthest point so far, the interval, and when to end.
+//
+// Lower bound: the largest distance of a point of A met so far. It is certified by support planes (kernel/point_triangle.h),
+// which costs a query, so only when the search seems to be over. Until then pieces are purged by the uncertified one, which
+// does no harm: the upper bounds of what is purged are kept.
+// Upper bound: the largest of those kept ("settled") and of those in the queue, which belongs to the caller.
+#pragma once
+
+#include "kernel/deadline.h"
+#include "kernel/rounding.h"
+#include "solver.h"
+#include "target.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace hausbench {
+
+class SearchBounds {
+public:
+    // References are kept. `rounding.magnitude`: of A posed and B.
+    SearchBounds(const Query& query, const Target& target, const SurfaceRounding& rounding, Counters& counters,
+                 Trace& trace)
+        : query_(query),
+          target_(target),
+          rounding_(rounding),
+          counters_(counters),
+          trace_(trace),
+          deadline_(query.time_limit) {}
+
+    bool out_of_time() const { return deadline_.passed(); }
+
+    // A point of A was measured: a vertex of a piece of `level` subdivisions of triangle `source`, or of A (level 0).
+    void offer(const MeasuredPoint& point, Index source, int level) {
+        if (!(point.squared > farthest_.squared)) return;
+        farthest_ = point;
+        farthest_source_ = source;
+        farthest_level_ = level;
+        certified_ = -1;
+    }
+
+    // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
+    double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
+
+    // Whether a piece of this upper bound needs no further work; its bound is then kept. A bound that comes from points no
+    // farther than the farthest one is purged here, exactly; so is one below the floor, which is of no interest, and
+    // what is at `most_levels` (subdivision.h).
+    bool settle(double upper, int level, int most_levels) {
+        const double known = std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
+        if (upper > known && level < most_levels) return false;
+        settled_ = std::max(settled_, upper);
+        return true;
+    }
+
+    // Whether the search is over, and how; asked before a piece is taken from the queue, which is not empty if the answer is
+    // no. `queued` is the largest upper bound in the queue, 0 where it is empty; `spent` is what the budget is compared with.
+    std::optional<Status> end(double queued, std::uint64_t spent);
+
+    Result result(Status status, double queued);
+
+    // Where time is out before every triangle of A has an upper bound. `vertices` are those of A, posed. O(n).
+    Result result_without_bounds(const Points& vertices);
+
+private:
+    double farthest_squared() const { return std::max(farthest_.squared, 0.0); }
+    double certified_lower();
+
+    const Query& query_;
+    const Target& target_;
+    SurfaceRounding rounding_;
+    Counters& counters_;
+    Trace& trace_;
+    Deadline deadline_;
+    MeasuredPoint farthest_{};
+    Index farthest_source_ = -1;
+    int farthest_level_ = 0;
+    double certified_ = -1;  // lower bound of the distance of farthest_; negative: to be computed
+    double settled_ = 0;     // the largest upper bound of what was purged
+    double loss_ = 0;        // what certifying the farthest point has cost so far
+};
+
+}  // namespace hausbench

@@ -1,0 +1,63 @@
+// A triangle cut into smaller ones, which share the new vertices: each is measured once.
+#pragma once
+
+#include "kernel/point_triangle.h"
+
+#include <array>
+#include <cstddef>
+
+namespace hausbench {
+
+enum class Split {
+    midpoint,      // four pieces of the same shape, at the midpoints of the edges: a needle stays a needle
+    longest_edge,  // two pieces, at the midpoint of the longest edge: a needle soon becomes compact pieces
+};
+
+// By then a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
+// edge divide the diameter by 2, but for a factor of sqrt(3) in all.
+constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
+
+// The corners of the triangle (0, 1, 2), the new vertices after them, and the pieces as three of these each, in the
+// orientation of the triangle. The pieces cover the triangle, but for the rounding of midpoints (kernel/rounding.h).
+template <class Vertex> struct Cut {
+    std::array<Vertex, 6> vertices;
+    std::size_t vertex_count = 3, piece_count = 0;
+    std::array<std::array<std::size_t, 3>, 4> pieces{};
+
+    std::array<Vertex, 3> corners(std::size_t piece) const {
+        const auto& corner = pieces[piece];
+        return {vertices[corner[0]], vertices[corner[1]], vertices[corner[2]]};
+    }
+};
+
+// `Vertex` has a member `point`; `measure(point, near)` returns that of a new point, which is beside the vertex `near`. It
+// is called once for each new vertex, in order.
+template <class Vertex, class Measure>
+Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
+    Cut<Vertex> cut;
+    for (std::size_t k = 0; k < 3; ++k) cut.vertices[k] = corners[k];
+    const auto add_midpoint = [&](std::size_t a, std::size_t b) {
+        const Vertex &one = cut.vertices[a], &two = cut.vertices[b];
+        cut.vertices[cut.vertex_count++] = measure(Vec3(0.5 * (one.point + two.point)), one);
+    };
+    if (split == Split::midpoint) {  // 3, 4, 5 are the midpoints opposite 0, 1, 2
+        for (std::size_t k = 0; k < 3; ++k) add_midpoint((k + 1) % 3, (k + 2) % 3);
+        cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
+        cut.piece_count = 4;
+        return cut;
+    }
+    std::size_t opposite = 0;
+    double longest = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double length = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
+        if (length > longest) longest = length, opposite = k;
+    }
+    const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
+    add_midpoint(one, two);
+    cut.pieces[0] = {opposite, one, 3};
+    cut.pieces[1] = {opposite, 3, two};
+    cut.piece_count = 2;
+    return cut;
+}
+
+}  // namespace hausbench
