@@ -5,6 +5,7 @@
 #include "search/queue.h"
 #include "search/subdivision.h"
 #include "search/target.h"
+#include "search/warm_start.h"
 #include "structures/octree.h"
 
 #include <set>
@@ -368,6 +369,48 @@ TEST(SearchBounds, WithoutBoundsOfTrianglesThatOfTheVerticesHolds) {
         EXPECT_EQ(lower > 0, i % 2 == 1);
         EXPECT_EQ(result.witness.source_element, i % 2 == 1 ? 7 : -1);
         EXPECT_LT(upper * upper, most + exact::Rational(1e-13));
+    }
+}
+
+// --- warm starts -----------------------------------------------------------------------------------------------------
+
+TEST(WarmStart, TheFarthestPointMovesAlong) {
+    Random random(8);
+    for (int i = 0; i < 300; ++i) {
+        const Triangle before{random.vector(), random.vector(), random.vector()};
+        const double u = random.real(0, 0.5), v = random.real(0, 0.5);
+        const Vec3 move = random.vector();
+        const auto inside = [&](const Triangle& t) { return Vec3(t.a + u * (t.b - t.a) + v * (t.c - t.a)); };
+        const Triangle after{before.a + move, before.c + move, before.b + move};  // turned over
+        WarmStart warm;
+        warm.remember({{inside(before), 1, 3}, 5, 2}, before);
+        EXPECT_EQ(warm.source, 5);
+        EXPECT_EQ(warm.target, 3);
+        EXPECT_EQ(warm.corner, -1);
+        EXPECT_LE((warm.point_in(after) - inside(after)).norm(), 1e-6) << i;
+        EXPECT_LE((warm.point_in(before) - inside(before)).norm(), 1e-6) << i;
+        warm.remember({{before.b, 1, 3}, 5, 0}, before);
+        EXPECT_EQ(warm.corner, 1);
+    }
+}
+
+// Whatever the triangle was like: the point is on the new one.
+TEST(WarmStart, ThePointIsInTheTriangleWhateverWasBefore) {
+    Random random(9);
+    for (const double size : {0.0, 1e-200, 1e-12, 1.0, 0x1p399}) {
+        for (int i = 0; i < 100; ++i) {
+            const Vec3 a = size * random.vector(), e = size * random.vector(),
+                       f = i % 2 == 0 ? e : size * random.vector();
+            WarmStart warm;
+            warm.remember({{a + size * random.vector(), 1, 0}, 0, 1}, {a, a + e, a + f});
+            for (const double weight : {warm.second, warm.third})
+                EXPECT_TRUE(weight >= 0 && weight <= 1)
+                    << size << " " << i;  // not NaN, which closest_point promises nothing about
+            const Triangle now{random.vector(), random.vector(), random.vector()};
+            const Vec3 point = warm.point_in(now);
+            EXPECT_EQ(squared_distance_to_box(point, box_of(now)), 0) << size << " " << i;
+            EXPECT_LE(closest_point(point, now).squared_distance, 1e-28) << size << " " << i;
+        }
     }
 }
 

@@ -17,12 +17,18 @@
 // the bounds of what is purged are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
 // With certify = false nothing is widened or certified, and with kernel = textbook distances are those that textbooks give:
 // both are there to be compared with, and their bounds may be wrong.
+// Warm start (ours, and only where the caller gives a State; search/warm_start.h): the point that was farthest at the pose before is
+// measured first, and a triangle of A is settled without a query if its distance to a triangle of B that was nearest to one of its
+// corners is small enough. Vertices that are measured begin at the triangle that was nearest to them.
+//
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
 #include "search/bounds.h"
 #include "search/queue.h"
 #include "search/subdivision.h"
 #include "search/target.h"
+#include "search/vertices.h"
+#include "search/warm_start.h"
 #include "solver.h"
 #include "structures/octree.h"
 
@@ -49,18 +55,22 @@ struct Choices {
 class Search {
 public:
     Search(const TriangleMesh& a, const Target& target, const Points& posed_vertices, const SurfaceRounding& rounding,
-           const Query& query, Trace& trace, Split split)
+           const Query& query, WarmStart* warm_start, Trace& trace, Split split)
         : a_(a),
           target_(target),
           points_(posed_vertices),
           split_(split),
-          bounds_(query, target, rounding, counters_, trace) {}
+          bounds_(query, target, rounding, counters_, trace),
+          vertices_(a, points_, target, warm_start, most_levels(split), bounds_, counters_) {}
 
-    Result run();
+    Result run() {
+        const Result result = search();
+        vertices_.remember();
+        return result;
+    }
 
 private:
-    MeasuredPoint measure(const Vec3& point, Index warm, Index source, int level);
-    bool measure_vertices();
+    Result search();
     void push_triangles();
     bool settle(const Piece& piece) { return bounds_.settle(piece.upper, piece.level, most_levels(split_)); }
     void push(const Piece& piece);
@@ -72,35 +82,9 @@ private:
     Split split_;
     Counters counters_;
     SearchBounds bounds_;
-    std::vector<MeasuredPoint> vertices_;  // of A
+    SourceVertices vertices_;
     PieceQueue<Piece> queue_;
 };
-
-MeasuredPoint Search::measure(const Vec3& point, Index warm, Index source, int level) {
-    const ClosestPoint nearest = target_.closest(point, warm, counters_);
-    const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
-    bounds_.offer(measured, source, level);
-    return measured;
-}
-
-// False: out of time.
-bool Search::measure_vertices() {
-    vertices_.resize(static_cast<std::size_t>(points_.rows()));
-    Index warm = -1;
-    for (Index i = 0; i < a_.triangles.rows(); ++i) {
-        if (i % 128 == 0 && bounds_.out_of_time()) return false;
-        for (const Index v : a_.triangles.row(i)) {
-            if (vertices_[static_cast<std::size_t>(v)].triangle >= 0)
-                warm = vertices_[static_cast<std::size_t>(v)].triangle;
-        }
-        for (const Index v : a_.triangles.row(i)) {
-            MeasuredPoint& vertex = vertices_[static_cast<std::size_t>(v)];
-            if (vertex.triangle < 0) vertex = measure(points_.row(v), warm, i, 0);
-            warm = vertex.triangle;
-        }
-    }
-    return true;
-}
 
 void Search::push(const Piece& piece) {
     if (settle(piece)) return;
@@ -110,11 +94,8 @@ void Search::push(const Piece& piece) {
 
 void Search::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
-        Piece piece{};
-        piece.source = i;
-        for (int k = 0; k < 3; ++k) {
-            piece.corners[static_cast<std::size_t>(k)] = vertices_[static_cast<std::size_t>(a_.triangles(i, k))];
-        }
+        if (vertices_.settled(i)) continue;
+        Piece piece{vertices_.corners(i), 0, i, 0, 0};
         double least = std::numeric_limits<double>::infinity();
         for (const MeasuredPoint& corner : piece.corners) {
             const Triangle near = target_.triangle(corner.triangle);
@@ -142,7 +123,7 @@ void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
-        return measure(point, near.triangle, piece.source, level);
+        return bounds_.measure(point, near.triangle, piece.source, level);
     });
     PointBlock block;
     std::array<Index, 7> near{piece.best};
@@ -177,8 +158,8 @@ void Search::split(const Piece& piece) {
     }
 }
 
-Result Search::run() {
-    if (!measure_vertices()) return bounds_.result_without_bounds(points_);
+Result Search::search() {
+    if (!vertices_.measure()) return bounds_.result_without_bounds(points_);
     push_triangles();
     while (true) {
         if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions))
@@ -207,12 +188,16 @@ public:
         octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
     }
 
-    Result solve(const Query& query, State*, Trace& trace) const override {
+    std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
+
+    Result solve(const Query& query, State* state, Trace& trace) const override {
         const Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
         const Target target(*target_, octree_, choices_.textbook);
-        return Search(*source_, target, points, {most, choices_.certify}, query, trace, choices_.split).run();
+        return Search(*source_, target, points, {most, choices_.certify}, query, static_cast<WarmStart*>(state), trace,
+                      choices_.split)
+            .run();
     }
 
 private:
@@ -231,6 +216,7 @@ SolverEntry guthe_solver() {
     info.paper = "guthe2005";
     info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
     info.certified = true;
+    info.warm = true;
     info.traces = true;
     info.may_need = {need<TriangleOctree>(Side::target)};
     info.parameters = {

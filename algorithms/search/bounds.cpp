@@ -5,10 +5,10 @@
 namespace hausbench {
 
 double SearchBounds::certified_lower() {
-    if (!rounding_.certify || farthest_.triangle < 0) return std::sqrt(farthest_squared());
+    if (!rounding_.certify || farthest_.source < 0) return std::sqrt(farthest_squared());
     if (certified_ < 0) {
-        const double distance = target_.certified_distance(farthest_.point, counters_);
-        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_level_);
+        const double distance = target_.certified_distance(farthest_.point.point, counters_);
+        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_.level);
     }
     return certified_;
 }
@@ -37,13 +37,15 @@ Result SearchBounds::result(Status status, double queued) {
     Result result;
     const double lower = certified_lower();
     result.bounds = {lower, std::max({settled_, queued, lower})};
-    if (farthest_.triangle >= 0) {
-        const ClosestPoint nearest = target_.closest(farthest_.point, farthest_.triangle, counters_);
-        result.witness = {farthest_.point, nearest.point, farthest_source_, nearest.triangle};
+    if (farthest_.source >= 0) {
+        const MeasuredPoint& far = farthest_.point;
+        const ClosestPoint nearest = target_.closest(far.point, far.triangle, counters_);
+        result.witness = {far.point, nearest.point, farthest_.source, nearest.triangle};
+        status = query_.answer(lower, result.bounds.upper).value_or(status);
         trace_.record(lower, result.bounds.upper);
     }
+    result.status = status;
     result.counters = counters_;
-    result.status = query_.answer(lower, result.bounds.upper).value_or(status);
     return result;
 }
 

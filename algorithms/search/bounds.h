@@ -16,6 +16,13 @@
 
 namespace hausbench {
 
+// The farthest point of A so far.
+struct Farthest {
+    MeasuredPoint point{};
+    Index source = -1;  // triangle of A that it is in; -1: nothing was measured yet
+    int level = 0;      // how far it may be from A by rounding, as kernel/rounding.h counts it
+};
+
 class SearchBounds {
 public:
     // References are kept. `rounding.magnitude`: of A posed and B.
@@ -32,12 +39,20 @@ public:
 
     // A point of A was measured: a vertex of a piece of `level` subdivisions of triangle `source`, or of A (level 0).
     void offer(const MeasuredPoint& point, Index source, int level) {
-        if (!(point.squared > farthest_.squared)) return;
-        farthest_ = point;
-        farthest_source_ = source;
-        farthest_level_ = level;
+        if (!(point.squared > farthest_.point.squared)) return;
+        farthest_ = {point, source, level};
         certified_ = -1;
     }
+
+    // Finds its distance, and offers it. `warm`: a triangle of B to look at first, or -1.
+    MeasuredPoint measure(const Vec3& point, Index warm, Index source, int level) {
+        const ClosestPoint nearest = target_.closest(point, warm, counters_);
+        const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
+        offer(measured, source, level);
+        return measured;
+    }
+
+    const Farthest& farthest() const { return farthest_; }
 
     // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
@@ -62,7 +77,7 @@ public:
     Result result_without_bounds(const Points& vertices);
 
 private:
-    double farthest_squared() const { return std::max(farthest_.squared, 0.0); }
+    double farthest_squared() const { return std::max(farthest_.point.squared, 0.0); }
     double certified_lower();
 
     const Query& query_;
@@ -71,9 +86,7 @@ private:
     Counters& counters_;
     Trace& trace_;
     Deadline deadline_;
-    MeasuredPoint farthest_{};
-    Index farthest_source_ = -1;
-    int farthest_level_ = 0;
+    Farthest farthest_;
     double certified_ = -1;  // lower bound of the distance of farthest_; negative: to be computed
     double settled_ = 0;     // the largest upper bound of what was purged
     double loss_ = 0;        // what certifying the farthest point has cost so far

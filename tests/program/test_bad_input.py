@@ -78,7 +78,7 @@ BAD_EXPERIMENTS = {
         ("'exact'", "one pose"),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nmotion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 2 }\n"
     "target_motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 9, steps = 3 }": ("'target_motion' 3", "make one static"),
-    "[[solver]]\nname = 'guthe'\nlabel = 'again'\nwarm = true": ("'warm'", "carries nothing"),
+    "[[solver]]\nname = 'naive'\nwarm = true": ("'warm'", "carries nothing"),
     "limits = { memory_mb = 1e15 }": ("'memory_mb'", "at most"),
     "limits = { case_seconds = 1e15 }": ("'case_seconds'", "at most"),
     "[[scene]]\nname = 'x'\nsource = 'sphere1'\ntarget = 'sphere1'\nprofiles = ['papr']": ("unknown profile 'papr'", "paper"),

@@ -1,0 +1,76 @@
+#include "vertices.h"
+
+namespace hausbench {
+
+Triangle SourceVertices::posed_triangle(Index i) const {
+    const auto corners = a_.triangles.row(i);
+    return {points_.row(corners[0]), points_.row(corners[1]), points_.row(corners[2])};
+}
+
+// What was farthest is measured first, so that the lower bound is large from the start.
+void SourceVertices::begin_warm() {
+    settled_.resize(static_cast<std::size_t>(a_.triangles.rows()));
+    WarmStart& last = *warm_start_;
+    last.nearest.resize(vertices_.size(), -1);
+    if (last.source < 0) return;
+    if (last.corner < 0) {
+        const Vec3 point = last.point_in(posed_triangle(last.source));
+        bounds_.measure(point, last.target, last.source, level_of_closest_point);
+    } else {
+        const Index v = a_.triangles(last.source, last.corner);
+        vertices_[static_cast<std::size_t>(v)] = bounds_.measure(points_.row(v), last.target, last.source, 0);
+    }
+}
+
+// The distance to a triangle of B is convex, so a triangle of A is no farther from any of them than its corners are. The one
+// that was nearest to a corner at the pose before may be close enough.
+bool SourceVertices::settle_by_last_pose(Index i) {
+    const auto corners = a_.triangles.row(i);
+    for (const Index v : corners) {
+        const Index nearest = warm_start_->nearest[static_cast<std::size_t>(v)];
+        if (nearest < 0) return false;
+        const Triangle near = target_.triangle(nearest);
+        double most = 0;
+        for (const Index other : corners) most = std::max(most, target_.squared_distance(points_.row(other), near));
+        counters_.point_triangle_distances += 3;
+        ++counters_.bound_tests;
+        if (bounds_.settle(bounds_.at_most(most, 0), 0, most_levels_)) return true;
+    }
+    return false;
+}
+
+bool SourceVertices::measure() {
+    vertices_.resize(static_cast<std::size_t>(points_.rows()));
+    if (warm_start_) begin_warm();
+    const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };
+    Index warm = -1;
+    for (Index i = 0; i < a_.triangles.rows(); ++i) {
+        if (i % 128 == 0 && bounds_.out_of_time()) return false;
+        if (warm_start_ && settle_by_last_pose(i)) {
+            settled_[static_cast<std::size_t>(i)] = true;
+            continue;
+        }
+        for (const Index v : a_.triangles.row(i)) {
+            if (vertex(v).triangle >= 0) warm = vertex(v).triangle;
+        }
+        for (const Index v : a_.triangles.row(i)) {
+            if (vertex(v).triangle < 0) {
+                const Index last = warm_start_ ? warm_start_->nearest[static_cast<std::size_t>(v)] : -1;
+                vertex(v) = bounds_.measure(points_.row(v), last >= 0 ? last : warm, i, 0);
+            }
+            warm = vertex(v).triangle;
+        }
+    }
+    return true;
+}
+
+void SourceVertices::remember() const {
+    if (!warm_start_) return;
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        if (vertices_[v].triangle >= 0) warm_start_->nearest[v] = vertices_[v].triangle;
+    }
+    const Farthest& farthest = bounds_.farthest();
+    if (farthest.source >= 0) warm_start_->remember(farthest, posed_triangle(farthest.source));
+}
+
+}  // namespace hausbench

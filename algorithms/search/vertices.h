@@ -1,0 +1,58 @@
+// The vertices of A, each measured once: where searches over whole triangles of A begin.
+#pragma once
+
+#include "bounds.h"
+#include "warm_start.h"
+
+#include <array>
+#include <vector>
+
+namespace hausbench {
+
+class SourceVertices {
+public:
+    // References are kept; `points` are the vertices of A, posed; `warm_start` is null for a cold start.
+    SourceVertices(const TriangleMesh& a, const Points& points, const Target& target, WarmStart* warm_start,
+                   int most_levels, SearchBounds& bounds, Counters& counters)
+        : a_(a),
+          points_(points),
+          target_(target),
+          warm_start_(warm_start),
+          most_levels_(most_levels),
+          bounds_(bounds),
+          counters_(counters) {}
+
+    // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
+    // before. With a warm start: at the one that was nearest at the pose before; and triangles of A that this pose's distances to
+    // those settle are left out. False: out of time.
+    bool measure();
+
+    // Whether triangle i of A was left out: its bound is kept. After measure().
+    bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
+
+    // Of a triangle that was not left out.
+    std::array<MeasuredPoint, 3> corners(Index i) const {
+        const auto v = [&](int k) { return vertices_[static_cast<std::size_t>(a_.triangles(i, k))]; };
+        return {v(0), v(1), v(2)};
+    }
+
+    // For the next pose, when the search is over.
+    void remember() const;
+
+private:
+    void begin_warm();
+    bool settle_by_last_pose(Index i);
+    Triangle posed_triangle(Index i) const;
+
+    const TriangleMesh& a_;
+    const Points& points_;
+    const Target& target_;
+    WarmStart* warm_start_;
+    int most_levels_;
+    SearchBounds& bounds_;
+    Counters& counters_;
+    std::vector<MeasuredPoint> vertices_;
+    std::vector<bool> settled_;  // triangles of A; empty without a warm start
+};
+
+}  // namespace hausbench

@@ -1,0 +1,44 @@
+// What a mesh solver may carry from one pose of A to the next: what was nearest, and what was farthest.
+//
+// It says only what to look at first. Every bound is proven anew at each pose, so a state from any other pose is as good, but
+// slower. Ours: in none of the papers, so a solver uses it only where the caller gives it a state.
+#pragma once
+
+#include "bounds.h"
+#include "kernel/point_triangle.h"
+#include "solver.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace hausbench {
+
+struct WarmStart final : State {
+    std::vector<Index> nearest;    // triangle of B, to each vertex of A; -1: unknown. Empty before the first pose
+    Index source = -1;             // triangle of A that the farthest point was in; -1: unknown
+    int corner = -1;               // the corner of it that the point was, -1: none of them
+    double second = 0, third = 0;  // otherwise: the weights of these corners, in [0, 1]
+    Index target = -1;             // triangle of B, nearest to it
+
+    // `triangle` is `farthest.source`, posed.
+    void remember(const Farthest& farthest, const Triangle& triangle) {
+        source = farthest.source;
+        target = farthest.point.triangle;
+        const Vec3& point = farthest.point.point;
+        corner = point == triangle.a ? 0 : point == triangle.b ? 1 : point == triangle.c ? 2 : -1;
+        // By least squares, without care: it only says where to begin.
+        const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
+        const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
+        const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };  // never NaN
+        second = weight(ff * dot(e, p) - ef * dot(f, p));
+        third = weight(ee * dot(f, p) - ef * dot(e, p));
+    }
+
+    // A point of `triangle`, which is `source` at another pose: within level_of_closest_point (kernel/rounding.h) of it.
+    Vec3 point_in(const Triangle& triangle) const {
+        const Vec3 near = triangle.a + second * (triangle.b - triangle.a) + third * (triangle.c - triangle.a);
+        return closest_point(near, triangle).point;
+    }
+};
+
+}  // namespace hausbench
