@@ -103,6 +103,8 @@ public:
 
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
+    std::unique_ptr<State> begin() const override { return std::make_unique<State>(); }
+
     Result solve(const Query& query, State*, Trace& trace) const override {
         Result result = good_->solve(query, nullptr, trace);
         if (query.source_pose.translation.x() == at_) deed(how_, result);
@@ -119,6 +121,7 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
     SolverInfo info = vertex_only_solver().info;
     info.name = info.title = name;
     info.certified = false;
+    info.warm = true;                  // in name only
     info.original_coordinates = true;  // so that `at` is a length of the experiment
     info.parameters = {
         {.name = "at",

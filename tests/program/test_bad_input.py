@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import subprocess
 from pathlib import Path
@@ -149,8 +150,13 @@ def test_a_remedy_that_exists(hausbench: Program, tetrahedron: Path, tmp_path: P
     plain.write_bytes(tetrahedron.read_bytes())
     assert "rename" in hausbench.fails("measure", plain, tetrahedron)
     points = tmp_path / "points.obj"
-    points.write_text("v 0 0 0\n")
-    assert "--solver: external" in hausbench.fails("measure", tetrahedron, points)
+    points.write_text("v 0 0 0\nv 0 0 1\n")
+    refused = hausbench.fails("measure", tetrahedron, points, "--solver", "cgal")
+    assert "takes no points as target" in refused and "--solver: guthe" in refused
+    # Points and meshes mix: a point is a degenerate triangle.
+    for source, target, answer in ((tetrahedron, points, 1.0), (points, tetrahedron, 0.0)):
+        done = hausbench("measure", source, target, "--json")
+        assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(answer), done.stderr
     surface = tmp_path / "ball.surface.toml"
     surface.write_text('polynomial = "x^2 + y^2 + z^2 - 1"\nbox = [[-2, 2], [-2, 2], [-2, 2]]\n')
     assert "two files of one kind" in hausbench.fails("measure", tetrahedron, surface)

@@ -199,6 +199,59 @@ def test_certified_is_a_column(swept: Rows) -> None:
     assert {row["certified"] for row in swept["throws a number"]} == {0}
 
 
+BREAKING = """
+
+[[solver]]
+name = "crashes"
+warm = true
+parameters = { at = 2.0 }
+
+[[solver]]
+name = "throws"
+warm = true
+parameters = { at = 2.0 }
+
+[[solver]]
+name = "throws"
+label = "at the head"
+warm = true
+parameters = { at = 0.0 }
+"""
+
+
+def test_a_chain_that_breaks_keeps_what_came_before(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "breaking.toml"
+    experiment.write_text(head() + BREAKING)
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(tmp_path / "breaking.h5")
+    for solver, status, said in (("crashes", "signal", "signal 11"), ("throws", "failed", "it was too hard")):
+        assert [row["status"] for row in rows[solver]] == ["ok", "ok", status, "failed"], [row["reason"] for row in rows[solver]]
+        assert said in rows[solver][2]["reason"] and "broke at an earlier pose" in rows[solver][3]["reason"]
+    assert [row["status"] for row in rows["at the head"]] == ["failed"] * 4
+    with h5py.File(tmp_path / "breaking.h5") as f:
+        timed = {int(case) for case in f["repeats/case"][:]}
+        answered = {i for i, status in enumerate(f["cases/status"].asstr()[:]) if status == "ok"}
+    assert timed == answered  # what was answered before the break is timed, in a pass from the head
+    journal = tmp_path / "breaking.journal"
+    before = journal.read_bytes()
+    assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
+    assert journal.read_bytes() == before  # nothing is left to do
+
+
+def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "crossed.toml"
+    experiment.write_text(head().replace('source = "sphere1"', 'sources = ["sphere0", "sphere1"]').replace('target = "sphere1"', "")
+                          + '[[solver]]\nname = "crashes"\nparameters = { at = 1.0 }\n')
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "crossed.h5") as f:
+        rows = list(zip(f["cases/label"].asstr()[:], f["cases/status"].asstr()[:], f["cases/pose_index"][:]))
+    assert len(rows) == 32
+    for label_, status, pose in rows:
+        assert status == ("signal" if label_ == "crashes" and pose == 1 else "ok")
+
+
 LEAKING = """\
 title = "a solver that grows and is never silent"
 tolerances = [2.0]

@@ -1,0 +1,115 @@
+"""Warm chains of poses: whole passes from the head, whatever ends them."""
+
+from __future__ import annotations
+
+import random
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import Program
+from test_results import run_in
+from test_run import numbers, run, same_answers, start, texts, wait_for
+
+CHAIN = """\
+title = "warm chains"
+tolerances = [1e-3, 1e-5]
+repeats = 3
+trace = {trace}
+[[scene]]
+name = "turning"
+source = "sphere3"
+target = "cube1"
+motion = {{ kind = "rotation", axis = [0, 1, 3], degrees = 40, steps = 12 }}
+[[solver]]
+name = "guthe"
+label = "warm"
+warm = true
+[[solver]]
+name = "guthe"
+label = "cold"
+tolerances = [1e-5]
+"""
+
+
+@pytest.fixture
+def chains(tmp_path: Path) -> Path:
+    file = tmp_path / "slow.toml"  # the name that start() and records() of test_run.py know
+    file.write_text(CHAIN.format(trace="false"))
+    return file
+
+
+def labelled(file: Path, label: str) -> list[int]:
+    return [i for i, name in enumerate(texts(file, "cases/label")) if name == label]
+
+
+def test_a_warm_chain_is_right_and_saves_work(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    file = run(hausbench, chains, tmp_path)
+    assert set(texts(file, "cases/status")) == {"ok"} and set(texts(file, "cases/lower_check")) == {"holds"}
+    warm, cold = labelled(file, "warm"), labelled(file, "cold")
+    fine = [i for i in warm if numbers(file, "cases/tolerance")[i] == 1e-5]
+    assert len(warm) == 24 and len(fine) == len(cold) == 12
+    lower, upper = numbers(file, "cases/lower"), numbers(file, "cases/upper")
+    assert (lower[fine] <= upper[cold]).all() and (lower[cold] <= upper[fine]).all()
+    work = numbers(file, "cases/counter_closest_point_queries")
+    assert work[fine][0] == work[cold][0] and sum(work[fine]) < sum(work[cold])
+    # Each pose is timed as often as was asked for, and names the pose before it.
+    case, chain, identity = numbers(file, "repeats/case"), texts(file, "cases/chain"), texts(file, "cases/identity")
+    assert all((case == i).sum() == 3 for i in warm)
+    assert chain[fine[0]] == "" and [chain[i] for i in fine[1:]] == [identity[i] for i in fine[:-1]]
+    assert len(set(identity)) == len(identity)
+
+
+def test_each_repeat_and_the_trace_are_whole_passes(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    chains.write_text(CHAIN.format(trace="true"))
+    file = run(hausbench, chains, tmp_path)
+    assert set(texts(file, "cases/status")) == {"ok"}  # a trace that ended with other bounds would be `failed`
+    begin, end = numbers(file, "cases/trace_begin"), numbers(file, "cases/trace_end")
+    lower, upper = numbers(file, "trace/lower"), numbers(file, "trace/upper")
+    for i in labelled(file, "warm"):
+        assert end[i] > begin[i]
+        assert (lower[end[i] - 1], upper[end[i] - 1]) == (numbers(file, "cases/lower")[i], numbers(file, "cases/upper")[i])
+
+
+def test_kill_inside_a_chain_starts_it_at_its_head(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    """A state cannot be written down, so a chain is in the journal as a whole or not at all."""
+    begin = time.monotonic()
+    whole = run(hausbench, chains, tmp_path / "whole")
+    seconds = time.monotonic() - begin
+    moments = random.Random(4)
+    folder = tmp_path / "killed"
+    for _ in range(12):
+        process = start(hausbench, chains, folder)
+        time.sleep(moments.uniform(0.02, max(0.1, 0.7 * seconds)))
+        process.kill()
+        process.wait()
+    finished = run(hausbench, chains, folder)
+    same_answers(finished, whole)
+    for counter in ("closest_point_queries", "subdivisions", "point_triangle_distances"):
+        np.testing.assert_array_equal(numbers(finished, f"cases/counter_{counter}"), numbers(whole, f"cases/counter_{counter}"))
+
+
+def test_a_chain_with_a_pose_lost_is_run_again_as_a_whole(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    whole = run(hausbench, chains, tmp_path / "whole")
+    folder = tmp_path / "cut"
+    run(hausbench, chains, folder)
+    journal = folder / "slow.journal"
+    lines = journal.read_bytes().splitlines(True)
+    identity = texts(whole, "cases/identity")[labelled(whole, "warm")[10]]
+    journal.write_bytes(b"".join(line for line in lines if identity.encode() not in line))
+    again = run(hausbench, chains, folder)
+    same_answers(again, whole)
+    assert len(journal.read_bytes().splitlines()) == len(lines) - 1 + 12  # the header, the rest, and this chain once more
+
+
+def test_shards_keep_chains_whole(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    whole = run(hausbench, chains, tmp_path / "whole")
+    for i in (1, 2):
+        assert hausbench("run", chains, "--results", tmp_path, "--shard", f"{i}/2").returncode == 0
+    assert hausbench("merge", tmp_path / "merged.h5", *sorted(tmp_path.glob("slow.shard-*.h5"))).returncode == 0
+    same_answers(tmp_path / "merged.h5", whole)
+    run(hausbench, chains, tmp_path / "everything", "--leave-nothing-out")
+    (everything,) = (tmp_path / "everything").glob("*.h5")
+    same_answers(everything, whole)
