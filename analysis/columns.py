@@ -42,6 +42,7 @@ class Cases:
     quantity: Texts
     warm: Ints
     chain: Texts
+    threads: Ints
     identity: Texts
     label: Texts
     certified: Ints
@@ -121,6 +122,7 @@ class Preparation:
     name: Texts
     seconds: Floats
     bytes: Ints
+    shared: Ints
 
 
 @dataclass(frozen=True)
@@ -165,6 +167,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/quantity": "directed",
     "cases/warm": 0,
     "cases/chain": "",
+    "cases/threads": 1,
     "cases/identity": "",
     "cases/label": "",
     "cases/certified": -1,
@@ -228,6 +231,7 @@ DEFAULTS: dict[str, Any] = {
     "preparation/name": "",
     "preparation/seconds": 0.0,
     "preparation/bytes": 0,
+    "preparation/shared": 0,
     "repeats/case": 0,
     "repeats/round": 0,
     "repeats/wall_seconds": 0.0,

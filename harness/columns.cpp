@@ -145,6 +145,8 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(chain)>(
             "chain", "of a warm case: the `identity` of the case of the pose before it; empty at the first pose",
             Identity::where_given),
+        at<Case, MEMBER(threads)>("threads", "that the solver may use; 1 for a solver that offers no more",
+                                  Identity::where_given),
         at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
         at<Case, MEMBER(certified)>("certified",
@@ -312,7 +314,8 @@ const Columns<TraceSample>& trace_columns() {
 
 const Columns<LedgerEntry>& ledger_columns() {
     static const Columns<LedgerEntry> columns = {
-        at<LedgerEntry, MEMBER(kind)>("kind", "`not_built`, `not_prepared`, `not_run`"),
+        at<LedgerEntry, MEMBER(kind)>(
+            "kind", "`not_built`, `not_prepared`, `not_run`; `prepared_again`: what could not be left out"),
         at<LedgerEntry, MEMBER(subject)>("subject", "solver and scene"),
         at<LedgerEntry, MEMBER(what)>("what",
                                       "such as a structure. For motions, `structures for each pose` counts the poses "

@@ -303,9 +303,10 @@ Quantity read_quantity(const Reader& reader, Quantity otherwise) {
                                                       text, nearest_hint(text, {"directed", "symmetric"})));
 }
 
-SolverPlan read_solver(const Reader& reader, Quantity quantity) {
+SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
     SolverPlan solver;
-    solver.quantity = read_quantity(reader, quantity);
+    solver.quantity = read_quantity(reader, experiment.quantity);
+    solver.threads = reader.count("threads", 1, experiment.threads);
     solver.name = reader.text("name");
     solver.label = reader.text("label", solver.name);
     solver.tolerances = reader.tolerances("tolerances");
@@ -331,9 +332,9 @@ SolverPlan read_solver(const Reader& reader, Quantity quantity) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",      "floor",  "cutoff",
-                                            "budget", "repeats", "rounds",           "trace",   "limits", "profile",
-                                            "scene",  "solver",  "expected_unsound", "quantity"};
+const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",       "floor",  "cutoff",
+                                            "budget", "repeats", "rounds",           "trace",    "limits", "profile",
+                                            "scene",  "solver",  "expected_unsound", "quantity", "threads"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -415,6 +416,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.floor = root.length("floor", experiment.floor);
     experiment.cutoff = root.length("cutoff", experiment.cutoff);
     experiment.budget = root.count("budget", 0, -1);
+    experiment.threads = root.count("threads", 1, experiment.threads);
     experiment.repeats = root.count("repeats", 0, experiment.repeats);
     experiment.rounds = root.count("rounds", 1, experiment.rounds);
     experiment.trace = root.flag("trace", experiment.trace);
@@ -444,11 +446,12 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 if (!fresh)
                     reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, profile));
             } else {
-                Reader reader(file, *item.as_table(), "[[solver]]",
-                              {"name", "label", "parameters", "tolerances", "scenes", "quantity", "warm", "profiles"});
+                Reader reader(
+                    file, *item.as_table(), "[[solver]]",
+                    {"name", "label", "parameters", "tolerances", "scenes", "quantity", "threads", "warm", "profiles"});
                 labels.push_back(reader.text("label", reader.text("name")));
                 if (!wanted(reader, profile, profiles)) continue;
-                SolverPlan solver = read_solver(reader, experiment.quantity);
+                SolverPlan solver = read_solver(reader, experiment);
                 if (solver.tolerances.empty()) solver.tolerances = experiment.tolerances;
                 if (solver.tolerances.empty())
                     reader.fail("no 'tolerances', here or at the top: a tolerance has no default");

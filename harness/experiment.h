@@ -40,7 +40,8 @@ struct SolverPlan {
     std::vector<double> tolerances;          // this solver's own, else the experiment's
     std::vector<std::string> scenes;         // only on these; empty: on all
     Quantity quantity = Quantity::directed;  // this solver's own, else the experiment's
-    bool warm = false;                       // each pose starts from what the pose before it left, see State
+    int threads = 1;    // this solver's own, else the experiment's; 1 for a solver that offers no more
+    bool warm = false;  // each pose starts from what the pose before it left, see State
 };
 
 struct Experiment {
@@ -54,6 +55,7 @@ struct Experiment {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
     std::int64_t budget = -1;                                            // see Query; -1: none
     Quantity quantity = Quantity::directed;
+    int threads = 1;     // that a solver may use, see Query
     int repeats = 5;     // timed repeats a round
     int rounds = 1;      // fresh processes; the order of solvers is turned round after each (ABBA)
     bool trace = false;  // coarser tolerances are read off the trace of the finest where a solver traces

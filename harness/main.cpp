@@ -229,8 +229,9 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("--cutoff", request.cutoff,
                              "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 "
                              "if it is above, 3 if that is open; --time-limit is then 10 unless it is given");
-    measure_verb->add_option("--time-limit", request.time_limit,
-                             "seconds for each direction; the bounds hold also when it is reached");
+    measure_verb->add_option("--time-limit", request.time_limit, "seconds; the bounds hold also when it is reached");
+    measure_verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
+        ->check(CLI::Range(1, 1024));
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {

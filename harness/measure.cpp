@@ -21,6 +21,7 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     query.quantity = request.symmetric ? Quantity::symmetric : Quantity::directed;
     query.tolerance = {request.of == "lower" ? Tolerance::Of::lower : Tolerance::Of::absolute,
                        request.tolerance * measured.unit};
+    query.threads = request.threads;
     query.time_limit = request.time_limit;
     if (request.cutoff) {
         query.floor = query.cutoff = *request.cutoff;

@@ -20,6 +20,7 @@ struct MeasureRequest {
     std::string of = "diagonal";   // one of tolerance_units
     bool symmetric = false;        // H = max of both directions
     std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
+    int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();
 };
 

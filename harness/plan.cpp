@@ -250,6 +250,7 @@ private:
         asked.floor = experiment.floor * asked.unit();
         asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
         asked.budget = experiment.budget;
+        asked.threads = entry && entry->info.threads ? solver.threads : 1;
         asked.warm = solver.warm;
         asked.certified = entry ? promises(*entry, given) : -1;
         return asked;

@@ -43,6 +43,7 @@ struct Case {
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // likewise; -1: none
+    int threads = 1;                                                     // that the solver may use
     Limits limits;
     // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head.
     bool warm = false;
@@ -142,7 +143,7 @@ struct ModelRecord {
 
 // What was left out, and why.
 struct LedgerEntry {
-    std::string kind;  // not_built | not_prepared | not_run
+    std::string kind;  // not_built | not_prepared | not_run | prepared_again
     std::string subject, what, reason;
     std::int64_t count = 1;
     double seconds_saved = unknown;  // known only afterwards, and not for all

@@ -175,7 +175,8 @@ private:
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
-                                   asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, traced, marks});
+                                   asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
+                                   traced, marks});
         }
         return order;
     }

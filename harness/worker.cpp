@@ -119,6 +119,7 @@ private:
         query.floor = item.floor;
         query.cutoff = item.cutoff;
         if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
+        query.threads = item.threads;
         query.time_limit = order_.limits.case_seconds;
         return query;
     }
@@ -338,6 +339,7 @@ json to_json(const WorkOrder& o) {
                          {"floor", i.floor},
                          {"cutoff", number(i.cutoff)},
                          {"budget", i.budget},
+                         {"threads", i.threads},
                          {"trace", i.trace},
                          {"marks", i.marks}});
     }
@@ -381,6 +383,7 @@ WorkOrder work_order_from_json(const json& j) {
              i.at("floor"),
              number(i.at("cutoff")),
              i.at("budget"),
+             i.at("threads"),
              i.at("trace"),
              i.at("marks").get<std::vector<double>>()});
     }

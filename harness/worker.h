@@ -33,6 +33,7 @@ struct WorkOrder {
         Tolerance tolerance;
         double floor, cutoff;
         std::int64_t budget;  // -1: none
+        int threads;
         bool trace;
         std::vector<double> marks;
     };
