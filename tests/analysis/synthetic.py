@@ -34,7 +34,7 @@ CASE: dict[str, Any] = {
     "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "source_longest": 0.75, "pose_index": 0,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "target_pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0],
     "quantity": "directed", "warm": 0, "chain": "", "tolerance": 0.0, "tolerance_of": "diagonal",
-    "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
+    "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "threads": 1, "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
     "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
@@ -47,7 +47,7 @@ MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1
                          "polynomial": "", "box": [NAN] * 6}
 ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "reported_seconds": NAN}
 REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
-PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1}
+PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1, "shared": 0}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
 LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
 
