@@ -45,6 +45,10 @@ TEST(PieceQueue, TakesTheLargestBoundAndUsesPlacesAgain) {
         most = std::max(most, expected.size());
         ASSERT_EQ(queue.size(), expected.size());
         ASSERT_EQ(queue.empty(), expected.empty());
+        if (i % 100 != 0) continue;
+        std::multiset<std::pair<double, int>> seen;
+        queue.for_each([&](const Numbered& piece) { seen.insert({piece.upper, piece.number}); });
+        EXPECT_EQ(seen, expected);
     }
     EXPECT_EQ(queue.places(), most);
     EXPECT_GT(most, 100u);
@@ -200,10 +204,10 @@ Query query_of(double tolerance) {
 TEST(SearchBounds, UpperIsTheLargestOfWhatIsSettledAndQueued) {
     Search search;
     search.offer({0.5, 0, 0});
-    EXPECT_FALSE(search.bounds.settle(0.9, last_level - 1, last_level));
+    EXPECT_FALSE(search.bounds.settle(0.9, 7, last_level - 1, last_level));
     EXPECT_EQ(search.interval(0.75).upper, 0.75) << "what is not settled is the caller's";
-    EXPECT_TRUE(search.bounds.settle(0.9, last_level, last_level)) << "small as rounding";
-    EXPECT_TRUE(search.bounds.settle(0.25, 0, last_level)) << "cannot attain the maximum";
+    EXPECT_TRUE(search.bounds.settle(0.9, 7, last_level, last_level)) << "small as rounding";
+    EXPECT_TRUE(search.bounds.settle(0.25, 7, 0, last_level)) << "cannot attain the maximum";
     EXPECT_EQ(search.interval(0.75).upper, 0.9);
     EXPECT_EQ(search.interval(0.95).upper, 0.95);
     EXPECT_LE(search.interval(0).lower, 0.5);
@@ -221,13 +225,13 @@ TEST(SearchBounds, UpperIsNeverBelowLower) {
 // A piece whose vertices are no farther than the farthest point has exactly the bound that is known at its level.
 TEST(SearchBounds, PiecesAreSettledByWhatIsKnownAtTheirLevel) {
     Search search;
-    EXPECT_FALSE(search.bounds.settle(1e-3, 0, last_level)) << "nothing was measured";
+    EXPECT_FALSE(search.bounds.settle(1e-3, 7, 0, last_level)) << "nothing was measured";
     search.offer({0.5, 0, 0});
     for (const int level : {0, 1, 20}) {
         const double bound = search.bounds.at_most(0.25, level);
         EXPECT_EQ(bound - search.bounds.at_most(0.25, 0), 2 * level * unit_roundoff);
-        EXPECT_TRUE(search.bounds.settle(bound, level, last_level)) << level;
-        EXPECT_FALSE(search.bounds.settle(next_up(bound), level, last_level)) << level;
+        EXPECT_TRUE(search.bounds.settle(bound, 7, level, last_level)) << level;
+        EXPECT_FALSE(search.bounds.settle(next_up(bound), 7, level, last_level)) << level;
     }
 }
 
@@ -236,8 +240,8 @@ TEST(SearchBounds, WhatIsBelowTheFloorIsSettled) {
     query.floor = 0.625;
     Search search(query);
     search.offer({0.5, 0, 0});
-    EXPECT_FALSE(search.bounds.settle(0.6875, 3, last_level));
-    EXPECT_TRUE(search.bounds.settle(0.5625, 3, last_level));
+    EXPECT_FALSE(search.bounds.settle(0.6875, 7, 3, last_level));
+    EXPECT_TRUE(search.bounds.settle(0.5625, 7, 3, last_level));
     EXPECT_EQ(search.bounds.end(0, 0), Status::below_floor);
     EXPECT_EQ(search.interval(0).upper, 0.5625) << "its bound is kept";
 }
@@ -266,6 +270,62 @@ TEST(SearchBounds, LowerIsCertifiedAndWidenedByTheLevel) {
         }
     }
     EXPECT_GT(rounded_up, 20) << "certification has nothing to do";
+}
+
+// The lower bound of each triangle is proven like that of the witness, of the farthest point of its own.
+TEST(SearchBounds, FieldsAreCertifiedAndWidenedByTheLevel) {
+    Random random(10);
+    TriangleMesh b{Points::Zero(3, 3), Triangles(1, 3)};
+    b.triangles << 0, 1, 2;
+    const Target target(b, nullptr);
+    const Query query;
+    for (int i = 0; i < 200; ++i) {
+        ElementBounds elements(4);
+        Counters counters;
+        Trace trace;
+        SearchBounds bounds(query, target, {1, true}, counters, trace, &elements);
+        bounds.offer({Vec3(1, 1, 1), 3, 0}, 3, 0);  // farther than all others
+        const Vec3 point = 0.5 * random.vector();
+        const int levels[] = {0, 10, 20};
+        for (int k = 0; k < 3; ++k) {
+            bounds.offer({point, squared_length(point), 0}, k, levels[k]);
+            bounds.offer({0.5 * point, 0.25 * squared_length(point), 0}, k, 0);
+        }
+        const Fields fields = bounds.fields();
+        ASSERT_EQ(fields.at(0).name, "lower");
+        const exact::Rational squared = exact::squared_distance(exact::vector(point), exact::vector(Vec3::Zero()));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const exact::Rational lower = fields[0].values[k] + exact::Rational(2 * levels[k] * unit_roundoff);
+            EXPECT_TRUE(lower * lower <= squared) << i << ", level " << levels[k];
+            EXPECT_GT(fields[0].values[k], std::sqrt(squared_length(point)) - 1e-14);
+        }
+        EXPECT_EQ(counters, Counters{}) << "what the fields cost is not the search's";
+    }
+}
+
+TEST(SearchBounds, TheFieldsOfATriangleAreThoseOfItsOwnPieces) {
+    TriangleMesh b{Points::Zero(3, 3), Triangles(1, 3)};
+    b.triangles << 0, 1, 2;
+    const Target target(b, nullptr);
+    const Query query;
+    ElementBounds elements(3);
+    Counters counters;
+    Trace trace;
+    SearchBounds bounds(query, target, {1, true}, counters, trace, &elements);
+    bounds.offer({Vec3(0.5, 0, 0), 0.25, 0}, 1, 0);
+    EXPECT_TRUE(bounds.settle(0.375, 1, 3, last_level));
+    EXPECT_TRUE(bounds.settle(0.25, 1, 2, last_level)) << "smaller: the larger one counts";
+    EXPECT_FALSE(bounds.settle(0.75, 1, 4, last_level)) << "not settled";
+    elements.subdivided(1, 4);
+    elements.subdivided(1, 3);
+    EXPECT_TRUE(bounds.settle(0.125, 2, 0, last_level));
+    const Fields fields = bounds.fields();
+    ASSERT_EQ(fields.size(), 3u);
+    EXPECT_EQ(fields[1].values, (std::vector<double>{0, 0.375, 0.125}));
+    EXPECT_EQ(fields[2].values, (std::vector<double>{0, 4, 0}));
+    EXPECT_EQ(fields[0].values[0], 0) << "nothing was measured";
+    EXPECT_EQ(fields[0].values[2], 0);
+    EXPECT_NEAR(fields[0].values[1], 0.5, 1e-15);
 }
 
 TEST(SearchBounds, TheFarthestPointIsTheWitness) {
@@ -343,7 +403,7 @@ TEST(SearchBounds, AnAnswerRestsOnTheCertifiedLowerBound) {
 TEST(SearchBounds, NothingLeftIsThePrecisionFloor) {
     Search search(query_of(1e-3));
     search.offer({0.5, 0, 0});
-    EXPECT_TRUE(search.bounds.settle(0.625, last_level, last_level));
+    EXPECT_TRUE(search.bounds.settle(0.625, 7, last_level, last_level));
     EXPECT_EQ(search.bounds.end(0, 0), Status::precision_floor);
     EXPECT_EQ(search.bounds.end(0.5625, 0), Status::precision_floor) << "what is queued cannot change the interval";
     EXPECT_EQ(search.interval(0.5625).upper, 0.625);
@@ -361,7 +421,7 @@ TEST(SearchBounds, WithoutBoundsOfTrianglesThatOfTheVerticesHolds) {
             most = std::max(most, exact::squared_distance(exact::vector(point), exact::vector(Vec3::Zero())));
         }
         if (i % 2 == 1) search.offer(vertices.row(0));
-        const Result result = search.bounds.result_without_bounds(vertices);
+        const Result result = search.bounds.result_without_bounds(search.b.triangles, vertices);
         EXPECT_EQ(result.status, Status::time_limit);
         const exact::Rational upper = result.bounds.upper, lower = result.bounds.lower;
         EXPECT_TRUE(upper * upper >= most) << i;

@@ -21,10 +21,15 @@
 // measured first, and a triangle of A is settled without a query if its distance to a triangle of B that was nearest to one of its
 // corners is small enough. Vertices that are measured begin at the triangle that was nearest to them.
 //
+// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
+// are as tight as the search needed them: what cannot attain the maximum is not looked into.
+//
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
 #include "search/bounds.h"
+#include "search/elements.h"
 #include "search/queue.h"
+#include "search/stages.h"
 #include "search/subdivision.h"
 #include "search/target.h"
 #include "search/vertices.h"
@@ -34,6 +39,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace hausbench {
 namespace {
@@ -60,19 +66,28 @@ public:
           target_(target),
           points_(posed_vertices),
           split_(split),
-          bounds_(query, target, rounding, counters_, trace),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
+          stages_(query.wanted.stages),
+          bounds_(query, target, rounding, counters_, trace, elements_ ? &*elements_ : nullptr),
           vertices_(a, points_, target, warm_start, most_levels(split), bounds_, counters_) {}
 
     Result run() {
-        const Result result = search();
+        Result result = search();
         vertices_.remember();
+        if (elements_) {
+            queue_.for_each([&](const Piece& piece) { elements_->settle(piece.upper, piece.source); });
+            result.fields = bounds_.fields();
+        }
+        result.reported = stages_.seconds();
         return result;
     }
 
 private:
     Result search();
     void push_triangles();
-    bool settle(const Piece& piece) { return bounds_.settle(piece.upper, piece.level, most_levels(split_)); }
+    bool settle(const Piece& piece) {
+        return bounds_.settle(piece.upper, piece.source, piece.level, most_levels(split_));
+    }
     void push(const Piece& piece);
     void split(const Piece& piece);
 
@@ -81,6 +96,8 @@ private:
     const Points& points_;
     Split split_;
     Counters counters_;
+    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    Stages stages_;
     SearchBounds bounds_;
     SourceVertices vertices_;
     PieceQueue<Piece> queue_;
@@ -122,6 +139,7 @@ void Search::push_triangles() {
 void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
+    if (elements_) elements_->subdivided(piece.source, level);
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
@@ -159,11 +177,16 @@ void Search::split(const Piece& piece) {
 }
 
 Result Search::search() {
-    if (!vertices_.measure()) return bounds_.result_without_bounds(points_);
+    const bool measured = vertices_.measure();
+    stages_.end("measure vertices");
+    if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     push_triangles();
+    stages_.end("first bounds");
     while (true) {
-        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions))
+        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions)) {
+            stages_.end("subdivide");
             return bounds_.result(*status, queue_.upper());
+        }
         const Piece piece = queue_.pop();
         if (!settle(piece)) split(piece);  // the lower bound may be larger than when it was pushed
     }
@@ -218,6 +241,7 @@ SolverEntry guthe_solver() {
     info.certified = true;
     info.warm = true;
     info.traces = true;
+    info.fields = true;
     info.may_need = {need<TriangleOctree>(Side::target)};
     info.parameters = {
         {.name = "kernel",

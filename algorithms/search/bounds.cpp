@@ -4,12 +4,16 @@
 
 namespace hausbench {
 
+// The distance as computed, less some uM, would not do: that it is not too large is measured, not proven
+// (kernel/point_triangle.h). Support planes prove it of the point, which is within 2 level uM of A (kernel/rounding.h).
+double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
+    if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
+    const double distance = target_.certified_distance(farthest.point.point, counters);
+    return surface_distance_at_least(distance, rounding_.magnitude, farthest.level);
+}
+
 double SearchBounds::certified_lower() {
-    if (!rounding_.certify || farthest_.source < 0) return std::sqrt(farthest_squared());
-    if (certified_ < 0) {
-        const double distance = target_.certified_distance(farthest_.point.point, counters_);
-        certified_ = surface_distance_at_least(distance, rounding_.magnitude, farthest_.level);
-    }
+    if (certified_ < 0) certified_ = lower_of(farthest_, counters_);
     return certified_;
 }
 
@@ -49,13 +53,28 @@ Result SearchBounds::result(Status status, double queued) {
     return result;
 }
 
-Result SearchBounds::result_without_bounds(const Points& vertices) {
+Result SearchBounds::result_without_bounds(const Triangles& triangles, const Points& vertices) {
     // The distance to one point of B is convex: no triangle of A is farther from it than its vertices.
     const Vec3 point = target_.triangle(0).a;
+    const auto squared = [&](Index v) { return squared_length(Vec3(vertices.row(v)) - point); };
     double most = 0;
-    for (Index v = 0; v < vertices.rows(); ++v) most = std::max(most, squared_length(Vec3(vertices.row(v)) - point));
+    for (Index v = 0; v < vertices.rows(); ++v) most = std::max(most, squared(v));
     settled_ = rounding_.at_most(most, 0);
+    for (Index i = 0; elements_ && i < triangles.rows(); ++i) {
+        const auto v = triangles.row(i);
+        elements_->settle(rounding_.at_most(std::max({squared(v[0]), squared(v[1]), squared(v[2])}), 0), i);
+    }
     return result(Status::time_limit, 0);
+}
+
+Fields SearchBounds::fields() const {
+    std::vector<double> lower;
+    lower.reserve(elements_->farthest.size());
+    Counters uncounted;
+    for (const Farthest& farthest : elements_->farthest) lower.push_back(lower_of(farthest, uncounted));
+    return {{"lower", Field::Of::elements, Field::Meaning::lower, std::move(lower)},
+            {"upper", Field::Of::elements, Field::Meaning::upper, elements_->upper},
+            {"level", Field::Of::elements, Field::Meaning::number, elements_->deepest}};
 }
 
 }  // namespace hausbench

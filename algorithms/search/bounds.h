@@ -6,6 +6,7 @@
 // Upper bound: the largest of those kept ("settled") and of those in the queue, which belongs to the caller.
 #pragma once
 
+#include "elements.h"
 #include "kernel/deadline.h"
 #include "kernel/rounding.h"
 #include "solver.h"
@@ -16,29 +17,24 @@
 
 namespace hausbench {
 
-// The farthest point of A so far.
-struct Farthest {
-    MeasuredPoint point{};
-    Index source = -1;  // triangle of A that it is in; -1: nothing was measured yet
-    int level = 0;      // how far it may be from A by rounding, as kernel/rounding.h counts it
-};
-
 class SearchBounds {
 public:
-    // References are kept. `rounding.magnitude`: of A posed and B.
+    // References are kept. `rounding.magnitude`: of A posed and B. `elements`: to keep the bounds of each triangle of A too, or null.
     SearchBounds(const Query& query, const Target& target, const SurfaceRounding& rounding, Counters& counters,
-                 Trace& trace)
+                 Trace& trace, ElementBounds* elements = nullptr)
         : query_(query),
           target_(target),
           rounding_(rounding),
           counters_(counters),
           trace_(trace),
+          elements_(elements),
           deadline_(query.time_limit) {}
 
     bool out_of_time() const { return deadline_.passed(); }
 
     // A point of A was measured: a vertex of a piece of `level` subdivisions of triangle `source`, or of A (level 0).
     void offer(const MeasuredPoint& point, Index source, int level) {
+        if (elements_) elements_->offer(point, source, level);
         if (!(point.squared > farthest_.point.squared)) return;
         farthest_ = {point, source, level};
         certified_ = -1;
@@ -53,17 +49,19 @@ public:
     }
 
     const Farthest& farthest() const { return farthest_; }
+    ElementBounds* elements() const { return elements_; }
 
     // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
-    // Whether a piece of this upper bound needs no further work; its bound is then kept. A bound that comes from points no
-    // farther than the farthest one is purged here, exactly; so is one below the floor, which is of no interest, and
-    // what is at `most_levels` (subdivision.h).
-    bool settle(double upper, int level, int most_levels) {
+    // Whether a piece of triangle `source` with this upper bound needs no further work; its bound is then kept. A bound that
+    // comes from points no farther than the farthest one is purged here, exactly; so is one below the floor, which is of no
+    // interest, and what is at `most_levels` (subdivision.h).
+    bool settle(double upper, Index source, int level, int most_levels) {
         const double known = std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
         if (upper > known && level < most_levels) return false;
         settled_ = std::max(settled_, upper);
+        if (elements_) elements_->settle(upper, source);
         return true;
     }
 
@@ -74,17 +72,24 @@ public:
     Result result(Status status, double queued);
 
     // Where time is out before every triangle of A has an upper bound. `vertices` are those of A, posed. O(n).
-    Result result_without_bounds(const Points& vertices);
+    Result result_without_bounds(const Triangles& triangles, const Points& vertices);
+
+    // Of `elements`, to which the caller has given what is left in its queue: "lower", "upper" and "level" of each triangle of A.
+    // The lower bound is 0 where no point of the triangle was measured. Costs a certified distance a triangle, whatever the time
+    // limit, which no counter tells.
+    Fields fields() const;
 
 private:
     double farthest_squared() const { return std::max(farthest_.point.squared, 0.0); }
     double certified_lower();
+    double lower_of(const Farthest& farthest, Counters& counters) const;
 
     const Query& query_;
     const Target& target_;
     SurfaceRounding rounding_;
     Counters& counters_;
     Trace& trace_;
+    ElementBounds* elements_;
     Deadline deadline_;
     Farthest farthest_;
     double certified_ = -1;  // lower bound of the distance of farthest_; negative: to be computed

@@ -42,6 +42,11 @@ public:
         return pieces_[free_.back()];
     }
 
+    // Each piece in the queue, in no order.
+    template <class Visit> void for_each(const Visit& visit) const {
+        for (const Queued& queued : heap_) visit(pieces_[queued.place]);
+    }
+
 private:
     struct Queued {
         double upper;

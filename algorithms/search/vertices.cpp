@@ -34,12 +34,27 @@ bool SourceVertices::settle_by_last_pose(Index i) {
         for (const Index other : corners) most = std::max(most, target_.squared_distance(points_.row(other), near));
         counters_.point_triangle_distances += 3;
         ++counters_.bound_tests;
-        if (bounds_.settle(bounds_.at_most(most, 0), 0, most_levels_)) return true;
+        if (bounds_.settle(bounds_.at_most(most, 0), i, 0, most_levels_)) return true;
     }
     return false;
 }
 
+// The search itself offers a vertex once, with the first of its triangles.
+void SourceVertices::offer_to_all_triangles() const {
+    for (Index i = 0; i < a_.triangles.rows(); ++i) {
+        for (const MeasuredPoint& corner : corners(i)) {
+            if (corner.triangle >= 0) bounds_.elements()->offer(corner, i, 0);
+        }
+    }
+}
+
 bool SourceVertices::measure() {
+    const bool done = measure_triangles();
+    if (bounds_.elements()) offer_to_all_triangles();
+    return done;
+}
+
+bool SourceVertices::measure_triangles() {
     vertices_.resize(static_cast<std::size_t>(points_.rows()));
     if (warm_start_) begin_warm();
     const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };

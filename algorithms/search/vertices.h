@@ -24,13 +24,13 @@ public:
 
     // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
     // before. With a warm start: at the one that was nearest at the pose before; and triangles of A that this pose's distances to
-    // those settle are left out. False: out of time.
+    // those settle are left out. Where the bounds of each triangle are kept, a vertex is offered to all its triangles. False: out of time.
     bool measure();
 
     // Whether triangle i of A was left out: its bound is kept. After measure().
     bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
 
-    // Of a triangle that was not left out.
+    // Of a triangle; if it was left out, those that no other triangle needed are not measured.
     std::array<MeasuredPoint, 3> corners(Index i) const {
         const auto v = [&](int k) { return vertices_[static_cast<std::size_t>(a_.triangles(i, k))]; };
         return {v(0), v(1), v(2)};
@@ -41,6 +41,8 @@ public:
 
 private:
     void begin_warm();
+    bool measure_triangles();
+    void offer_to_all_triangles() const;
     bool settle_by_last_pose(Index i);
     Triangle posed_triangle(Index i) const;
 
