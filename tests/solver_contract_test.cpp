@@ -5,10 +5,10 @@
 // keeps a published error (`known_wrong`) promises all but its bounds; point_solvers_test.cpp shows it to be wrong.
 #include "error.h"
 #include "kernel/rounding.h"
-#include "reference.h"
 #include "registry.h"
 #include "scenes.h"
 #include "session.h"
+#include "truth.h"
 
 #include <algorithm>
 #include <map>
@@ -18,8 +18,6 @@
 
 namespace hausbench {
 namespace {
-
-using Real = long double;
 
 struct Exception {
     std::string solver, scene, reason;
@@ -47,53 +45,6 @@ bool excepted(const SolverInfo& solver, const std::string& scene) {
     return !solver.known_wrong.empty();
 }
 
-// What is known of one scene at one pose.
-struct Truth {
-    Points posed_source;
-    Real low, high;           // of h
-    exact::Rational squared;  // of h, for point sets; for meshes the largest of a vertex of A: at most h
-    double magnitude;         // largest |coordinate|
-    double tolerance;         // a millionth of the extent
-};
-
-exact::Rational exact_squared_distance(const Vec3& point, const TriangleMesh& mesh) {
-    const auto corner = [&](Index i, int k) { return exact::vector(mesh.vertices.row(mesh.triangles(i, k))); };
-    const exact::RVec3 p = exact::vector(point);
-    exact::Rational least = exact::squared_distance(p, corner(0, 0));
-    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
-        least = std::min(least, exact::squared_distance_to_triangle(p, corner(i, 0), corner(i, 1), corner(i, 2)));
-    }
-    return least;
-}
-
-Truth truth_of(const Scene& scene, const Pose& pose) {
-    Truth truth;
-    truth.posed_source = posed(points_of(scene.source), pose);
-    const Points& target = points_of(scene.target);
-    truth.magnitude = std::max(truth.posed_source.cwiseAbs().maxCoeff(), target.cwiseAbs().maxCoeff());
-    Real extent = 0;
-    for (int k = 0; k < 3; ++k) {
-        const Real high = std::max(truth.posed_source.col(k).maxCoeff(), target.col(k).maxCoeff());
-        extent = std::max(extent, high - std::min(truth.posed_source.col(k).minCoeff(), target.col(k).minCoeff()));
-    }
-    truth.tolerance = extent > 0 ? static_cast<double>(1e-6L * extent) : 1e-6;
-    if (kind_of(scene.source) == ShapeKind::points) {
-        truth.squared = exact_squared_hausdorff(truth.posed_source, target);
-        return truth;
-    }
-    const MeshReference reference(mesh_of(scene.target));
-    const auto& mesh = mesh_of(scene.source);
-    std::tie(truth.low, truth.high) = reference.hausdorff(truth.posed_source, mesh.triangles, 1e-7L * extent);
-    for (Index v = 0; v < truth.posed_source.rows(); ++v) {
-        truth.squared =
-            std::max(truth.squared, exact_squared_distance(truth.posed_source.row(v), mesh_of(scene.target)));
-    }
-    const Real error = 0x1p-58L * truth.magnitude;  // of the reference's own arithmetic
-    truth.low -= error;
-    truth.high += error;
-    return truth;
-}
-
 struct Case {
     TestScene test;
     std::vector<Truth> truths;  // one a pose
@@ -105,22 +56,13 @@ const std::vector<Case>& cases() {
         for (auto scenes : {point_scenes(), mesh_scenes()}) {
             for (TestScene& test : scenes) {
                 std::vector<Truth> truths;
-                for (const Pose& pose : test.poses) truths.push_back(truth_of(test.scene, pose));
+                for (const Pose& pose : test.poses) truths.push_back(truth_of(posed(test.scene, pose)));
                 all.push_back({std::move(test), std::move(truths)});
             }
         }
         return all;
     }();
     return list;
-}
-
-bool encloses(const Bounds& bounds, const Truth& truth, bool points, double slack) {
-    if (!points) return bounds.lower - slack <= truth.high && bounds.upper + slack >= truth.low;
-    const exact::Rational low = bounds.lower;
-    const bool below = low * low <= truth.squared;
-    if (std::isinf(bounds.upper)) return below;
-    const exact::Rational high = bounds.upper;
-    return below && high * high >= truth.squared;
 }
 
 Query query_of(const Pose& pose, const Truth& truth) {
@@ -138,19 +80,6 @@ Session session_of(const SolverEntry& entry, const TestScene& test, Leave leave 
     queries.moves = test.poses.size() > 1;
     queries.count = test.poses.size();
     return Session(entry, Options(entry.info.name, entry.info.parameters, given), test.scene, queries, leave);
-}
-
-bool same_bits(const Vec3& a, const Vec3& b) { return a == b || (a.array().isNaN().all() && b.array().isNaN().all()); }
-
-void expect_same_answer(const Result& a, const Result& b, const std::string& where) {
-    EXPECT_EQ(a.status, b.status) << where;
-    EXPECT_EQ(a.bounds.lower, b.bounds.lower) << where;
-    EXPECT_EQ(a.bounds.upper, b.bounds.upper) << where;
-    EXPECT_TRUE(same_bits(a.witness.source_point, b.witness.source_point)) << where;
-    EXPECT_TRUE(same_bits(a.witness.target_point, b.witness.target_point)) << where;
-    EXPECT_EQ(a.witness.source_element, b.witness.source_element) << where;
-    EXPECT_EQ(a.witness.target_element, b.witness.target_element) << where;
-    EXPECT_EQ(a.reported, b.reported) << where;
 }
 
 // `external` is nothing without a program: tests/program/test_external.py gives it some.
@@ -175,63 +104,6 @@ template <class F> void for_each_fitting(F&& f) {
 }
 
 bool points_case(const Case& c) { return kind_of(c.test.scene.source) == ShapeKind::points; }
-
-void check_bounds(const SolverEntry& entry, const Case& c, const Truth& truth, const Result& result,
-                  const std::string& where) {
-    EXPECT_GE(result.bounds.lower, 0) << where;
-    EXPECT_LE(result.bounds.lower, result.bounds.upper) << where;
-    const double slack = entry.info.certified ? 0 : 1e-10 * truth.magnitude;
-    if (entry.info.certified && std::isfinite(result.bounds.upper)) {  // to the last bit, where a vertex decides
-        const exact::Rational high = result.bounds.upper;
-        EXPECT_TRUE(high * high >= truth.squared) << where << ": upper " << result.bounds.upper;
-    }
-    EXPECT_TRUE(encloses(result.bounds, truth, points_case(c), slack))
-        << where << ": [" << result.bounds.lower << ", " << result.bounds.upper << "] against [" << truth.low << ", "
-        << truth.high << "]";
-}
-
-void check_witness(const Case& c, const Truth& truth, const Result& result, const std::string& where) {
-    const Witness& w = result.witness;
-    if (w.source_element < 0) return;
-    const Scene& scene = c.test.scene;
-    ASSERT_LT(w.source_element, element_count(scene.source)) << where;
-    ASSERT_GE(w.target_element, 0) << where;
-    ASSERT_LT(w.target_element, element_count(scene.target)) << where;
-    if (points_case(c)) {
-        EXPECT_EQ(w.source_point, Vec3(truth.posed_source.row(w.source_element))) << where;
-        EXPECT_EQ(w.target_point, Vec3(points_of(scene.target).row(w.target_element))) << where;
-        Points alone(1, 3);
-        alone.row(0) = w.source_point;
-        const exact::Rational low = result.bounds.lower;
-        const exact::Rational nearest = exact_squared_hausdorff(alone, points_of(scene.target));
-        EXPECT_TRUE(nearest >= low * low) << where;
-        EXPECT_TRUE(exact::squared_distance(exact::vector(w.source_point), exact::vector(w.target_point)) == nearest)
-            << where;
-        return;
-    }
-    const Real slack = 1e-13L * truth.magnitude;
-    const auto& target = mesh_of(scene.target);
-    const auto one = [](const Points& vertices, const Triangles& triangles, Index i) {
-        return MeshReference(TriangleMesh{vertices, triangles.row(i)});
-    };
-    const auto source_point = MeshReference::vector(w.source_point),
-               target_point = MeshReference::vector(w.target_point);
-    const auto& source_triangles = mesh_of(scene.source).triangles;
-    EXPECT_LE(one(truth.posed_source, source_triangles, w.source_element).distance(source_point), slack) << where;
-    EXPECT_LE(one(target.vertices, target.triangles, w.target_element).distance(target_point), slack) << where;
-    for (Index v = 0; v < truth.posed_source.rows(); ++v) {
-        if (Vec3(truth.posed_source.row(v)) != w.source_point) continue;
-        const exact::Rational low = result.bounds.lower;  // to the last bit: the point is exactly on A
-        EXPECT_TRUE(low * low <= exact_squared_distance(w.source_point, target)) << where;
-        break;
-    }
-    const Real nearest = MeshReference(target).distance(source_point);
-    EXPECT_GE(nearest, result.bounds.lower - slack) << where;
-    Real squared = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-        squared += (source_point[k] - target_point[k]) * (source_point[k] - target_point[k]);
-    EXPECT_LE(std::abs(std::sqrt(squared) - nearest), slack) << where;
-}
 
 TEST(SolverContract, ReferenceIsRight) {
     const auto find = [](const std::string& name, bool points) -> const Truth& {
@@ -261,13 +133,13 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
             if (excepted(entry.info, c.test.name)) {
                 // Or the library's own assertions notice, where those are compiled in.
                 const bool noticed = result.status == Status::stalled && std::isinf(result.bounds.upper);
-                if (noticed || !encloses(result.bounds, truth, points_case(c), 1e-10 * truth.magnitude)) {
+                if (noticed || !encloses(result.bounds, truth, 1e-10 * truth.magnitude)) {
                     broken.insert({entry.info.name, c.test.name});
                 }
                 continue;
             }
-            check_bounds(entry, c, truth, result, at);
-            check_witness(c, truth, result, at);
+            check_bounds(entry.info, truth, result.bounds, at);
+            check_witness(truth.posed, result, at);
 
             const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
             EXPECT_EQ(result.status == Status::converged, close) << at;
@@ -280,9 +152,7 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
 
             Bounds last;
             for (const TraceSample& sample : trace.samples()) {
-                check_bounds(entry, c, truth,
-                             {.status = {}, .bounds = {sample.lower, sample.upper}, .witness = {}, .counters = {}},
-                             at + ", trace");
+                check_bounds(entry.info, truth, {sample.lower, sample.upper}, at + ", trace");
                 last = {sample.lower, sample.upper};
             }
             EXPECT_EQ(trace.samples().empty(), !entry.info.traces) << at;
@@ -313,8 +183,8 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
             change(query);
             Trace trace;
             const Result result = session.solve(query, trace);
-            check_bounds(entry, c, truth, result, where + ", " + what);
-            check_witness(c, truth, result, where + ", " + what);
+            check_bounds(entry.info, truth, result.bounds, where + ", " + what);
+            check_witness(truth.posed, result, where + ", " + what);
             if (result.status == Status::above_cutoff) {
                 EXPECT_GT(result.bounds.lower, query.cutoff) << where << ", " << what;
             }
@@ -366,7 +236,7 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
         if (mesh) scene = {soup(a), soup(b)};
         Pose pose;
         if (random.below(2) != 0) pose = turned(0.6, 0.8, random.vector());
-        Truth truth = truth_of(scene, pose);
+        Truth truth = truth_of(posed(scene, pose));
         truth.tolerance = 1e-5 * size;
         const Case c{{"random pair " + std::to_string(i), scene, {Pose{}, pose}}, {truth, truth}};
         for (const SolverEntry& entry : solvers()) {
@@ -377,8 +247,8 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
             Trace trace;
             const Result result = session.solve(query_of(pose, truth), trace);
             EXPECT_EQ(to_string(result.status), to_string(Status::converged)) << where;
-            check_bounds(entry, c, truth, result, where);
-            check_witness(c, truth, result, where);
+            check_bounds(entry.info, truth, result.bounds, where);
+            check_witness(truth.posed, result, where);
         }
     }
 }
@@ -494,8 +364,8 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
             const Session session = session_of(entry, c.test, Leave::out_what_is_not_needed, given);
             Trace trace;
             const Result result = session.solve(query_of(c.test.poses[0], c.truths[0]), trace);
-            check_bounds(entry, c, c.truths[0], result, where + ", " + given.begin()->first);
-            check_witness(c, c.truths[0], result, where + ", " + given.begin()->first);
+            check_bounds(entry.info, c.truths[0], result.bounds, where + ", " + given.begin()->first);
+            check_witness(c.truths[0].posed, result, where + ", " + given.begin()->first);
         });
     }
 }
