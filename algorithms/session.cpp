@@ -142,10 +142,7 @@ Session::Session(const SolverEntry& entry, const Options& options, Shapes source
         throw std::logic_error("the shapes of a session are scaled by different exponents");
     scalable_ = scalable(entry.info, a, b);
     const bool own = entry.info.offers(Quantity::symmetric);
-    if (queries.symmetric && !own) {
-        if (const std::string no = refusal(entry.info, b, a); !no.empty())
-            throw InputError(no + ", as H(A,B) asks for");
-    }
+    if (queries.symmetric && !own) expect_both_directions();
     prepare("", source_, target_, queries, forward_);
     QuerySet turned = queries;
     std::swap(turned.moves, turned.target_moves);
@@ -154,6 +151,22 @@ Session::Session(const SolverEntry& entry, const Options& options, Shapes source
 
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
+
+void Session::expect_both_directions() const {
+    const std::string no = refusal(entry_.info, kind_of(target_->shape()), kind_of(source_->shape()));
+    if (!no.empty()) throw InputError(no + ", as H(A,B) asks for");
+}
+
+Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
+    if (leave_ == Leave::out_what_is_not_needed) return solver.needs(scene, queries);
+    // Of all a solver may ever need, what these shapes have no use for is left out all the same.
+    Needs needs = entry_.info.may_need;
+    std::erase_if(needs, [&](const Need& need) {
+        const Shape& shape = need.side == Side::source ? scene.source : scene.target;
+        return !need.structure.fits(kind_of(shape));
+    });
+    return needs;
+}
 
 std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Shapes& target,
                                                   const QuerySet& queries) const {
@@ -164,17 +177,12 @@ std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Sh
     if (const auto unread = own.unread(); !unread.empty())
         throw std::logic_error("solver '" + info.name + "' does not read its parameter '" + unread.front() + "'");
 
-    part->needs = leave_ == Leave::nothing_out ? info.may_need : part->solver->needs(part->scene, queries);
+    part->needs = needs_of(*part->solver, part->scene, queries);
     for (const Need& need : part->needs) {
         if (std::find(info.may_need.begin(), info.may_need.end(), need) == info.may_need.end())
             throw std::logic_error("solver '" + info.name + "' needs a " + to_string(need) +
                                    " that is not in may_need");
     }
-    // Of all a solver may ever need, what these shapes have no use for is left out all the same.
-    std::erase_if(part->needs, [&](const Need& need) {
-        const Shape& shape = need.side == Side::source ? part->scene.source : part->scene.target;
-        return leave_ == Leave::nothing_out && !need.structure.fits(kind_of(shape));
-    });
     part->prepared.emplace(source, target, part->needs);
     const auto begin = std::chrono::steady_clock::now();
     part->solver->prepare(part->scene, *part->prepared);
@@ -190,7 +198,7 @@ void Session::prepare(const std::string& suffix, const Shapes& source, const Sha
     Needs needs;
     if (queries.target_moves && !entry_.info.moving_target) {
         const Options own(entry_.info.name, entry_.info.parameters, options_.values());
-        needs = entry_.make(own)->needs({source->shape(), target->shape()}, queries);
+        needs = needs_of(*entry_.make(own), {source->shape(), target->shape()}, queries);
         std::erase_if(needs, [](const Need& need) { return need.side == Side::target; });
         times = Prepared(source, target, needs).times();
     } else {
@@ -201,9 +209,18 @@ void Session::prepare(const std::string& suffix, const Shapes& source, const Sha
     }
     if (suffix.empty()) needs_ = std::move(needs);
     for (PreparationTime& time : times) {
+        if (!suffix.empty() && built_for_the_first_direction(time.name)) continue;
         time.name += suffix;
         preparation_.push_back(std::move(time));
     }
+}
+
+// Of h(B,A): what is built over its source, B, is of the target of h(A,B), and the other way round.
+bool Session::built_for_the_first_direction(const std::string& name) const {
+    const bool source = name.starts_with("source "), target = name.starts_with("target ");
+    if (!source && !target) return false;
+    const std::string other = (source ? "target " : "source ") + name.substr(7);
+    return std::any_of(preparation_.begin(), preparation_.end(), [&](const auto& time) { return time.name == other; });
 }
 
 const Prepared& Session::prepared() const {
@@ -298,7 +315,7 @@ Query Session::scaled(const Query& query) const {
     if (query.tolerance.of == Tolerance::Of::absolute) {
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
     }
-    out.floor = std::ldexp(query.floor, exponent_);
+    out.floor = std::min(std::ldexp(query.floor, exponent_), std::numeric_limits<double>::max());
     out.cutoff = std::ldexp(query.cutoff, exponent_);
     return out;
 }
@@ -408,11 +425,14 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
         whole.witness.direction = Witness::Direction::target_to_source;
     }
     // Where the bounds of H are still apart, it is the direction with the larger upper bound that keeps them apart, and says why.
-    if (!(other.bounds.upper <= whole.bounds.upper)) {
+    // A NaN is no bound at all.
+    if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
+        whole.bounds.upper = other.bounds.upper;
         whole.status = other.status;
         whole.note = other.note;
     }
-    whole.bounds = {std::max(whole.bounds.lower, other.bounds.lower), std::max(whole.bounds.upper, other.bounds.upper)};
+    whole.bounds.lower = std::max(whole.bounds.lower, other.bounds.lower);
+    whole.certificate.reset();  // it proves nothing of h(B,A)
     for (const CounterField& field : counter_fields) whole.counters.*field.member += other.counters.*field.member;
     for (auto& [name, value] : other.reported) whole.reported[name + " (B to A)"] = value;
     whole.reported_seconds += other.reported_seconds;
@@ -420,14 +440,14 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
     if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
         whole.status = *answer;
         whole.note.clear();
-    } else if (claims_an_answer(whole.status)) {  // each direction alone is close enough, the two together are not
-        whole.status = Status::precision_floor;
     }
     return whole;
 }
 
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
+    const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
+    if (both) expect_both_directions();
     // Both, so that a pose that is refused is refused whatever the other one is.
     const bool source_far = leaves_range(*source_, query.source_pose, "A");
     const bool target_far = leaves_range(*target_, query.target_pose, "B");
@@ -436,9 +456,8 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     const Query asked = scaled(query);
     auto* chain = static_cast<Chain*>(state);
     trace.start(exponent_);
-    const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
     Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
-    if (!query.wanted.fields) result.fields.reset();
+    if (!query.wanted.fields || !entry_.info.fields) result.fields.reset();
     if (!query.wanted.certificate) result.certificate.reset();
     scale_back(result, trace, widening(*source_, query.source_pose) + widening(*target_, query.target_pose));
     if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);

@@ -64,7 +64,7 @@ public:
     const Prepared& prepared() const;
     const Needs& needs() const { return needs_; }
 
-    // Of both directions; those of h(B,A) end in " (B to A)".
+    // Of both directions; those of h(B,A) end in " (B to A)". A structure that both use is there once.
     const std::vector<PreparationTime>& preparation() const { return preparation_; }
     double prepare_seconds() const;
     std::size_t prepare_bytes() const;
@@ -78,6 +78,9 @@ private:
 
     using Shapes = std::shared_ptr<PreparedShape>;
 
+    void expect_both_directions() const;
+    Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
+    bool built_for_the_first_direction(const std::string& name) const;
     std::unique_ptr<Part> make_part(const Shapes& source, const Shapes& target, const QuerySet& queries) const;
     void prepare(const std::string& suffix, const Shapes& source, const Shapes& target, const QuerySet& queries,
                  std::unique_ptr<Part>& part);

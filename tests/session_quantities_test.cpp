@@ -252,6 +252,26 @@ TEST(SessionSymmetric, BoundsHoldWhenStoppedEarly) {
     });
 }
 
+// A tolerance relative to a lower bound of 0 cannot be met: where A is a part of B, it has to be that of H.
+TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
+    const TriangleMesh part = soup(rows({{0.3, 0.2, 0}, {1.7, 0.45, 0}, {0.65, 1.6, 0}}));
+    const TriangleMesh whole = sheet(7, 0);
+    for (const SolverEntry& entry : solvers()) {
+        if (!entry.info.certified || !entry.info.source.mesh) continue;
+        for (const Scene& scene : {Scene{part, whole}, Scene{whole, part}}) {
+            const Session session(entry, defaults(entry), scene, {.symmetric = true});
+            Query query;
+            query.quantity = Quantity::symmetric;
+            query.tolerance = {Tolerance::Of::lower, 1e-3};
+            query.budget = 100000;
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            check(entry, symmetric_truth_of(scene, coarse), query, result, entry.info.name);
+            EXPECT_EQ(to_string(result.status), "converged") << entry.info.name;
+        }
+    }
+}
+
 // --- structures that several pairs share ------------------------------------------------------------------------------
 
 Shape resized(Shape shape, int exponent) {
