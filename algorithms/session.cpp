@@ -46,6 +46,10 @@ bool claims_an_answer(Status status) {
     return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
 }
 
+void add(Counters& sum, const Counters& more) {
+    for (const CounterField& field : counter_fields) sum.*field.member += more.*field.member;
+}
+
 // A solver's word is not enough: its status has to follow from its bounds.
 void hold_to_its_status(const Query& query, Result& result) {
     if (!claims_an_answer(result.status)) return;
@@ -113,6 +117,22 @@ struct Session::Part {
     std::optional<Prepared> prepared;
     std::unique_ptr<Solver> solver;
     double solver_seconds = 0;
+};
+
+// Wall time since it was made.
+struct Session::Clock {
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+    double elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); }
+    double left(double limit) const { return std::max(0.0, limit - elapsed()); }
+};
+
+// How H(A,B) begins.
+struct Session::Opening {
+    bool backward = false;          // h(B,A) comes first
+    std::optional<Result> forward;  // h(A,B), where it has its answer already
+    double begin = 0;               // of that answer, in seconds
+    Counters spent;                 // on what is not in an answer
 };
 
 struct Session::Chain final : State {
@@ -352,7 +372,7 @@ bool Session::copies_target(const Query& query) const {
 
 // One direction, in scaled units; `query` is turned already.
 Result Session::directed(const Query& query, bool backward, Chain* chain, Trace& trace) const {
-    const auto begin = std::chrono::steady_clock::now();
+    const Clock clock;
     const Shapes &source = backward ? target_ : source_, &target = backward ? source_ : target_;
     const std::unique_ptr<Part>& kept = backward ? backward_ : forward_;
     Query asked = query;
@@ -371,8 +391,7 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
         once.moves = (backward ? queries_.target_moves : queries_.moves) || !query.source_pose.is_identity();
         once.target_moves = false;
         made = make_part(source, std::make_shared<PreparedShape>(std::move(still)), once);
-        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-        asked.time_limit = std::max(0.0, asked.time_limit - spent.count());
+        asked.time_limit = clock.left(asked.time_limit);
     }
     const Part& part = made ? *made : *kept;
     State* state = nullptr;
@@ -386,43 +405,56 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
     return result;
 }
 
-// H(A,B) = max(h(A,B), h(B,A)), in scaled units.
-Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto elapsed = [&] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    };
-    Query asked = query;
-    asked.quantity = Quantity::directed;
-    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
-    one.start();
-    Result whole = directed(asked, false, chain, one);
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    // Until h(B,A) has a bound, H(A,B) has none from above.
-    for (const TraceSample& sample : one.samples()) trace.samples().push_back({sample.seconds, sample.lower, infinity});
-    if (whole.bounds.lower > query.cutoff) {
-        whole.bounds.upper = infinity;
-        whole.status = Status::above_cutoff;
-        whole.note.clear();
-        return whole;
+// One direction of H(A,B), in scaled units; its witness names points of A and of B as that of H does.
+Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const {
+    query.quantity = Quantity::directed;
+    if (backward) std::swap(query.source_pose, query.target_pose);
+    trace.start();
+    Result result = directed(query, backward, chain, trace);
+    result.certificate.reset();  // it proves nothing of the other direction
+    if (!backward) return result;
+    std::swap(result.witness.source_point, result.witness.target_point);
+    std::swap(result.witness.source_element, result.witness.target_element);
+    result.witness.direction = Witness::Direction::target_to_source;
+    result.fields.reset();  // they are of B
+    Reported reported;
+    for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
+    result.reported = std::move(reported);
+    return result;
+}
+
+// A gap relative to the lower bound is never small enough where that bound is 0, as that of h(A,B) is where A is a part of B. So
+// where the tolerance is of that kind, a little work on both directions says which one seems to be the larger: that one comes
+// first, and its lower bound is the floor of the other. An answer that takes little work is kept.
+Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) const {
+    Opening opening;
+    const std::uint64_t most = query.budget;
+    if (query.tolerance.of != Tolerance::Of::lower || entry_.info.exact) return opening;
+    for (query.budget = 64; query.budget<most; query.budget = query.budget> most / 16 ? most : 16 * query.budget) {
+        const double limit = query.time_limit;
+        Query asked = query;
+        asked.time_limit = clock.left(limit);
+        opening.begin = clock.elapsed();
+        Result forward = one_of_both(asked, false, nullptr, trace);
+        if (forward.status != Status::budget) {
+            opening.forward = std::move(forward);
+            return opening;
+        }
+        asked.time_limit = clock.left(limit);
+        const Result backward = one_of_both(asked, true, nullptr, trace);
+        add(opening.spent, forward.counters);
+        add(opening.spent, backward.counters);
+        opening.backward = backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower;
+        if (opening.backward || forward.bounds.lower > 0) return opening;
     }
-    const double first = elapsed();
-    std::swap(asked.source_pose, asked.target_pose);
-    asked.time_limit = std::max(0.0, query.time_limit - first);
-    asked.floor = std::max(query.floor, whole.bounds.lower);
-    // A floor that is the cutoff would ask a question that nobody asked.
-    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
-    two.start();
-    Result other = directed(asked, true, chain, two);
-    for (const TraceSample& sample : two.samples()) {
-        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
-                                   std::max(whole.bounds.upper, sample.upper)});
-    }
+    return opening;
+}
+
+// Adds what is known of the other direction.
+void Session::join(Result& whole, const Result& other) {
     if (other.bounds.lower > whole.bounds.lower) {
+        whole.bounds.lower = other.bounds.lower;
         whole.witness = other.witness;
-        std::swap(whole.witness.source_point, whole.witness.target_point);
-        std::swap(whole.witness.source_element, whole.witness.target_element);
-        whole.witness.direction = Witness::Direction::target_to_source;
     }
     // Where the bounds of H are still apart, it is the direction with the larger upper bound that keeps them apart, and says why.
     // A NaN is no bound at all.
@@ -431,12 +463,44 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
         whole.status = other.status;
         whole.note = other.note;
     }
-    whole.bounds.lower = std::max(whole.bounds.lower, other.bounds.lower);
-    whole.certificate.reset();  // it proves nothing of h(B,A)
-    for (const CounterField& field : counter_fields) whole.counters.*field.member += other.counters.*field.member;
-    for (auto& [name, value] : other.reported) whole.reported[name + " (B to A)"] = value;
+    if (!whole.fields) whole.fields = other.fields;
+    add(whole.counters, other.counters);
+    whole.reported.insert(other.reported.begin(), other.reported.end());
     whole.reported_seconds += other.reported_seconds;
     whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
+}
+
+// H(A,B) = max(h(A,B), h(B,A)), in scaled units.
+Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const {
+    const Clock clock;
+    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
+    Query asked = query;
+    Opening opening = open(query, clock, one);
+    const double before = opening.forward ? opening.begin : clock.elapsed();
+    asked.time_limit = clock.left(query.time_limit);
+    Result whole = opening.forward ? std::move(*opening.forward) : one_of_both(asked, opening.backward, chain, one);
+    add(whole.counters, opening.spent);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    // Until the other direction has a bound, H(A,B) has none from above.
+    for (const TraceSample& sample : one.samples())
+        trace.samples().push_back({before + sample.seconds, sample.lower, infinity});
+    if (whole.bounds.lower > query.cutoff) {
+        whole.bounds.upper = infinity;
+        whole.status = Status::above_cutoff;
+        whole.note.clear();
+        return whole;
+    }
+    const double first = clock.elapsed();
+    asked.time_limit = clock.left(query.time_limit);
+    asked.floor = std::max(query.floor, whole.bounds.lower);
+    // A floor that is the cutoff would ask a question that nobody asked.
+    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
+    const Result other = one_of_both(asked, !opening.backward, chain, two);
+    for (const TraceSample& sample : two.samples()) {
+        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
+                                   std::max(whole.bounds.upper, sample.upper)});
+    }
+    join(whole, other);
     if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
         whole.status = *answer;
         whole.note.clear();

@@ -43,6 +43,8 @@ public:
     // The status is held against the bounds: `converged`, `below_floor` and `above_cutoff` are returned only where they are true.
     //
     // H(A,B), of a solver that answers directed queries only: first h(A,B), then h(B,A) with the first lower bound as its floor.
+    // With a tolerance relative to the lower bound, the direction that seems to be the larger one comes first, so that the other may
+    // be 0; finding out which costs some work more.
     // Counters are sums. Budget: for each of the two. A first lower bound above the cutoff ends it, the upper bound then is infinite.
     // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
     // built again, which counts as solving.
@@ -75,6 +77,8 @@ public:
 private:
     struct Part;   // a solver, made and prepared for one direction
     struct Chain;  // the states of both
+    struct Clock;
+    struct Opening;
 
     using Shapes = std::shared_ptr<PreparedShape>;
 
@@ -89,6 +93,9 @@ private:
     bool leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const;
     Result solve_rescaled(const Query& query, Trace& trace) const;
     Result directed(const Query& query, bool backward, Chain* chain, Trace& trace) const;
+    Result one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const;
+    Opening open(Query query, const Clock& clock, Trace& trace) const;
+    static void join(Result& whole, const Result& other);
     Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
     Query scaled(const Query& query) const;
     void scale_back(Result& result, Trace& trace, double wider) const;

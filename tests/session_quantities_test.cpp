@@ -263,11 +263,12 @@ TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
             Query query;
             query.quantity = Quantity::symmetric;
             query.tolerance = {Tolerance::Of::lower, 1e-3};
-            query.budget = 100000;
+            query.budget = 100000;  // so that a failure ends
             Trace trace;
             const Result result = session.solve(query, trace);
             check(entry, symmetric_truth_of(scene, coarse), query, result, entry.info.name);
             EXPECT_EQ(to_string(result.status), "converged") << entry.info.name;
+            EXPECT_LT(result.counters.subdivisions, 5000u) << entry.info.name;
         }
     }
 }
