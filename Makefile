@@ -37,7 +37,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -50,6 +50,7 @@ help:
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
 	@echo 'make asan-kernels the kernel and contract tests alone, the same way; .ci/run runs them too'
+	@echo 'make tsan         the session and contract tests under the thread sanitizer, which must find a planted race'
 	@echo 'make instructions count the instructions of a few solves under valgrind, against tests/instructions_baseline.toml'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
@@ -177,6 +178,15 @@ KERNEL_TESTS = $(shell sed -nE 's/^hausbench_test.((kernel|solver_contract)_[a-z
 asan-kernels: build/asan/build.ninja
 	$(call compile,asan,$(KERNEL_TESTS))
 	ctest --preset asan -j $(JOBS) --no-tests=error -R '^(kernel_.*|solver_contract)_test$$'
+
+# Sessions that several threads share. `planted_race` is a race, and passes only where the sanitizer reports it. What is left out by
+# --gtest_filter has no threads, and would take minutes.
+TSAN_TESTS = session_quantities_test session_directions_test session_test kernel_structures_test solver_contract_test planted_race
+
+tsan: build/tsan/build.ninja
+	$(call compile,tsan,$(TSAN_TESTS))
+	GTEST_FILTER='-*RandomPairs*:*RandomScenes*:*ReferenceIsRight*' \
+	    ctest --preset tsan -j $(JOBS) --no-tests=error -R '^($(subst $(eval ) ,|,$(TSAN_TESTS)))$$'
 
 # Where the baseline does not know this compiler and these libraries, nothing is measured (5), which is no failure.
 instructions: build

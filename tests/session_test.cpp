@@ -217,6 +217,25 @@ TEST(SessionRange, FarPosesAreScaledByThePosedExtents) {
     }
 }
 
+TEST(SessionRange, FarPosesOfTheTargetAreScaledByThePosedExtents) {
+    Random random(6);
+    const Points a = cloud(random, 6), b = cloud(random, 40);
+    for (const SolverEntry& entry : certified_solvers()) {
+        for (const double far : {1e121, 1e300}) {
+            Query query = relative(moved_by({1, 2, 3}));
+            query.target_pose = moved_by({far, -0.5 * far, 0});
+            const Bounds bounds = answer(entry, a, b, query).bounds;
+            const exact::Rational low = bounds.lower, high = bounds.upper;
+            const exact::Rational squared =
+                exact_squared_hausdorff(posed(a, query.source_pose), posed(b, query.target_pose));
+            EXPECT_TRUE(low * low <= squared && squared <= high * high) << entry.info.name << far;
+        }
+    }
+    Query query = relative({});
+    query.target_pose = moved_by({1.7e308, 0, 0});
+    EXPECT_THROW((void)answer(find_solver("naive"), 1e308 * a, 1e308 * b, query), InputError);
+}
+
 // The coordinates of the input, not what scaling left of them, are what is posed.
 TEST(SessionRange, FarPosesKeepWhatScalingLoses) {
     const Points b = rows({{0x1p10, 0, 0}, {0, 0, 0}});  // scaled by 2^-11
@@ -276,6 +295,21 @@ TEST(SessionWidening, ProductsThatUnderflow) {
 
 TEST(SessionWidening, ATranslationThatUnderflows) {
     expect_enclosed(rows({{0, 0, 0}}), rows({{0, 0, 0}, {0x1p1000, 0, 0}}), moved_by({0x1p-100, 0, 0}));
+}
+
+// What is lost in posing B counts as what is lost in posing A.
+TEST(SessionWidening, ATargetThatUnderflows) {
+    const auto enclosed = [](const Points& a, const Points& b, const Pose& pose) {
+        Query query = relative({});
+        query.target_pose = pose;
+        const Bounds bounds = answer(find_solver("naive"), a, b, query).bounds;
+        const exact::Rational low = bounds.lower, high = bounds.upper;
+        const exact::Rational squared = exact_squared_hausdorff(a, posed(b, pose));
+        EXPECT_TRUE(low * low <= squared && squared <= high * high) << bounds.lower << ", " << bounds.upper;
+    };
+    const double least = 0x1p-1074;
+    enclosed(rows({{0, 0, 0}}), rows({{least, least, least}}), stretched(0.5 * Eigen::Matrix3d::Ones()));
+    enclosed(rows({{0x1p1000, 0, 0}}), rows({{0x1p1000, 0, 0}}), moved_by({0, 0x1p-100, 0}));
 }
 
 // A lost bit decides a tie, and so moves a sum by one unit in its last place.
