@@ -5,7 +5,9 @@
 #include "surfaces/surface_mesh.h"
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -342,6 +344,80 @@ TEST(SurfaceSolvers, KeepTheContract) {
             }
         }
     }
+}
+
+// Two spheres, one inside the other: both directions are 0.5.
+Result solve_spheres(const Session& session, Quantity quantity) {
+    Query query;
+    query.quantity = quantity;
+    query.tolerance = {Tolerance::Of::absolute, 0.05};
+    query.budget = 20000;
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+template <class F> void for_each_surface_solver(F&& f) {
+    const Scene scene{surface("x^2 + y^2 + z^2 - 1"), surface("x^2 + y^2 + z^2 - 9/4")};
+    int tried = 0;
+    for (const SolverEntry& entry : solvers()) {
+        if (!entry.info.source.surface || entry.info.name == "external") continue;
+        ParameterMap given;
+        if (entry.info.name == "interval_subdivision") given = {{"depth", std::int64_t(4)}};
+        f(entry, Session(entry, Options(entry.info.name, entry.info.parameters, given), scene, {.symmetric = true}));
+        ++tried;
+    }
+    EXPECT_GE(tried, 3);
+}
+
+void expect_same_bits(const Result& a, const Result& b, const std::string& where) {
+    EXPECT_EQ(a.status, b.status) << where;
+    EXPECT_EQ(a.bounds.lower, b.bounds.lower) << where;
+    EXPECT_EQ(a.bounds.upper, b.bounds.upper) << where;
+    EXPECT_EQ(a.counters, b.counters) << where;
+}
+
+TEST(SurfaceSolvers, BothDirectionsMakeH) {
+    for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
+        const Result one = solve_spheres(session, Quantity::directed),
+                     both = solve_spheres(session, Quantity::symmetric);
+        EXPECT_LE(both.bounds.lower, 0.5) << entry.info.name;
+        EXPECT_GE(both.bounds.upper, 0.5) << entry.info.name;
+        EXPECT_GE(both.bounds.lower, one.bounds.lower) << entry.info.name;
+        EXPECT_GE(both.bounds.upper, one.bounds.upper) << entry.info.name;
+        EXPECT_GE(both.counters.polynomial_evaluations, one.counters.polynomial_evaluations) << entry.info.name;
+    });
+}
+
+// A thread of its own inherits no rounding mode that prepare() has set.
+TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
+    for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
+        const Result here = solve_spheres(session, Quantity::symmetric);
+        Result there;
+        int mode = -1;
+        std::thread([&] {
+            there = solve_spheres(session, Quantity::symmetric);
+            mode = std::fegetround();
+        }).join();
+        expect_same_bits(here, there, entry.info.name);
+        EXPECT_EQ(mode, FE_TONEAREST) << entry.info.name;
+    });
+}
+
+// surface_enclosure computes with directed rounding all through solve(), which sets it, whatever the mode was.
+TEST(SurfaceSolvers, TheEnclosureSetsItsRoundingItself) {
+    for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
+        if (entry.info.name != "surface_enclosure") return;
+        const Result here = solve_spheres(session, Quantity::directed);
+        Result there;
+        int mode = -1;
+        std::thread([&] {
+            std::fesetround(FE_DOWNWARD);
+            there = solve_spheres(session, Quantity::directed);
+            mode = std::fegetround();
+        }).join();
+        expect_same_bits(here, there, entry.info.name);
+        EXPECT_EQ(mode, FE_DOWNWARD);
+    });
 }
 
 TEST(Session, SurfacesStandStillAndStayUnscaled) {
