@@ -5,6 +5,7 @@
 #include "error.h"
 #include "scenes.h"
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -306,6 +307,11 @@ TEST_F(SessionDirections, TheStatusIsThatOfTheDirectionThatKeepsTheBoundsApart) 
     EXPECT_EQ(status(large, far), "converged");
     EXPECT_EQ(solve(far, large).note, "");
     EXPECT_EQ(solve(large, far).note, "");
+    // Neither alone says that the two together are close enough.
+    const Result late = result_of(Status::time_limit, {0.1, 0.405}, "slow");
+    const Result near = result_of(Status::converged, {0.4, 0.402});
+    EXPECT_EQ(status(late, near), "converged");
+    EXPECT_EQ(solve(late, near).note, "");
     const Result unbounded = result_of(Status::stalled, {0, std::numeric_limits<double>::quiet_NaN()}, "hard");
     for (const auto& [first, second] : {std::pair(small, unbounded), std::pair(unbounded, small)}) {
         EXPECT_EQ(status(first, second), "stalled");
@@ -420,6 +426,29 @@ TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {
     EXPECT_EQ(names, (std::vector<std::string>{"source counted structure", "target counted structure", "solver",
                                                "solver (B to A)"}));
     EXPECT_EQ(both.prepare_bytes(), 16u);  // each structure once
+}
+
+std::atomic<int> slowly_built{0};
+
+struct SlowStructure {
+    static constexpr std::string_view structure_name = "slow structure";
+    static constexpr int structure_layout = 1;
+    explicit SlowStructure(const Points&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        ++slowly_built;
+    }
+    std::size_t bytes() const { return 0; }
+};
+
+TEST_F(SessionDirections, TwoThreadsBuildAStructureOnce) {
+    PreparedShape shape(scene.target, 0);
+    const void* built[2] = {};
+    const auto build = [&](int i) { built[i] = shape.structure(structure_kind<SlowStructure>()).object.get(); };
+    std::thread first(build, 0), second(build, 1);
+    first.join();
+    second.join();
+    EXPECT_EQ(built[0], built[1]);
+    EXPECT_EQ(slowly_built, 1);
 }
 
 TEST_F(SessionDirections, SharedShapesSayWhatWasThere) {
