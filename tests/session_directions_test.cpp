@@ -24,7 +24,7 @@ struct Script {
     std::vector<QuerySet> prepared_for;
     std::chrono::milliseconds preparing{0}, solving{0};
     int built[2] = {0, 0};  // structures over A and B
-    bool needs_both = true;
+    bool needs_both = true, exact = false;
 } script;
 
 std::size_t direction(const Shape& source) { return points_of(source).rows() == 1 ? 0 : 1; }
@@ -66,6 +66,7 @@ SolverEntry scripted() {
     entry.info.name = "scripted";
     entry.info.source.points = entry.info.target.points = true;
     entry.info.traces = entry.info.fields = true;
+    entry.info.exact = script.exact;
     entry.info.may_need = {need<CountedStructure>(Side::source), need<CountedStructure>(Side::target)};
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scripted>(options); };
     return entry;
@@ -233,6 +234,13 @@ TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelativ
     EXPECT_EQ(floors(rich, poor), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_EQ(floors(poor, rich), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_TRUE(script.asked[2].source_pose.is_identity());
+    // Nothing is tried where no lower bound could keep a solver busy.
+    script.exact = true;
+    EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
+    script.exact = false;
+    query.tolerance = {Tolerance::Of::absolute, 1e-3};
+    EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
+    query.tolerance = {Tolerance::Of::lower, 1e-3};
     // An answer is not asked for twice ...
     Result done = result_of(Status::converged, {0.2, 0.2});
     done.counters.subdivisions = 1;
