@@ -417,7 +417,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
     Query query = symmetric_query();
     query.quantity = Quantity::directed;
     for (int i = 0; i < 3; ++i) {
-        query.target_pose = i == 0 ? Pose{} : moved_by({0, 0.25, 0});  // at rest too
+        query.target_pose = i < 2 ? Pose{} : moved_by({0, 0.25, 0});  // at rest too
         (void)moving.solve(query, trace);
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
@@ -511,6 +511,10 @@ TEST_F(SessionDirections, MovesChangePlaces) {
     (void)moving.solve(query, trace);
     EXPECT_EQ(seen(3), std::pair(true, false));
     EXPECT_EQ(seen(4), std::pair(true, false));
+    query.quantity = Quantity::directed;
+    (void)session({.target_moves = true}).solve(query, trace);
+    EXPECT_EQ(seen(5), std::pair(false, true));
+    EXPECT_EQ(seen(6), std::pair(false, false));
 }
 
 TEST_F(SessionDirections, TheOtherDirectionIsRefusedWhereTheSolverDoesNotTakeIt) {
