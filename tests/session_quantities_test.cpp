@@ -381,7 +381,7 @@ TEST(SessionChains, WarmAnswersAreAsGoodAsColdOnes) {
             Query query;
             query.source_pose = turned((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t), {0.1 * t, 0, 0.2});
             const Truth truth = truth_of(posed(c.test.scene, query.source_pose), coarse);
-            query.tolerance = {Tolerance::Of::absolute, truth.tolerance};
+            query.tolerance = {Tolerance::Of::absolute, 100 * truth.tolerance};
             Trace trace;
             const Result warm = session.solve(query, state.get(), trace), cold = session.solve(query, trace);
             check(entry, truth, query, warm, at);
