@@ -75,16 +75,28 @@ class Cases:
     from_trace: Ints
     extras: Texts
     facts: Texts
+    fields_sha256: Texts
     build: Texts
     machine: Texts
     trace_begin: Ints
     trace_end: Ints
     lower_check: Texts
     upper_check: Texts
+    fields_check: Texts
     counters: Counters  # every counter_* column, without the prefix
 
     def __len__(self) -> int:
         return len(self.identity)
+
+
+@dataclass(frozen=True)
+class Fields:
+    case: Ints
+    name: Texts
+    of: Texts
+    meaning: Texts
+    begin: Ints
+    end: Ints
 
 
 @dataclass(frozen=True)
@@ -200,12 +212,20 @@ DEFAULTS: dict[str, Any] = {
     "cases/from_trace": 0,
     "cases/extras": "{}",
     "cases/facts": "{}",
+    "cases/fields_sha256": "",
     "cases/build": "",
     "cases/machine": "",
     "cases/trace_begin": 0,
     "cases/trace_end": 0,
     "cases/lower_check": "not checked",
     "cases/upper_check": "not checked",
+    "cases/fields_check": "not checked",
+    "fields/case": 0,
+    "fields/name": "",
+    "fields/of": "vertices",
+    "fields/meaning": "number",
+    "fields/begin": 0,
+    "fields/end": 0,
     "ledger/kind": "",
     "ledger/subject": "",
     "ledger/what": "",

@@ -20,6 +20,7 @@ from analysis.columns import (
     Answers,
     Cases,
     Counters,
+    Fields,
     Floats,
     Ints,
     Ledger,
@@ -53,6 +54,8 @@ class Results:
     repeats: Repeats
     preparation: Preparation
     trace: Trace
+    fields: Fields
+    field_values: Floats  # of all fields, see fields_of
     ledger: Ledger
 
     def rows(self, **equal: object) -> Ints:
@@ -173,6 +176,11 @@ class Results:
         part = slice(int(self.cases.trace_begin[case]), int(self.cases.trace_end[case]))
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
+    def fields_of(self, case: int) -> dict[str, Floats]:
+        """The values of each field of a case by name: a number for each vertex or element of A. Empty where it has none."""
+        return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
+                for row in np.flatnonzero(self.fields.case == case)}
+
     def is_bounded(self, case: int) -> bool:
         """The row has bounds that hold, whether or not it got as far as it was asked to. An unsound row never does."""
         return bool(self.cases.status[case] != "unsound" and np.isfinite(self.cases.lower[case])
@@ -221,7 +229,7 @@ class Results:
         return float(self.cases.upper[case] - self.cases.lower[case])
 
 
-Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Ledger)
+Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Fields, Ledger)
 
 
 def _column(group: Any, name: str, kind: str) -> npt.NDArray[Any]:
@@ -260,6 +268,10 @@ def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
     return kind(**values)
 
 
+def _values(file: Any) -> Floats:
+    return np.asarray(_column(file["fields"], "values", "Floats")) if "fields" in file else np.empty(0)
+
+
 def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
     dtype: Any = {"Texts": object, "Floats": np.float64, "Ints": np.int64}[kind]
     return np.array([value] * count, dtype=dtype).reshape(count, *np.shape(value))
@@ -286,7 +298,8 @@ def load(path: Path) -> Results:
                                   f"{meta.get('hausbench_version', 'that wrote it')}")
             results = Results(path, meta, _columns(Models, file, "models"), _columns(Cases, file, "cases"),
                               _columns(Answers, file, "answers"), _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
-                              _columns(Trace, file, "trace"), _columns(Ledger, file, "ledger"))
+                              _columns(Trace, file, "trace"), _columns(Fields, file, "fields"), _values(file),
+                              _columns(Ledger, file, "ledger"))
     except OSError:
         raise ResultError(f"{path}: not an HDF5 file, or a damaged one: {again}") from None
     except (KeyError, TypeError, ValueError, AttributeError) as problem:

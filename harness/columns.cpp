@@ -230,6 +230,9 @@ const Columns<Outcome>& outcome_columns() {
                                     "`adaptive`; each solver's file says what they mean"),
         at<Outcome, MEMBER(facts)>("facts",
                                    "JSON object of texts that the solver reports, such as `chosen` of `adaptive`"),
+        at<Outcome, MEMBER(fields_sha256)>("fields_sha256",
+                                           "of the file that held the row's fields while it was run; empty: it has "
+                                           "none"),
         at<Outcome, MEMBER(build)>("build",
                                    "as in `/meta`; a resumed file may hold several; for a solver of a plug-in, a hash "
                                    "of the program and the plug-in"),
@@ -243,6 +246,7 @@ const Columns<Check>& check_columns() {
         at<Check, MEMBER(lower)>("lower_check",
                                  "the harness's own check, not timed: `holds`, `unsound`, `no witness`, `not checked`"),
         at<Check, MEMBER(upper)>("upper_check", "likewise"),
+        at<Check, MEMBER(fields)>("fields_check", "likewise, on 100 vertices and 100 elements of A"),
     };
     return columns;
 }
@@ -312,6 +316,23 @@ const Columns<TraceSample>& trace_columns() {
     return columns;
 }
 
+const Columns<FieldRecord>& field_columns() {
+    static const Columns<FieldRecord> columns = {
+        at<FieldRecord, MEMBER(name)>(
+            "name",
+            "`distance`: of each vertex of A posed, its distance to B posed, a length; `nearest`: the number of the "
+            "element of B that is as near; all others come from the solver, whose file says what they mean"),
+        at<FieldRecord, MEMBER(of)>("of", "`vertices` of A or `elements` of A; a point is a vertex and an element"),
+        at<FieldRecord, MEMBER(meaning)>(
+            "meaning",
+            "`lower`, `upper`: a bound of the largest distance to B posed of a point of the element, a length; "
+            "`number`: anything else"),
+        at<FieldRecord, MEMBER(begin)>("begin", "first value in `values`"),
+        at<FieldRecord, MEMBER(end)>("end", "the one after the last"),
+    };
+    return columns;
+}
+
 const Columns<LedgerEntry>& ledger_columns() {
     static const Columns<LedgerEntry> columns = {
         at<LedgerEntry, MEMBER(kind)>(
@@ -372,6 +393,7 @@ template json row_json(const Columns<Repeat>&, const Repeat&);
 template json row_json(const Columns<Preparation>&, const Preparation&);
 template json row_json(const Columns<TraceSample>&, const TraceSample&);
 template json row_json(const Columns<Check>&, const Check&);
+template json row_json(const Columns<FieldRecord>&, const FieldRecord&);
 template json row_json(const Columns<ModelRecord>&, const ModelRecord&);
 template json row_json(const Columns<LedgerEntry>&, const LedgerEntry&);
 template void read_row(const Columns<Outcome>&, const json&, Outcome&);
@@ -419,12 +441,13 @@ json columns_json() {
                      {"default", 0},
                      {"identity", false}});
     describe(check_columns(), cases);
-    for (const char* name : {"answers", "repeats", "preparation"})
+    for (const char* name : {"answers", "repeats", "preparation", "fields"})
         groups[name].push_back(integer("case", "row of `/cases`"));
     describe(answer_columns(), groups["answers"]);
     describe(repeat_columns(), groups["repeats"]);
     describe(preparation_columns(), groups["preparation"]);
     describe(trace_columns(), groups["trace"]);
+    describe(field_columns(), groups["fields"]);
     describe(ledger_columns(), groups["ledger"]);
     return groups;
 }

@@ -57,6 +57,7 @@ const Columns<FirstAnswer>& answer_columns();
 const Columns<Repeat>& repeat_columns();
 const Columns<Preparation>& preparation_columns();
 const Columns<TraceSample>& trace_columns();
+const Columns<FieldRecord>& field_columns();
 const Columns<LedgerEntry>& ledger_columns();
 
 // One object a row, as journals have it.

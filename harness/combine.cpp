@@ -43,7 +43,8 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& cata
 
 bool any_unsound(const ResultFile& result) {
     return std::any_of(result.rows.begin(), result.rows.end(), [](const Row& row) {
-        return row.check.lower == Verdict::unsound || row.check.upper == Verdict::unsound;
+        return row.check.lower == Verdict::unsound || row.check.upper == Verdict::unsound ||
+               row.check.fields == Verdict::unsound;
     });
 }
 
@@ -92,6 +93,13 @@ std::string describe_checks(const ResultFile& result) {
                             l[Verdict::unsound], l[Verdict::no_witness], l[Verdict::not_checked], u[Verdict::holds],
                             u[Verdict::unsound], u[Verdict::not_checked]);
     }
+    std::map<Verdict, int> fields;
+    for (const Row& row : result.rows) {
+        if (!row.fields.empty()) ++fields[row.check.fields];
+    }
+    if (!fields.empty())
+        text += fmt::format("fields of cases: {} hold, {} unsound, {} not checked\n", fields[Verdict::holds],
+                            fields[Verdict::unsound], fields[Verdict::not_checked]);
     for (const Row& row : result.rows) {
         if (!row.check.reason.empty()) text += fmt::format("unsound: {}: {}\n", name_of(row.asked), row.check.reason);
     }

@@ -332,9 +332,9 @@ SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",       "floor",  "cutoff",
-                                            "budget", "repeats", "rounds",           "trace",    "limits", "profile",
-                                            "scene",  "solver",  "expected_unsound", "quantity", "threads"};
+const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",       "floor",   "cutoff",
+                                            "budget", "repeats", "rounds",           "trace",    "limits",  "profile",
+                                            "scene",  "solver",  "expected_unsound", "quantity", "threads", "fields"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -420,6 +420,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.repeats = root.count("repeats", 0, experiment.repeats);
     experiment.rounds = root.count("rounds", 1, experiment.rounds);
     experiment.trace = root.flag("trace", experiment.trace);
+    experiment.fields = root.flag("fields", experiment.fields);
     experiment.limits = read_limits(file, root);
 
     const auto profiles = profiles_of(table);

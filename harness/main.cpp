@@ -232,6 +232,10 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("--time-limit", request.time_limit, "seconds; the bounds hold also when it is reached");
     measure_verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
         ->check(CLI::Range(1, 1024));
+    measure_verb->add_option(
+        "--fields", request.fields,
+        "write A with the distance of each vertex to B and its nearest element, and what the solver knows "
+        "of each element, as properties into this .ply file");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {

@@ -1,6 +1,7 @@
 #include "measure.h"
 
 #include "error.h"
+#include "field_file.h"
 #include "isolated.h"
 #include "memory.h"
 #include "paths.h"
@@ -11,6 +12,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 namespace hausbench {
 
@@ -35,8 +37,8 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     queries.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
     queries.symmetric = request.symmetric;
     SolverMemory memory;
-    const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options),
-                          prepare_pair(entry.info, std::move(source), std::move(target)), queries);
+    const PreparedPair shapes = prepare_pair(entry.info, std::move(source), std::move(target));
+    const Session session(entry, Options(entry.info.name, entry.info.parameters, request.options), shapes, queries);
     memory.prepared();
     memory.next_answer();
     Trace untraced;
@@ -46,6 +48,14 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     measured.result.note = one_line(measured.result.note);
     measured.prepare_seconds = session.prepare_seconds();
     measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
+    if (request.fields.empty()) return;
+    Fields fields = distance_fields(*shapes.source, {}, *shapes.target, {});
+    if (entry.info.fields) {  // once more, so that the time above is that of the bounds alone
+        query.wanted.fields = true;
+        if (auto own = session.solve(query, untraced).fields)
+            std::move(own->begin(), own->end(), std::back_inserter(fields));
+    }
+    write_fields_ply(request.fields, shapes.source->shape(), shapes.source->original(), fields);
 }
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
@@ -70,6 +80,7 @@ Measured measure(const MeasureRequest& request) {
     }
     if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
         throw InputError(fmt::format("--cutoff: must be a length of at least 0, not {}", *request.cutoff));
+    if (!request.fields.empty()) check_ply_place(request.fields);
     LoadedShape source = load_isolated(program_path(), request.source);
     LoadedShape target = load_isolated(program_path(), request.target);
     Measured measured;
@@ -87,6 +98,10 @@ Measured measure(const MeasureRequest& request) {
                       : points                ? "earlybreak"
                       : surfaces              ? "surface_enclosure"
                                               : "guthe";
+    if (surfaces && !request.fields.empty())
+        throw InputError(fmt::format(
+            "--fields {}: an algebraic surface has no vertices, so it has no fields: triangulate both first",
+            request.fields.string()));
     const SolverEntry& entry = find_solver(measured.solver);
     if (const auto why = refusal(entry.info, measured.source_kind, measured.target_kind); !why.empty()) {
         throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), why,

@@ -22,6 +22,7 @@ struct MeasureRequest {
     std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
     int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();
+    std::filesystem::path fields = {};  // a file to write them into; empty: none are wanted
 };
 
 struct Measured {

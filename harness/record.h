@@ -3,6 +3,7 @@
 #pragma once
 
 #include "experiment.h"
+#include "fields.h"
 #include "solver.h"
 
 #include <nlohmann/json.hpp>
@@ -26,6 +27,8 @@ template <class E> inline constexpr int count_of = 0;  // of the values of an en
 template <> inline constexpr int count_of<RowStatus> = 10;
 template <> inline constexpr int count_of<Quantity> = 2;
 template <> inline constexpr int count_of<Witness::Direction> = 2;
+template <> inline constexpr int count_of<Field::Of> = 2;
+template <> inline constexpr int count_of<Field::Meaning> = 3;
 
 // What was asked for. Everything that can change the answer goes into `identity`.
 struct Case {
@@ -105,6 +108,7 @@ struct Outcome {
     std::vector<Repeat> repeats;
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
     std::vector<TraceSample> trace;
+    std::string fields_sha256;  // of the file that holds them, beside the journal; see field_file.h
     bool from_trace = false;
     std::string build, machine;
 };
@@ -122,6 +126,7 @@ template <> inline constexpr int count_of<Verdict> = 4;
 struct Check {
     Verdict lower = Verdict::not_checked, upper = Verdict::not_checked;
     std::string reason;  // where something is unsound
+    Verdict fields = Verdict::not_checked;
 };
 
 // One row of a result file.
@@ -129,6 +134,15 @@ struct Row {
     Case asked;
     Outcome outcome;
     Check check;
+    Fields fields = {};  // where the experiment asks for them
+};
+
+// One row of /fields: the values of a case's field stand in one piece of the values of all.
+struct FieldRecord {
+    std::string name;
+    Field::Of of = Field::Of::vertices;
+    Field::Meaning meaning = Field::Meaning::number;
+    std::int64_t begin = 0, end = 0;
 };
 
 inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};

@@ -121,6 +121,25 @@ void read_traces(const h5::File& file, std::vector<Row>& rows) {
     }
 }
 
+void read_fields(const h5::File& file, std::vector<Row>& rows) {
+    if (!file.has("fields")) return;  // of an older program
+    const auto of = file.read_integers("fields/case");
+    const auto values = file.read_doubles("fields/values");
+    std::vector<FieldRecord> all(of.size());
+    read_columns(file, "fields", field_columns(), all, itself<FieldRecord>);
+    std::int64_t used = 0;  // as in read_traces()
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const FieldRecord& one = all[i];
+        if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
+            throw std::runtime_error("a row of fields belongs to no case");
+        if (one.begin < used || one.end < one.begin || std::size_t(one.end) > values.size())
+            throw std::runtime_error("two fields share values, or one reaches past them");
+        used = one.end;
+        rows[std::size_t(of[i])].fields.push_back(
+            {one.name, one.of, one.meaning, {values.begin() + one.begin, values.begin() + one.end}});
+    }
+}
+
 template <class Row>
 std::vector<Row> read_group(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                             const std::string& counted) {
@@ -161,6 +180,7 @@ ResultFile read_trusting(const fs::path& file) {
     read_details(in, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
     read_details(in, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
     read_traces(in, result.rows);
+    read_fields(in, result.rows);
     result.ledger = read_group(in, "ledger", ledger_columns(), "kind");
     for (Row& row : result.rows) {
         for (const ModelRecord& model : result.models) {

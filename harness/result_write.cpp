@@ -93,6 +93,23 @@ void write_traces(h5::File& file, const std::vector<Row>& rows) {
     write_columns(file, "trace", trace_columns(), all, itself<TraceSample>);
 }
 
+void write_fields(h5::File& file, const std::vector<Row>& rows) {
+    std::vector<std::int64_t> of;
+    std::vector<FieldRecord> all;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (const Field& field : rows[i].fields) {
+            const auto begin = std::int64_t(values.size());
+            values.insert(values.end(), field.values.begin(), field.values.end());
+            of.push_back(std::int64_t(i));
+            all.push_back({field.name, field.of, field.meaning, begin, std::int64_t(values.size())});
+        }
+    }
+    file.write("fields/case", of);
+    write_columns(file, "fields", field_columns(), all, itself<FieldRecord>);
+    file.write("fields/values", values);
+}
+
 }  // namespace
 
 void write_result(const fs::path& file, const ResultFile& result) {
@@ -108,6 +125,7 @@ void write_result(const fs::path& file, const ResultFile& result) {
         write_details(out, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
         write_details(out, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
         write_traces(out, result.rows);
+        write_fields(out, result.rows);
         write_columns(out, "ledger", ledger_columns(), result.ledger, itself<LedgerEntry>);
         out.close();
         fs::rename(unfinished, file);

@@ -1,6 +1,8 @@
 #include "runner.h"
 
 #include "error.h"
+#include "field_file.h"
+#include "hash.h"
 #include "journal.h"
 #include "machine.h"
 #include "progress.h"
@@ -63,7 +65,11 @@ public:
         : plan_(plan),
           options_(options),
           journal_(made_folder(options.results) / (plan.experiment.stem + options.suffix + ".journal"), options.fresh),
-          progress_(options.quiet) {}
+          fields_(options.results / (plan.experiment.stem + options.suffix + ".fields")),
+          progress_(options.quiet) {
+        if (options.fresh) std::filesystem::remove_all(fields_);
+        if (plan.experiment.fields) made_folder(fields_);
+    }
 
     RunSummary run() {
         Interrupts interrupts;
@@ -103,6 +109,36 @@ private:
         return &outcome;
     }
 
+    // Where the fields of a row belong; empty: it has none.
+    std::filesystem::path fields_file(std::size_t row) const {
+        const Case& asked = plan_.cases[row];
+        if (!plan_.experiment.fields || is_surface(asked.source) || is_surface(asked.target)) return {};
+        return fields_ / (asked.identity + ".bin");
+    }
+
+    bool is_surface(const std::string& name) const {
+        return std::any_of(plan_.models.begin(), plan_.models.end(), [&](const ModelRow& model) {
+            return model.info->name == name && model.resolved.kind == ShapeKind::surface;
+        });
+    }
+
+    // Asked for, and their file is missing or another one than the row names.
+    bool lacks_fields(std::size_t row, const Outcome& outcome) const {
+        const auto file = fields_file(row);
+        if (file.empty() || !(outcome.status == RowStatus::ok || outcome.status == RowStatus::floor)) return false;
+        return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
+    }
+
+    // None where they were not asked for, or cannot be had: the answer counts all the same.
+    Fields fields_of(std::size_t row, Outcome& outcome) const {
+        const auto file = fields_file(row);
+        if (!file.empty() && !outcome.fields_sha256.empty()) {
+            if (auto fields = read_fields(file, outcome.fields_sha256)) return std::move(*fields);
+        }
+        outcome.fields_sha256.clear();
+        return {};
+    }
+
     // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
         std::vector<std::size_t> places;
@@ -118,7 +154,7 @@ private:
     }
 
     bool to_run(std::size_t row, int round) const {
-        if (kept(row, round)) return false;
+        if (const Outcome* outcome = kept(row, round)) return round == 0 && lacks_fields(row, *outcome);
         if (round == 0) return true;
         const Outcome* first = kept(row, 0);
         return first && (first->status == RowStatus::ok || first->status == RowStatus::floor);  // else nothing to time
@@ -176,7 +212,7 @@ private:
             const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
-                                   traced, marks});
+                                   traced, marks, round == 0 ? fields_file(row) : std::filesystem::path()});
         }
         return order;
     }
@@ -293,11 +329,17 @@ private:
     RunSummary finish() {
         ResultFile result;
         RunSummary summary;
+        std::size_t without_fields = 0;
         for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
             const auto from = plan_.traced.find(i);
-            result.rows.push_back(
-                {plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}});
+            Row row{plan_.cases[i], from == plan_.traced.end() ? gather(i) : read_off(i, from->second), {}};
+            row.fields = fields_of(i, row.outcome);
+            if (row.fields.empty() && !row.outcome.from_trace && lacks_fields(i, row.outcome)) ++without_fields;
+            result.rows.push_back(std::move(row));
         }
+        if (without_fields > 0 && !interrupted)
+            progress_.line(fmt::format("{} rows have an answer, but the worker ended before it wrote their fields",
+                                       without_fields));
         progress_.doing("verifying");
         const bool swept = !interrupted;
         interrupted = 0;  // the next Ctrl-C ends the checking, which can take long, too
@@ -337,6 +379,7 @@ private:
     const Plan& plan_;
     const RunOptions& options_;
     Journal journal_;
+    std::filesystem::path fields_;  // folder
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
     std::set<std::string> noted_;

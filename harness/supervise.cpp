@@ -139,6 +139,9 @@ private:
             const json& r = event.at("repeat");
             expect(outcome.repeats.size() < std::size_t(order_.repeats));
             outcome.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
+        } else if (kind == "fields") {
+            expect(outcome.fields_sha256.empty());
+            outcome.fields_sha256 = event.at("sha256").get<std::string>();
         } else {
             expect(kind == "trace" && outcome.trace.empty());
             for (const json& s : event.at("samples"))

@@ -1,5 +1,6 @@
 #include "verify.h"
 
+#include "verify_fields.h"
 #include "verify_surface.h"
 
 #include <fmt/format.h>
@@ -151,6 +152,14 @@ Placed placed(const std::string& model, const Pose& pose) {
     return {model, values};
 }
 
+void check_fields_of(Row& row, const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+    const Shape *source = load(row.asked.source), *target = load(row.asked.target);
+    if (!source || !target) return;
+    std::string reason;
+    row.check.fields = check_fields(row.fields, *source, row.asked.pose, *target, row.asked.target_pose, stop, reason);
+    if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
+}
+
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
 }  // namespace
@@ -179,7 +188,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         if (!PairCheck(rows, members, *first, *second, stop).run()) break;
     }
     for (Row& row : rows) {
-        if (row.check.lower != Verdict::unsound && row.check.upper != Verdict::unsound) continue;
+        if (!row.fields.empty()) check_fields_of(row, load, stop);
+        const Check& check = row.check;
+        if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
+            continue;
         row.outcome.status = RowStatus::unsound;
         row.outcome.reason = row.check.reason;
     }

@@ -1,9 +1,10 @@
 // Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
-// timed), "repeat" for each timed repeat, "trace", "end". Of a warm chain of poses first all are answered; each repeat, and
-// the trace, is then a whole pass from its head; "end" comes for each at the end.
+// timed), "repeat" for each timed repeat, "trace", "fields", "end". Of a warm chain of poses first all are answered; each repeat, and
+// the trace and the fields, is then a whole pass from its head; "end" comes for each at the end.
 #include "worker.h"
 
 #include "error.h"
+#include "field_file.h"
 #include "hash.h"
 #include "memory.h"
 #include "plugin.h"
@@ -78,14 +79,15 @@ private:
         const SolverEntry& entry = find_solver(order_.solver);
         const Options options(order_.solver, entry.info.parameters, order_.options);
         session_.reset();
+        shapes_ = {};
         if (order_.exponent) {
-            const PreparedPair shapes{shape(pair.source_file, first), shape(pair.target_file, first)};
-            session_.emplace(entry, options, shapes, pair.queries, order_.leave);
+            shapes_ = {shape(pair.source_file, first), shape(pair.target_file, first)};
+            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
         } else {
             Shape source = read_shape(pair.source_file).shape, target = read_shape(pair.target_file).shape;
             memory_.emplace();
-            session_.emplace(entry, options, prepare_pair(entry.info, std::move(source), std::move(target)),
-                             pair.queries, order_.leave);
+            shapes_ = prepare_pair(entry.info, std::move(source), std::move(target));
+            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
             memory_->prepared();
         }
         json left_out = json::array();
@@ -98,14 +100,14 @@ private:
 
     // Of a matrix; let go of where no item from `first` on needs it.
     std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
-        std::erase_if(shapes_, [&](const auto& known) {
+        std::erase_if(loaded_, [&](const auto& known) {
             return std::none_of(order_.items.begin() + std::ptrdiff_t(first), order_.items.end(),
                                 [&](const auto& item) {
                                     const WorkOrder::Pair& pair = order_.pairs.at(item.pair);
                                     return pair.source_file == known.first || pair.target_file == known.first;
                                 });
         });
-        auto& known = shapes_[file];
+        auto& known = loaded_[file];
         if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, *order_.exponent);
         return known;
     }
@@ -177,6 +179,7 @@ private:
         if (const auto first = answer(item, nullptr)) {
             if (timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
+            if (timed(first->status)) fields(item, nullptr);
         }
         send({{"event", "end"}, {"row", item.row}});
     }
@@ -210,6 +213,9 @@ private:
         state = session_->begin();
         for (std::size_t i = begin; i < end && first[i - begin] && order_.items[i].trace; ++i)
             trace(order_.items[i], state.get(), first[i - begin]->result);
+        state = session_->begin();
+        for (std::size_t i = begin; i < end && first[i - begin] && timed(first[i - begin]->status); ++i)
+            fields(order_.items[i], state.get());
         for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
     }
 
@@ -278,10 +284,26 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
+    // The solver's own by solving once more, then those that need no solver.
+    void fields(const WorkOrder::Item& item, State* state) {
+        if (item.fields.empty()) return;
+        Fields all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
+        if (find_solver(order_.solver).info.fields) {
+            Query query = query_of(item);
+            query.wanted.fields = true;
+            Trace untraced;
+            Result result = session_->solve(query, state, untraced);
+            if (result.fields) std::move(result.fields->begin(), result.fields->end(), std::back_inserter(all));
+        }
+        const std::string sha256 = write_fields(item.fields, all);
+        send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}});
+    }
+
     WorkOrder order_;
     int events_;
     std::optional<SolverMemory> memory_;
-    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> shapes_;
+    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // of a matrix
+    PreparedPair shapes_;
     std::optional<Session> session_;
 };
 
@@ -341,7 +363,8 @@ json to_json(const WorkOrder& o) {
                          {"budget", i.budget},
                          {"threads", i.threads},
                          {"trace", i.trace},
-                         {"marks", i.marks}});
+                         {"marks", i.marks},
+                         {"fields", i.fields.string()}});
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
@@ -385,7 +408,8 @@ WorkOrder work_order_from_json(const json& j) {
              i.at("budget"),
              i.at("threads"),
              i.at("trace"),
-             i.at("marks").get<std::vector<double>>()});
+             i.at("marks").get<std::vector<double>>(),
+             i.at("fields").get<std::string>()});
     }
     for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
     return o;

@@ -36,6 +36,7 @@ struct WorkOrder {
         int threads;
         bool trace;
         std::vector<double> marks;
+        std::filesystem::path fields = {};  // file to write them into; empty: not asked for
     };
     std::vector<Item> items;
 

@@ -1,0 +1,411 @@
+// Fields: the distances of A's vertices against exact ones, the files that hold them, and what the harness's check refuses.
+#include "fields.h"
+#include "error.h"
+#include "exact.h"
+#include "field_file.h"
+#include "random.h"
+#include "result_file.h"
+#include "temporary_folder.h"
+#include "tree_meshes.h"
+#include "verify.h"
+#include "verify_fields.h"
+
+#include <CGAL/IO/read_ply_points.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh/IO/PLY.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace hausbench {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+TriangleMesh tetrahedron() {
+    TriangleMesh mesh{Points(4, 3), Triangles(4, 3)};
+    mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+    mesh.triangles << 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3;
+    return mesh;
+}
+
+// The square [-4, 4] x [-4, 4] at z = 0; the element with x >= y is 0.
+TriangleMesh square() {
+    TriangleMesh mesh{Points(4, 3), Triangles(2, 3)};
+    mesh.vertices << -4, -4, 0, 4, -4, 0, 4, 4, 0, -4, 4, 0;
+    mesh.triangles << 0, 1, 2, 0, 2, 3;
+    return mesh;
+}
+
+Pose moved(const Vec3& translation) {
+    Pose pose;
+    pose.translation = translation;
+    return pose;
+}
+
+Fields fields_of(const Shape& a, const Pose& pose, const Shape& b, const Pose& target_pose, int exponent = 0) {
+    return distance_fields(PreparedShape(a, exponent), pose, PreparedShape(b, exponent), target_pose);
+}
+
+Field bounds(const char* name, Field::Meaning meaning, std::vector<double> values) {
+    return {name, Field::Of::elements, meaning, std::move(values)};
+}
+
+TEST(DistanceFields, OfASmallPairInTheirPosesAreExact) {
+    // Above the square, once the z axis of A has become the x axis, and both have moved.
+    Pose turned = moved({3, 0, 2});
+    turned.rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+    const Fields fields = fields_of(tetrahedron(), turned, square(), moved({0, -0.5, -1}));
+    ASSERT_EQ(fields.size(), 2u);
+    EXPECT_EQ(fields[0].name, "distance");
+    EXPECT_EQ(fields[1].name, "nearest");
+    for (const Field& field : fields) EXPECT_EQ(field.of, Field::Of::vertices);
+    EXPECT_EQ(fields[0].values, (std::vector<double>{3, 2, 3, 3}));  // z: 2, 1, 2, 2 above -1
+    EXPECT_EQ(fields[1].values, (std::vector<double>{0, 0, 0, 0}));
+    EXPECT_EQ(fields_of(tetrahedron(), moved({-3, 0, 0}), square(), {})[1].values, (std::vector<double>{1, 1, 1, 1}));
+}
+
+TEST(DistanceFields, APointIsATriangle) {
+    PointSet a{Points(2, 3)}, b{Points(3, 3)};
+    a.points << 0, 0, 0, 1, 1, 1;
+    b.points << 9, 0, 0, 0, 3, 4, 1, 1, 2;
+    const Fields of_points = fields_of(a, {}, b, {});
+    EXPECT_EQ(of_points[1].values, (std::vector<double>{2, 2}));
+    EXPECT_DOUBLE_EQ(of_points[0].values[0], std::sqrt(6));
+    EXPECT_EQ(of_points[0].values[1], 1);
+    EXPECT_EQ(fields_of(a, {}, square(), {})[0].values, (std::vector<double>{0, 1}));
+    EXPECT_EQ(fields_of(tetrahedron(), {}, b, {})[1].values, (std::vector<double>{2, 2, 2, 2}));
+}
+
+TEST(DistanceFields, AreInTheUnitOfTheInputAtEveryScale) {
+    const Fields one = fields_of(tetrahedron(), {}, square(), moved({0, 0, -7}));
+    for (int scale : {-1060, -400, 400, 1018}) {
+        TriangleMesh a = tetrahedron(), b = square();
+        for (Points* points : {&a.vertices, &b.vertices})
+            *points = points->unaryExpr([&](double x) { return std::ldexp(x, scale); });
+        const Pose away = moved({0, 0, std::ldexp(-7.0, scale)});
+        for (int exponent : {0, -scale - 3}) {
+            const Fields fields = fields_of(a, {}, b, away, exponent);
+            for (std::size_t i = 0; i < 4; ++i)
+                EXPECT_EQ(fields[0].values[i], std::ldexp(one[0].values[i], scale)) << scale << ", " << exponent;
+            EXPECT_EQ(fields[1].values, one[1].values);
+        }
+    }
+}
+
+TEST(DistanceFields, AreWithinTheirError) {
+    Random random(7);
+    Pose pose = moved(random.vector(3));
+    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) += random.real(-0.25, 0.25);
+    for (const auto& [name, mesh] : tree_meshes()) {
+        if (mesh.triangles.rows() > 300) continue;
+        PointSet a{Points(6, 3)};
+        for (Index i = 0; i < 6; ++i) a.points.row(i) = random.vector(2);
+        const Fields fields = fields_of(a, pose, mesh, {});
+        const Points there = posed(a.points, pose);
+        const double error = field_error(std::max(there.cwiseAbs().maxCoeff(), mesh.vertices.cwiseAbs().maxCoeff()));
+        for (Index i = 0; i < 6; ++i) {
+            std::optional<exact::Rational> least;
+            const auto to = [&](Index t) {
+                const auto corner = [&](int k) {
+                    return exact::vector(mesh.vertices.row(mesh.triangles(t, k)).transpose());
+                };
+                return exact::squared_distance_to_triangle(exact::vector(there.row(i).transpose()), corner(0),
+                                                           corner(1), corner(2));
+            };
+            for (Index t = 0; t < mesh.triangles.rows(); ++t) {
+                const auto d = to(t);
+                if (!least || d < *least) least = d;
+            }
+            const double d = fields[0].values[std::size_t(i)];
+            const exact::Rational most = exact::Rational(d) + exact::Rational(error),
+                                  at_least = exact::Rational(d) - exact::Rational(error);
+            EXPECT_LE(*least, most * most) << name;
+            EXPECT_GE(*least, at_least > 0 ? exact::Rational(at_least * at_least) : exact::Rational(0)) << name;
+            EXPECT_LE(to(Index(fields[1].values[std::size_t(i)])), most * most) << name;
+        }
+    }
+}
+
+TEST(DistanceFields, AreNoneOfASurfaceOrBeyondTheDoubles) {
+    AlgebraicSurface ball{"x^2 + y^2 + z^2 - 1", Points(2, 3)};
+    ball.box << -2, -2, -2, 2, 2, 2;
+    EXPECT_THROW(fields_of(ball, {}, tetrahedron(), {}), InputError);
+    EXPECT_THROW(fields_of(tetrahedron(), {}, ball, {}), InputError);
+    Pose huge;
+    huge.rotation *= 1e308;
+    EXPECT_THROW(fields_of(tetrahedron(), {}, square(), huge), InputError);
+}
+
+class FieldFile : public testing::Test {
+protected:
+    TemporaryFolder folder;
+    Fields fields = {{"distance", Field::Of::vertices, Field::Meaning::number, {0, 0.1, 1e-300, 3}},
+                     {"nearest", Field::Of::vertices, Field::Meaning::number, {3, 0, 1, 2}},
+                     bounds("lower", Field::Meaning::lower, {0, 0.5, 1, 0.1}),
+                     bounds("upper bound", Field::Meaning::upper, {0.25, 0.5, infinity, 0.2})};
+};
+
+void expect_equal(const Fields& a, const Fields& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a[i].name, b[i].name);
+        EXPECT_EQ(a[i].of, b[i].of);
+        EXPECT_EQ(a[i].meaning, b[i].meaning);
+        EXPECT_EQ(a[i].values, b[i].values);
+    }
+}
+
+TEST_F(FieldFile, ComesBackToTheBitAndOnlyItself) {
+    const auto file = folder.path() / "x.bin";
+    const std::string sha256 = write_fields(file, fields);
+    expect_equal(read_fields(file, sha256).value(), fields);
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(-1, std::ios::end).put('!');
+    EXPECT_FALSE(read_fields(file, sha256));
+    EXPECT_FALSE(read_fields(folder.path() / "none.bin", sha256));
+    EXPECT_THROW(write_fields(folder.path() / "none" / "x.bin", fields), InputError);
+}
+
+TEST_F(FieldFile, OfAResultIsInItsRow) {
+    ResultFile result;
+    result.rows.resize(3);
+    for (Row& row : result.rows) row.outcome.solver_status = "converged";
+    result.rows[0].fields = fields;
+    result.rows[2].fields = {fields[1]};
+    describe_run(result, {}, "", "");
+    const auto file = folder.path() / "r.h5";
+    write_result(file, result);
+    const ResultFile back = read_result(file);
+    expect_equal(back.rows[0].fields, fields);
+    EXPECT_TRUE(back.rows[1].fields.empty());
+    expect_equal(back.rows[2].fields, {fields[1]});
+}
+
+using Mesh = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
+
+template <class Key, class Type> std::vector<double> values_of(const Mesh& mesh, const std::string& name) {
+    const auto [map, found] = mesh.property_map<Key, Type>(name);
+    EXPECT_TRUE(found) << name;
+    std::vector<double> values;
+    if constexpr (std::is_same_v<Key, Mesh::Vertex_index>) {
+        for (const auto v : mesh.vertices()) values.push_back(double(map[v]));
+    } else {
+        for (const auto f : mesh.faces()) values.push_back(double(map[f]));
+    }
+    return values;
+}
+
+TEST_F(FieldFile, AsPlyIsReadByAnotherLibrary) {
+    const auto file = folder.path() / "x.ply";
+    const Points there = posed(tetrahedron().vertices, moved({0.1, 0, 0}));
+    write_fields_ply(file, tetrahedron(), there, fields);
+    std::ifstream in(file, std::ios::binary);
+    Mesh mesh;
+    std::string comments;
+    ASSERT_TRUE(CGAL::IO::read_PLY(in, mesh, comments));
+    ASSERT_EQ(mesh.number_of_vertices(), 4u);
+    ASSERT_EQ(mesh.number_of_faces(), 4u);
+    for (const auto v : mesh.vertices()) {
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(mesh.point(v)[k], there(Index(v.idx()), k));
+    }
+    EXPECT_EQ((values_of<Mesh::Vertex_index, double>(mesh, "v:distance")), fields[0].values);
+    EXPECT_EQ((values_of<Mesh::Vertex_index, float>(mesh, "v:quality"))[1], double(0.1f));
+    EXPECT_EQ((values_of<Mesh::Vertex_index, int>(mesh, "v:nearest")), fields[1].values);
+    EXPECT_EQ((values_of<Mesh::Face_index, double>(mesh, "f:lower")), fields[2].values);
+    EXPECT_EQ((values_of<Mesh::Face_index, double>(mesh, "f:upper_bound")), fields[3].values);
+}
+
+TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
+    using Kernel = CGAL::Simple_cartesian<double>;
+    using Read = std::tuple<Kernel::Point_3, double, int, double>;
+    const auto file = folder.path() / "x.ply";
+    const PointSet points{tetrahedron().vertices};
+    write_fields_ply(file, points, points.points, fields);
+    std::ifstream in(file, std::ios::binary);
+    std::vector<Read> read;
+    ASSERT_TRUE(CGAL::IO::read_PLY_with_properties(
+        in, std::back_inserter(read), CGAL::make_ply_point_reader(CGAL::Nth_of_tuple_property_map<0, Read>()),
+        std::make_pair(CGAL::Nth_of_tuple_property_map<1, Read>(), CGAL::PLY_property<double>("distance")),
+        std::make_pair(CGAL::Nth_of_tuple_property_map<2, Read>(), CGAL::PLY_property<int>("nearest")),
+        std::make_pair(CGAL::Nth_of_tuple_property_map<3, Read>(), CGAL::PLY_property<double>("lower"))));
+    ASSERT_EQ(read.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(std::get<1>(read[i]), fields[0].values[i]);
+        EXPECT_EQ(std::get<2>(read[i]), fields[1].values[i]);
+        EXPECT_EQ(std::get<3>(read[i]), fields[2].values[i]);
+    }
+}
+
+TEST_F(FieldFile, AsPlyIsRefusedInOneLine) {
+    EXPECT_THROW(check_ply_place(folder.path() / "x.vtk"), InputError);
+    EXPECT_THROW(check_ply_place(folder.path() / "none" / "x.ply"), InputError);
+    EXPECT_THROW(check_ply_place(folder.path()), InputError);
+    EXPECT_NO_THROW(check_ply_place(folder.path() / "x.PLY"));
+}
+
+// The tetrahedron, 7 above the square, and a second pose of the square that is as far: its distances are 7, 7, 7 and 8.
+class CheckFields : public testing::Test {
+protected:
+    void expect(Verdict verdict, const char* why = "") {
+        std::string reason;
+        EXPECT_EQ(check_fields(fields, a, pose, b, target_pose, {}, reason), verdict) << reason;
+        EXPECT_NE(reason.find(why), std::string::npos) << reason;
+        EXPECT_EQ(reason.empty(), verdict != Verdict::unsound);
+    }
+    double& distance(std::size_t i) { return fields[0].values[i]; }
+    double& nearest(std::size_t i) { return fields[1].values[i]; }
+
+    Shape a = tetrahedron(), b = square();
+    Pose pose = moved({1, -1, 3}), target_pose = moved({0, 0, -4});
+    Fields fields = fields_of(a, pose, b, target_pose);
+    const double error = field_error(4);
+};
+
+TEST_F(CheckFields, TheTruthHolds) {
+    expect(Verdict::holds);
+    distance(2) += 0.9 * error;
+    distance(1) -= 0.9 * error;
+    expect(Verdict::holds);
+}
+
+TEST_F(CheckFields, ADistanceIsNoLarger) {
+    distance(2) += 1.2 * error;
+    expect(Verdict::unsound, "vertex 2: distance 7.00");
+}
+
+TEST_F(CheckFields, ADistanceIsNoSmaller) {
+    distance(3) -= 1.2 * error;
+    expect(Verdict::unsound, "vertex 3: distance 7.99");
+}
+
+TEST_F(CheckFields, TheElementNamedIsTheNearest) {
+    nearest(1) = 1;
+    expect(Verdict::unsound, "element 1 of B");
+}
+
+TEST_F(CheckFields, WhatIsNoDistanceOrElement) {
+    for (double bad : {-1.0, infinity, std::nan("")}) {
+        const double good = distance(0);
+        distance(0) = bad;
+        expect(Verdict::unsound, "no distance");
+        distance(0) = good;
+    }
+    for (double bad : {-1.0, 2.0, 0.5, infinity, std::nan("")}) {
+        nearest(0) = bad;
+        expect(Verdict::unsound, "no element of B");
+    }
+    fields[1].values.pop_back();
+    expect(Verdict::unsound, "3 values for 4 vertices");
+    fields.pop_back();
+    expect(Verdict::unsound, "missing");
+}
+
+TEST_F(CheckFields, BothShapesArePosed) {
+    target_pose = moved({0, 0, -4.5});
+    expect(Verdict::unsound, "is farther");
+    target_pose = moved({0, 0, -3.5});
+    expect(Verdict::unsound, "is nearer");
+    target_pose = moved({0, 0, -4});
+    expect(Verdict::holds);
+    pose.translation[2] = 2.5;
+    expect(Verdict::unsound, "is nearer");
+}
+
+TEST_F(CheckFields, BeyondTheDoublesNothingIsChecked) {
+    pose.rotation *= 1e308;
+    pose.translation *= 1e308;
+    expect(Verdict::not_checked);
+}
+
+// Of its faces, h is 7, 8, 8 and 8.
+TEST_F(CheckFields, BoundsOfElements) {
+    fields.push_back(bounds("lower", Field::Meaning::lower, {7, 8, 8, 8}));
+    fields.push_back(bounds("upper", Field::Meaning::upper, {7, 8, 8, 8}));
+    expect(Verdict::holds);
+    fields[3].values[1] = infinity;
+    fields[2].values[1] = 0;
+    expect(Verdict::holds);
+
+    const Fields good = fields;
+    fields[3].values[0] = std::nextafter(7.0, 0.0), fields[2].values[0] = 0;
+    expect(Verdict::unsound, "elements 0: upper 6.99");
+    fields = good;
+    fields[2].values[2] = std::nextafter(8.0, 9.0), fields[3].values[2] = infinity;
+    expect(Verdict::unsound, "elements 2: lower 8.00");
+    fields = good;
+    fields[2].values[3] = infinity, fields[3].values[3] = infinity;
+    expect(Verdict::unsound, "elements 3: lower inf");
+    fields = good;
+    fields[3].values[0] = 6.5;
+    expect(Verdict::unsound, "is not at most upper");
+    fields = good;
+    fields[3].values[0] = std::nan("");
+    expect(Verdict::unsound, "is not at most upper");
+}
+
+// The farthest point of a triangle is its centroid, where its corners are on B.
+TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
+    TriangleMesh one{Points(3, 3), Triangles(1, 3)};
+    one.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
+    one.triangles << 0, 1, 2;
+    a = one;
+    b = PointSet{one.vertices};
+    pose = target_pose = {};
+    fields = fields_of(a, pose, b, target_pose);
+    fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // of the square root of 2
+    expect(Verdict::unsound, "elements 0: upper 1.3999");
+    fields.back().values[0] = 3;
+    expect(Verdict::holds);
+}
+
+TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
+    PointSet many{Points(1001, 3)};
+    for (Index i = 0; i < 1001; ++i) many.points.row(i) << 0.001 * i, 0, 0;
+    a = many;
+    fields = fields_of(a, pose, b, target_pose);
+    expect(Verdict::holds);
+    for (std::size_t i : {std::size_t(0), std::size_t(1000)}) {
+        fields[0].values[i] += 1;
+        expect(Verdict::unsound, fmt::format("vertex {}:", i).c_str());
+        fields[0].values[i] -= 1;
+    }
+    int looked_at = 0;
+    for (std::size_t i = 0; i < 50; ++i) {
+        Fields wrong = fields;
+        wrong[1].values[i] = -1;
+        std::string why;
+        looked_at += check_fields(wrong, a, pose, b, target_pose, {}, why) == Verdict::unsound;
+    }
+    EXPECT_EQ(looked_at, 5);  // every tenth
+    std::string reason;
+    EXPECT_EQ(check_fields(
+                  fields, a, pose, b, target_pose, [] { return true; }, reason),
+              Verdict::not_checked);
+}
+
+TEST_F(CheckFields, AnUnsoundFieldMakesItsRowUnsound) {
+    Row row;
+    row.asked.source = "a";
+    row.asked.target = "b";
+    row.asked.pose = pose;
+    row.asked.target_pose = target_pose;
+    row.outcome.status = RowStatus::ok;
+    row.outcome.bounds = {0, infinity};
+    row.fields = fields;
+    std::vector<Row> rows = {row, row};
+    rows[1].fields[0].values[0] = 6;
+    verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
+    EXPECT_EQ(rows[0].check.fields, Verdict::holds);
+    EXPECT_EQ(rows[0].outcome.status, RowStatus::ok);
+    EXPECT_EQ(rows[1].check.fields, Verdict::unsound);
+    EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound);
+    EXPECT_NE(rows[1].outcome.reason.find("vertex 0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hausbench
