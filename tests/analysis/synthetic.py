@@ -39,7 +39,7 @@ CASE: dict[str, Any] = {
     "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
     "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0,
-    "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked",
+    "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked", "fields_sha256": "", "fields_check": "not checked",
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0, "longest_side": 0.75,
@@ -49,6 +49,7 @@ ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_secon
 REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}
 PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1, "shared": 0}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
+FIELD: dict[str, Any] = {"case": 0, "name": "", "of": "vertices", "meaning": "number", "begin": 0, "end": 0}
 LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
 
 
@@ -64,6 +65,8 @@ class ResultFile:
     repeats: list[dict[str, Any]] = field(default_factory=list)
     preparation: list[dict[str, Any]] = field(default_factory=list)
     trace: list[dict[str, Any]] = field(default_factory=list)
+    fields: list[dict[str, Any]] = field(default_factory=list)
+    field_values: list[float] = field(default_factory=list)
     ledger: list[dict[str, Any]] = field(default_factory=list)
     wall: float = 1.0  # what the seconds given to case() are multiplied by
     cpu: float = 0.9
@@ -115,11 +118,12 @@ class ResultFile:
             for name, default, rows in (("models", MODEL, self.models), ("cases", CASE, self.cases),
                                         ("answers", ANSWER, self.answers), ("repeats", REPEAT, self.repeats),
                                         ("preparation", PREPARATION, self.preparation), ("trace", TRACE, self.trace),
-                                        ("ledger", LEDGER, self.ledger)):
+                                        ("fields", FIELD, self.fields), ("ledger", LEDGER, self.ledger)):
                 group = file.create_group(name)
                 for column, example in default.items():
                     values = [row.get(column, example) for row in rows]
                     group[column] = _array(values, example)
+            file["fields/values"] = np.array(self.field_values, dtype=np.float64)
         return path
 
 

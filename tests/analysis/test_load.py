@@ -24,7 +24,7 @@ def test_columns_follow_from_the_program() -> None:
     text = schema.README.read_text(encoding="utf-8")
     assert text == schema.readme(text, groups), "run python3 -m analysis.schema"
     written = {"models": synthetic.MODEL, "cases": synthetic.CASE, "answers": synthetic.ANSWER, "repeats": synthetic.REPEAT,
-               "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "ledger": synthetic.LEDGER}
+               "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "fields": synthetic.FIELD, "ledger": synthetic.LEDGER}
     for group, known in groups.items():
         names = {column["name"] for column in known}
         assert {"counter_*" if name.startswith("counter_") else name for name in written[group]} == names, group
@@ -54,6 +54,23 @@ def test_columns(small: load.Results) -> None:
     assert small.ledger.count.tolist() == [2] and small.meta["cpu"] == "Test CPU"
     assert set(small.models.name) == {"x/A", "x/B", "y/A", "y/B", "z/A", "z/B"}
     assert "with changes" in load.machine_line(small)
+
+
+def test_fields(tmp_path: Path) -> None:
+    file = ResultFile("fields")
+    for scene in "xyz":
+        file.case("guthe", scene, [1.0], lower=1.0, upper=1.0)
+    file.field_values = [0.5, 0.25, 3.0, 1.0, np.inf]
+    for case, name, begin, end in ((0, "distance", 0, 2), (2, "distance", 2, 3), (2, "upper", 3, 5)):
+        file.fields.append({"case": case, "name": name, "begin": begin, "end": end})
+    path = file.write(tmp_path)
+    results = load.load(path)
+    assert {name: values.tolist() for name, values in results.fields_of(0).items()} == {"distance": [0.5, 0.25]}
+    assert results.fields_of(1) == {}
+    assert {name: values.tolist() for name, values in results.fields_of(2).items()} == {"distance": [3.0], "upper": [1.0, np.inf]}
+    with h5py.File(path, "r+") as older:
+        del older["fields"]
+    assert load.load(path).fields_of(0) == {}
 
 
 def test_rows_and_order(small: load.Results) -> None:

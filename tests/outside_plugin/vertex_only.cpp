@@ -44,12 +44,15 @@ public:
         const Deadline deadline(query.time_limit);
         Result result;
         double upper = 0;
+        Field lowers{"lower", Field::Of::elements, Field::Meaning::lower, {}}, uppers = lowers;
+        uppers.name = "upper", uppers.meaning = Field::Meaning::upper;
         const std::vector<Triangle> elements = elements_of(scene_->source, a);
         for (std::size_t i = 0; i < elements.size(); ++i) {
             if (deadline.passed()) {
                 result.status = Status::time_limit;
                 return result;  // what is known of some triangles bounds h from below only
             }
+            lowers.values.push_back(0);
             std::vector<double> farthest(target_.size(), 0);  // of the corners so far, from each S
             for (const Vec3& corner : {elements[i].a, elements[i].b, elements[i].c}) {
                 double lower = std::numeric_limits<double>::infinity(), nearest = lower;
@@ -62,12 +65,15 @@ public:
                         nearest = q.squared_distance, witness.target_point = q.point, witness.target_element = Index(j);
                 }
                 result.counters.point_triangle_distances += target_.size();
+                lowers.values.back() = std::max(lowers.values.back(), lower);
                 if (lower > result.bounds.lower || i == 0) result.bounds.lower = lower, result.witness = witness;
             }
-            upper =
-                std::max(upper, surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
+            uppers.values.push_back(
+                surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
+            upper = std::max(upper, uppers.values.back());
         }
         result.bounds.upper = upper;
+        if (query.wanted.fields) result.fields = {lowers, uppers};
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
         result.status = close ? Status::converged : Status::budget;  // it knows no other way to come closer
         if (!close) result.note = "a solver that looks at vertices only comes no closer than this";
@@ -88,6 +94,7 @@ SolverEntry vertex_only_solver() {
     info.title = "Vertices only";
     info.source = info.target = {.points = true, .mesh = true};
     info.certified = true;
+    info.fields = true;
     return {info,
             [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
 }

@@ -1,0 +1,244 @@
+"""Fields: values for each vertex and each element of A, beside the journal, in the result, re-checked, and as PLY."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from conftest import Program
+from test_plugin import outside, plugin  # noqa: F401  (fixtures)
+from test_run import numbers, run, same_answers, texts
+
+Fields = dict[tuple[int, str], Any]
+
+MOVED = """
+title = "fields"
+tolerances = [1e-2, 1e-3]
+of = "diagonal"
+repeats = 1
+fields = true
+[[scene]]
+name = "spheres"
+source = "sphere1"
+target = "sphere2"
+motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 3 }
+target_motion = { kind = "translation", from = [0, 0, 0], to = [0, 1, 0], steps = 3 }
+[[solver]]
+name = "guthe"
+"""
+
+
+def fields_of(file: Path) -> Fields:
+    """By case and name."""
+    with h5py.File(file, "r") as f:
+        group, values = f["fields"], f["fields/values"][:]
+        return {(int(case), name): values[begin:end]
+                for case, name, begin, end in zip(group["case"], group["name"].asstr()[:], group["begin"], group["end"])}
+
+
+def same_fields(one: Path, other: Path) -> None:
+    a, b = fields_of(one), fields_of(other)
+    assert list(a) == list(b)
+    for key in a:
+        np.testing.assert_array_equal(a[key], b[key])
+
+
+@pytest.fixture
+def moved(tmp_path: Path) -> Path:
+    file = tmp_path / "moved.toml"
+    file.write_text(MOVED)
+    return file
+
+
+def test_every_answer_has_fields(hausbench: Program, moved: Path, tmp_path: Path) -> None:
+    file = run(hausbench, moved, tmp_path)
+    fields = fields_of(file)
+    assert {name for _, name in fields} == {"distance", "nearest"} and len(fields) == 12
+    assert texts(file, "cases/fields_check") == ["holds"] * 6
+    with h5py.File(file, "r") as f:
+        for case in range(6):
+            # They do not depend on the tolerance, and are different in each pose. The largest is a lower bound of h.
+            assert fields[case, "distance"].max() <= f["cases/upper"][case]
+            same = [other for other in range(6) if np.array_equal(fields[case, "distance"], fields[other, "distance"])]
+            assert {f["cases/pose_index"][other] for other in same} == {f["cases/pose_index"][case]} and len(same) == 2
+    # They are not part of the identity, and whoever does not ask for them has none.
+    moved.write_text(MOVED.replace("fields = true", ""))
+    without = run(hausbench, moved, tmp_path / "without")
+    same_answers(without, file)
+    assert fields_of(without) == {} and texts(without, "cases/fields_sha256") == [""] * 6
+    assert not list((tmp_path / "without").glob("*.fields"))
+
+
+def test_rows_without_their_file_are_run_again(hausbench: Program, moved: Path, tmp_path: Path) -> None:
+    moved.write_text(MOVED.replace("fields = true", ""))
+    file = run(hausbench, moved, tmp_path)
+    times = [numbers(file, "repeats/wall_seconds")]
+
+    def again() -> list[bool]:
+        """Which rows were measured again."""
+        run(hausbench, moved, tmp_path)
+        times.append(numbers(file, "repeats/wall_seconds"))
+        return list(times[-1] != times[-2])
+
+    assert not any(again())
+    moved.write_text(MOVED)
+    assert all(again()) and not any(again())
+    good = fields_of(file)
+    kept = {identity: tmp_path / "moved.fields" / f"{identity}.bin" for identity in texts(file, "cases/identity")}
+    assert sorted(kept.values()) == sorted((tmp_path / "moved.fields").iterdir())
+    first, second, *_ = kept.values()
+    first.unlink()
+    with second.open("r+b") as f:
+        f.seek(-1, os.SEEK_END)
+        f.write(b"?")
+    assert again() == [True, True, False, False, False, False]
+    now = fields_of(file)
+    assert all(np.array_equal(now[key], good[key]) for key in good)
+    # Where they cannot be written the answers count all the same, and the next run has them.
+    for kept_file in kept.values():
+        kept_file.unlink()
+        kept_file.mkdir()
+    again()
+    assert fields_of(file) == {} and texts(file, "cases/status") == ["ok"] * 6
+    for kept_file in kept.values():
+        kept_file.rmdir()
+    again()
+    same = fields_of(file)
+    assert all(np.array_equal(same[key], good[key]) for key in good)
+    run(hausbench, moved, tmp_path, "--fresh")
+    assert len(list((tmp_path / "moved.fields").iterdir())) == 6
+
+
+def test_shards_put_together_have_all_fields(hausbench: Program, moved: Path, tmp_path: Path) -> None:
+    moved.write_text(MOVED + '[[solver]]\nname = "cgal"\n')
+    whole = run(hausbench, moved, tmp_path / "whole")
+    for i in (1, 2):
+        assert hausbench("run", moved, "--results", tmp_path, "--shard", f"{i}/2").returncode == 0
+    parts = sorted(tmp_path.glob("moved.shard-*.h5"))
+    assert len(parts) == 2 and 0 < len(fields_of(parts[0])) < len(fields_of(whole))
+    merged = tmp_path / "merged.h5"
+    assert hausbench("merge", merged, *parts).returncode == 0
+    same_fields(merged, whole)
+    assert texts(merged, "cases/fields_check") == texts(whole, "cases/fields_check")
+
+
+@pytest.mark.parametrize("column,place,value", [("distance", 0, 1e-3), ("distance", -1, 1e-3), ("nearest", 0, 1.0)])
+def test_verify_finds_a_changed_value(hausbench: Program, moved: Path, tmp_path: Path, column: str, place: int, value: float) -> None:
+    file = run(hausbench, moved, tmp_path)
+    done = hausbench("verify", file)
+    assert done.returncode == 0 and "fields of cases: 6 hold, 0 unsound, 0 not checked" in done.stdout
+    with h5py.File(file, "r+") as f:
+        names = list(f["fields/name"].asstr()[:])
+        at = f["fields/begin" if place >= 0 else "fields/end"][names.index(column)] + place
+        f["fields/values"][at] += value
+    done = hausbench("verify", file)
+    assert done.returncode == 1 and "fields of cases: 5 hold, 1 unsound" in done.stdout and "vertex" in done.stdout
+
+
+@pytest.mark.parametrize("column,change", [("end", 1000), ("begin", -1), ("case", 100)])
+def test_fields_out_of_place_are_refused(hausbench: Program, moved: Path, tmp_path: Path, column: str, change: int) -> None:
+    file = run(hausbench, moved, tmp_path)
+    with h5py.File(file, "r+") as f:
+        f[f"fields/{column}"][-1] += change
+    assert "moved.h5" in hausbench.fails("verify", file)
+
+
+def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path: Path) -> None:
+    moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n')
+    file = run(hausbench, moved, tmp_path)
+    from_trace, fields = numbers(file, "cases/from_trace"), fields_of(file)
+    assert from_trace.sum() == 3
+    assert texts(file, "cases/fields_check") == ["not checked" if read else "holds" for read in from_trace]
+    assert {case for case, _ in fields} == set(np.flatnonzero(from_trace == 0))
+
+
+def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp_path: Path) -> None:  # noqa: F811
+    """A plug-in's bounds for each triangle, in the unit of the input; the shapes are scaled, and B is posed."""
+    text = MOVED.replace("tolerances = [1e-2, 1e-3]", "tolerances = [2.0]").replace('"diagonal"', '"absolute"').replace("guthe", "vertex_only")
+    for quantity in ("symmetric", "directed"):
+        moved.write_text(f'quantity = "{quantity}"\n{text}')
+        file = run(hausbench, moved, tmp_path, "--plugin", str(plugin))
+        fields = fields_of(file)
+        assert {name for _, name in fields} == {"distance", "nearest", "lower", "upper"}
+        assert texts(file, "cases/fields_check") == ["holds"] * 3
+        for case in range(3):
+            assert len(fields[case, "upper"]) == numbers(file, "cases/source_elements")[case]
+            if quantity == "directed":
+                assert fields[case, "lower"].max() == numbers(file, "cases/lower")[case]
+                assert fields[case, "upper"].max() == numbers(file, "cases/upper")[case]
+    with h5py.File(file, "r+") as f:
+        row = len(f["fields/name"]) - 1  # of the pose that is farthest away
+        assert f["fields/name"].asstr()[row] == "upper"
+        assert f["fields/of"].asstr()[row] == "elements" and f["fields/meaning"].asstr()[row] == "upper"
+        f["fields/values"][f["fields/begin"][row]] *= 0.5
+    done = hausbench("verify", file)
+    assert done.returncode == 1 and "upper" in done.stdout
+
+
+def read_ply(file: Path) -> tuple[Any, Any]:
+    """Vertices and faces, as arrays with a name for each property."""
+    head, _, body = file.read_bytes().partition(b"end_header\n")
+    kinds = {"double": "<f8", "float": "<f4", "int": "<i4"}
+    types: list[list[tuple[str, ...] | tuple[str, str, int]]] = []
+    counts = []
+    for line in head.decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            counts.append(int(words[2]))
+            types.append([])
+        elif words[:2] == ["property", "list"]:
+            types[-1] += [("corners", "u1"), ("vertex_indices", "<i4", 3)]
+        elif words[0] == "property":
+            types[-1].append((words[2], kinds[words[1]]))
+    arrays = []
+    for count, kind in zip(counts, types):
+        arrays.append(np.frombuffer(body, np.dtype(kind), count))
+        body = body[arrays[-1].nbytes:]
+    assert body == b""
+    return arrays[0], arrays[1] if len(arrays) > 1 else None
+
+
+def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:  # noqa: F811
+    plain = hausbench("measure", tetrahedron, raised, "--json")
+    out = tmp_path / "out.ply"
+    done = hausbench("measure", tetrahedron, raised, "--json", "--fields", out)
+    assert done.returncode == 0 and done.stdout.split('"peak')[0].split('"note')[0] == plain.stdout.split('"peak')[0].split('"note')[0]
+    vertices, faces = read_ply(out)
+    assert vertices["distance"].tolist() == [0.25, 0.25, 0.25, 0] and vertices["nearest"][0] == 0
+    assert vertices["quality"].tolist() == vertices["distance"].tolist()
+    assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] and "upper" not in faces.dtype.names
+    assert hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--fields", out).returncode == 0
+    _, faces = read_ply(out)
+    assert (faces["lower"] <= faces["upper"]).all() and faces["lower"].max() == pytest.approx(0.25)
+    points = tmp_path / "points.obj"
+    points.write_text("v 0 0 4\nv 0 0 0\n")
+    assert hausbench("measure", points, points, "--fields", out).returncode == 0
+    vertices, none = read_ply(out)
+    assert vertices["distance"].tolist() == [0, 0] and vertices["nearest"].tolist() == [0, 1] and none is None
+
+
+def test_what_cannot_be_a_ply_is_one_line(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    for name, remedy in (("out.vtk", "end the name"), ("none/out.ply", "make it"), ("out", "end the name")):
+        line = hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", tmp_path / name)
+        assert name in line and remedy in line
+    (tmp_path / "folder.ply").mkdir()
+    assert "another place" in hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", tmp_path / "folder.ply")
+    surface = tmp_path / "ball.surface.toml"
+    surface.write_text('polynomial = "x^2 + y^2 + z^2 - 1"\nbox = [[-2, 2], [-2, 2], [-2, 2]]\n')
+    assert "triangulate" in hausbench.fails("measure", surface, surface, "--fields", tmp_path / "out.ply")
+    if os.getuid() != 0:
+        locked = tmp_path / "locked"
+        locked.mkdir(mode=0o500)
+        assert "another place" in hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", locked / "out.ply")
+
+
+def test_surfaces_have_no_fields(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    text = experiment.read_text().replace("sphere1", "surface_ball").replace("sphere2", "surface_ball").replace("guthe", "surface_enclosure")
+    experiment.write_text(f"fields = true\n{text}")
+    file = run(hausbench, experiment, tmp_path)
+    assert texts(file, "cases/status") == ["ok"] and fields_of(file) == {} and texts(file, "cases/fields_check") == ["not checked"]
