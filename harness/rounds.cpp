@@ -72,7 +72,6 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds) {
 Outcome read_off_exact(const Outcome& fine, double gap) {
     Outcome outcome = fine;
     outcome.from_trace = true;
-    outcome.fields_sha256.clear();  // they stand at the finer row
     if (outcome.status == RowStatus::floor && outcome.bounds.gap() <= gap) {
         outcome.status = RowStatus::ok;
         outcome.reason.clear();
@@ -87,7 +86,6 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     outcome.answers.clear();
     outcome.repeats.clear();
     outcome.trace.clear();
-    outcome.fields_sha256.clear();
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {
         if (!(sample.upper - sample.lower <= gap)) continue;

@@ -129,10 +129,10 @@ private:
         return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
     }
 
-    // None where they were not asked for, or cannot be had: the answer counts all the same.
+    // None where they were not asked for, stand at a finer row, or cannot be had: the answer counts all the same.
     Fields fields_of(std::size_t row, Outcome& outcome) const {
         const auto file = fields_file(row);
-        if (!file.empty() && !outcome.fields_sha256.empty()) {
+        if (!file.empty() && !outcome.from_trace && !outcome.fields_sha256.empty()) {
             if (auto fields = read_fields(file, outcome.fields_sha256)) return std::move(*fields);
         }
         outcome.fields_sha256.clear();

@@ -139,9 +139,7 @@ private:
         const Rational most = Rational(upper) + Rational(off);
         if (most < 0) return false;
         if (squared_distance(p, likely) <= most * most) return true;
-        // Above what the sum rounds to: all of B that is as far away is too far.
-        const auto squared = nearer(p, std::nextafter(upper + off, std::numeric_limits<double>::infinity()));
-        return squared && *squared <= most * most;
+        return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // all of them, exactly
     }
 
     const Standing &source_, &target_;

@@ -179,7 +179,7 @@ private:
         if (const auto first = answer(item, nullptr)) {
             if (timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
-            if (timed(first->status)) fields(item, nullptr);
+            fields(item, nullptr);
         }
         send({{"event", "end"}, {"row", item.row}});
     }
@@ -214,8 +214,7 @@ private:
         for (std::size_t i = begin; i < end && first[i - begin] && order_.items[i].trace; ++i)
             trace(order_.items[i], state.get(), first[i - begin]->result);
         state = session_->begin();
-        for (std::size_t i = begin; i < end && first[i - begin] && timed(first[i - begin]->status); ++i)
-            fields(order_.items[i], state.get());
+        for (std::size_t i = begin; i < end && first[i - begin]; ++i) fields(order_.items[i], state.get());
         for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
     }
 

@@ -363,6 +363,24 @@ TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     expect(Verdict::holds);
 }
 
+// Everywhere on the triangle the distance is c; its computed centroid may be farther away.
+TEST_F(CheckFields, TheCentroidMayBeOffTheElement) {
+    pose = target_pose = {};
+    int above = 0;
+    for (int i = 1; i < 40; ++i) {
+        const double c = 0.1 * i;
+        TriangleMesh one{Points(3, 3), Triangles(1, 3)};
+        one.vertices << 0, 0, c, 1, 0, c, 0, 1, c;
+        one.triangles << 0, 1, 2;
+        a = one;
+        fields = fields_of(a, pose, b, target_pose);
+        fields.push_back(bounds("upper", Field::Meaning::upper, {c}));
+        expect(Verdict::holds);
+        above += c / 3 + c / 3 + c / 3 > c;
+    }
+    EXPECT_GT(above, 0);
+}
+
 TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
     PointSet many{Points(1001, 3)};
     for (Index i = 0; i < 1001; ++i) many.points.row(i) << 0.001 * i, 0, 0;

@@ -149,7 +149,11 @@ def test_fields_out_of_place_are_refused(hausbench: Program, moved: Path, tmp_pa
 
 
 def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path: Path) -> None:
-    moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n')
+    cold = 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n'
+    moved.write_text(MOVED + cold)
+    assert len(fields_of(run(hausbench, moved, tmp_path))) == 24
+    # Now the coarser tolerance is read off the finer one where the start is cold, so that the files that are there are not used.
+    moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + cold)
     file = run(hausbench, moved, tmp_path)
     from_trace, fields = numbers(file, "cases/from_trace"), fields_of(file)
     assert from_trace.sum() == 3
