@@ -335,6 +335,9 @@ TEST_F(CheckFields, BoundsOfElements) {
     fields[3].values[0] = std::nextafter(7.0, 0.0), fields[2].values[0] = 0;
     expect(Verdict::unsound, "elements 0: upper 6.99");
     fields = good;
+    fields[3].values[1] = 7.5, fields[2].values[1] = 0;  // a corner is 8 away, the centroid less
+    expect(Verdict::unsound, "elements 1: upper 7.5");
+    fields = good;
     fields[2].values[2] = std::nextafter(8.0, 9.0), fields[3].values[2] = infinity;
     expect(Verdict::unsound, "elements 2: lower 8.00");
     fields = good;
