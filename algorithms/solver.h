@@ -124,6 +124,7 @@ struct Wanted {
     bool stages = false;  // in `reported`: seconds by stage, as "seconds: subdivide"
     bool certificate = false;
 };
+inline constexpr std::string_view stage_prefix = "seconds: ";
 
 struct Query {
     Quantity quantity = Quantity::directed;

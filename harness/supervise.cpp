@@ -142,6 +142,7 @@ private:
         } else if (kind == "fields") {
             expect(outcome.fields_sha256.empty());
             outcome.fields_sha256 = event.at("sha256").get<std::string>();
+            for (const auto& [name, seconds] : event.at("stages").items()) outcome.extras[name] = number(seconds);
         } else {
             expect(kind == "trace" && outcome.trace.empty());
             for (const json& s : event.at("samples"))

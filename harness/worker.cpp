@@ -286,16 +286,21 @@ private:
     // The solver's own by solving once more, then those that need no solver.
     void fields(const WorkOrder::Item& item, State* state) {
         if (item.fields.empty()) return;
+        json stages = json::object();
         Fields all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
         if (find_solver(order_.solver).info.fields) {
             Query query = query_of(item);
-            query.wanted.fields = true;
+            query.wanted.fields = query.wanted.stages = true;
             Trace untraced;
             Result result = session_->solve(query, state, untraced);
+            for (const auto& [name, value] : result.reported) {
+                const auto* real = std::get_if<double>(&value);
+                if (real && name.starts_with(stage_prefix)) stages[one_line(name)] = number(*real);
+            }
             if (result.fields) std::move(result.fields->begin(), result.fields->end(), std::back_inserter(all));
         }
         const std::string sha256 = write_fields(item.fields, all);
-        send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}});
+        send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 
     WorkOrder order_;
