@@ -58,7 +58,7 @@ def moved(tmp_path: Path) -> Path:
 def test_every_answer_has_fields(hausbench: Program, moved: Path, tmp_path: Path) -> None:
     file = run(hausbench, moved, tmp_path)
     fields = fields_of(file)
-    assert {name for _, name in fields} == {"distance", "nearest"} and len(fields) == 12
+    assert {name for _, name in fields} == {"distance", "nearest", "lower", "upper", "level"} and len(fields) == 30
     assert texts(file, "cases/fields_check") == ["holds"] * 6
     with h5py.File(file, "r") as f:
         for case in range(6):
@@ -151,7 +151,7 @@ def test_fields_out_of_place_are_refused(hausbench: Program, moved: Path, tmp_pa
 def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path: Path) -> None:
     cold = 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n'
     moved.write_text(MOVED + cold)
-    assert len(fields_of(run(hausbench, moved, tmp_path))) == 24
+    assert len(fields_of(run(hausbench, moved, tmp_path))) == 12 * 5
     # Now the coarser tolerance is read off the finer one where the start is cold, so that the files that are there are not used.
     moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + cold)
     file = run(hausbench, moved, tmp_path)
@@ -215,7 +215,10 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
     vertices, faces = read_ply(out)
     assert vertices["distance"].tolist() == [0.25, 0.25, 0.25, 0] and vertices["nearest"][0] == 0
     assert vertices["quality"].tolist() == vertices["distance"].tolist()
-    assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] and "upper" not in faces.dtype.names
+    assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    assert faces["lower"].max() <= 0.25 <= faces["upper"].max() and "level" in faces.dtype.names
+    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
+    assert read_ply(out)[1].dtype.names == ("corners", "vertex_indices")
     assert hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--fields", out).returncode == 0
     _, faces = read_ply(out)
     assert (faces["lower"] <= faces["upper"]).all() and faces["lower"].max() == pytest.approx(0.25)
