@@ -57,6 +57,20 @@ Element Standing::operator[](Index i) const {
     return {points_->row(triangles(i, 0)), points_->row(triangles(i, 1)), points_->row(triangles(i, 2))};
 }
 
+bool Standing::beyond(Index i, const Vec3& p, double r) const {
+    const auto* mesh = std::get_if<TriangleMesh>(&shape_);
+    for (int k = 0; k < 3; ++k) {
+        bool above = true, below = true;
+        for (int c = 0; c < (mesh ? 3 : 1); ++c) {
+            const double x = (*points_)(mesh ? mesh->triangles(i, c) : i, k);
+            above = above && x - p[k] > r;
+            below = below && p[k] - x > r;
+        }
+        if (above || below) return true;
+    }
+    return false;
+}
+
 // CGAL's triangle distance wants a triangle that is one; a degenerate one is the union of its edges.
 Rational squared_distance(const Vec3& p, const Element& e) {
     const Exact::Point_3 q = exact(p);
@@ -93,11 +107,12 @@ Vec3 rough_offset(const Vec3& p, Element e) {
 
 std::optional<Rational> nearer_than(const Standing& shape, const Vec3& p, double r, const Stop& stop, bool& stopped) {
     std::vector<Index> doubtful;
-    {
+    for (Index i = 0; i < shape.count(); ++i) {
+        if (!shape.beyond(i, p, r)) doubtful.push_back(i);
+    }
+    if (std::isfinite(r)) {
         CGAL::Protect_FPU_rounding<true> upward;
-        for (Index i = 0; i < shape.count(); ++i) {
-            if (!std::isfinite(r) || !separated(p, shape[i], r)) doubtful.push_back(i);
-        }
+        std::erase_if(doubtful, [&](Index i) { return separated(p, shape[i], r); });
     }
     std::optional<Rational> nearest;
     for (Index i : doubtful) {

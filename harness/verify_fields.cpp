@@ -100,6 +100,7 @@ private:
         Index best = 0;
         double least = std::numeric_limits<double>::infinity();
         for (Index k = 0; k < target_.count(); ++k) {
+            if (target_.beyond(k, p, least)) continue;
             const double d = rough_offset(p, target_[k]).stableNorm();
             if (d < least) least = d, best = k;
         }

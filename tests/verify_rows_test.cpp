@@ -91,6 +91,17 @@ TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
     EXPECT_EQ(rows[2].check.lower, Verdict::unsound);
 }
 
+TEST_F(VerifyRows, AnElementOnEitherSideIsNotPassedOver) {
+    for (double z : {2.0, -2.0}) {
+        source = point(0.25, 0.25, z);
+        const Vec3 p(0.25, 0.25, z);
+        rows = {answer(2, 3, p), answer(std::nextafter(2.0, 3.0), 3, p)};
+        verify();
+        EXPECT_EQ(rows[0].check.lower, Verdict::holds);
+        EXPECT_EQ(rows[1].check.lower, Verdict::unsound);
+    }
+}
+
 // A is a point, B that point and another one 5 away: h(A,B) = 0, h(B,A) = 5 = H.
 class VerifyBothDirections : public testing::Test {
 protected:
