@@ -2,10 +2,10 @@
 // surfaces, verify_surface.h says what is shared.
 //
 // Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B posed) >= d(p, B posed) - e, so `lower`
-// holds if every element of B posed is at least lower + e away from p (one whose box is that far away needs no more). A lower bound of H may have its witness on B instead
-// (Witness::direction): the same with A and B in each other's place. Each element is tried with a separating plane in interval
-// arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n), then, where that is not
-// enough, in exact rationals. e is computed in exact rationals. O(|A| + |B|) a witness.
+// holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its witness on B instead
+// (Witness::direction): the same with A and B in each other's place. An element whose box is not that far away is tried with a
+// separating plane in interval arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n),
+// then, where that is not enough, in exact rationals. e is computed in exact rationals. O(|A| + |B|) a witness.
 //
 // Where there is no witness: not above a certified solver's upper bound.
 //
