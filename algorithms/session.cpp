@@ -1,4 +1,4 @@
-#include "session.h"
+#include "session_parts.h"
 
 #include "error.h"
 #include "kernel/rounding.h"
@@ -13,17 +13,6 @@
 
 namespace hausbench {
 namespace {
-
-double scaled_back(double value, int exponent, double (*outward)(double)) {
-    const double original = std::ldexp(value, -exponent);
-    return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
-}
-
-// A length that must stay positive and finite.
-double scaled_tolerance(double value, int exponent) {
-    return std::clamp(std::ldexp(value, exponent), std::numeric_limits<double>::denorm_min(),
-                      std::numeric_limits<double>::max());
-}
 
 void check(const Query& query) {
     const auto fail = [](const char* what, double value, const char* remedy) {
@@ -40,14 +29,6 @@ void check(const Query& query) {
         if (!pose->rotation.allFinite() || !pose->translation.allFinite())
             throw InputError("query: the pose has an entry that is not finite; give a finite matrix and translation");
     }
-}
-
-bool claims_an_answer(Status status) {
-    return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
-}
-
-void add(Counters& sum, const Counters& more) {
-    for (const CounterField& field : counter_fields) sum.*field.member += more.*field.member;
 }
 
 // A solver's word is not enough: its status has to follow from its bounds.
@@ -110,34 +91,6 @@ PreparedPair pair_of(const SolverInfo& info, const Scene& scene) {
 }
 
 }  // namespace
-
-struct Session::Part {
-    Scene scene;
-    Needs needs;
-    std::optional<Prepared> prepared;
-    std::unique_ptr<Solver> solver;
-    double solver_seconds = 0;
-};
-
-// Wall time since it was made.
-struct Session::Clock {
-    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
-
-    double elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); }
-    double left(double limit) const { return std::max(0.0, limit - elapsed()); }
-};
-
-// How H(A,B) begins.
-struct Session::Opening {
-    bool backward = false;          // h(B,A) comes first
-    std::optional<Result> forward;  // h(A,B), where it has its answer already
-    double begin = 0;               // of that answer, in seconds
-    Counters spent;                 // on what is not in an answer
-};
-
-struct Session::Chain final : State {
-    std::unique_ptr<State> states[2];  // forward, backward; made by the first answer
-};
 
 Session::Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
                  Leave leave)
@@ -250,119 +203,6 @@ const Prepared& Session::prepared() const {
 
 std::unique_ptr<State> Session::begin() const { return entry_.info.warm ? std::make_unique<Chain>() : nullptr; }
 
-// At least the largest |coordinate| that any step of posing the shape can reach, scaled: S below.
-double Session::posed_extent(const PreparedShape& shape, const Pose& pose) const {
-    double translation = 0;
-    for (const double t : pose.translation) translation = std::max(translation, std::abs(std::ldexp(t, exponent_)));
-    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
-}
-
-// How far the points of one shape that the solver measures may be from those that the definition means, in scaled units. The distance
-// changes by no more than A's and B's together.
-//
-// Scaling: a coordinate that it rounds is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
-//
-// Posing: in each coordinate the definition says D = s fl(R v + t), and the solver measures C = fl(R v' + t'), where s is the
-// power of two 2^e, and v' and t' are the scaled v and t. Where v' = s v, t' = s t and no product underflows in either unit,
-// they are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
-// held against the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
-// sums are 4u(1 + 4u) S on either side, each of the three products may lose 2^-1075 in its own unit, t' may lose 2^-1075, and
-// the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
-//   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
-// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. What is computed below rounds by less than 8u of itself
-// and underflows by less than q: 8 q covers the two.
-double Session::widening(const PreparedShape& shape, const Pose& pose) const {
-    if (pose.is_identity()) return shape.lost();
-    if (exponent_ == 0) return 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (const double entry : pose.rotation.reshaped()) {
-        if (entry != 0) least = std::min(least, std::abs(entry));
-    }
-    const bool exact_translation = pose.translation.unaryExpr([&](double t) {
-        return std::ldexp(std::ldexp(t, exponent_), -exponent_);
-    }) == pose.translation;
-    // Exponents, so that no product here underflows itself.
-    const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
-    const int product = exponent_of(least) + exponent_of(shape.smallest());
-    const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent_ >= -1022;
-    if (same_bits) return 0;
-    const double most = pose.rotation.cwiseAbs().maxCoeff();
-    return 3 * (most * shape.lost()) + 14 * unit_roundoff * posed_extent(shape, pose) +
-           8 * std::ldexp(1.0, std::max(exponent_, 0) - 1074);
-}
-
-// Whether the pose needs another scale.
-bool Session::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
-    if (pose.is_identity()) return false;
-    if (kind_of(shape.shape()) == ShapeKind::surface) {
-        throw InputError(
-            "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
-            "first");
-    }
-    const double extent = posed_extent(shape, pose);
-    if (extent <= largest_safe_coordinate && std::ldexp(extent, -exponent_) < 0x1p1023) return false;
-    const Points there = posed(shape.original(), pose);
-    if (!there.allFinite()) {
-        throw InputError(fmt::format(
-            "query: the pose moves a point of {} beyond the largest double, 1.8e308; give a smaller rotation "
-            "and translation, or both shapes in a larger unit",
-            name));
-    }
-    return scalable_ && std::ldexp(magnitude(there), exponent_) > largest_safe_coordinate;
-}
-
-// Both shapes posed as they are in the units of the input, scaled anew, at rest.
-Result Session::solve_rescaled(const Query& query, Trace& trace) const {
-    const auto at_rest = [](const PreparedShape& prepared, const Pose& pose) {
-        Shape shape = prepared.shape();
-        points_of(shape) = posed(prepared.original(), pose);
-        return shape;
-    };
-    PreparedPair pair =
-        prepare_pair(entry_.info, at_rest(*source_, query.source_pose), at_rest(*target_, query.target_pose));
-    Query still = query;
-    still.source_pose = still.target_pose = Pose{};
-    QuerySet once;
-    once.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
-    once.symmetric = query.quantity == Quantity::symmetric;
-    return Session(entry_, options_, pair.source, pair.target, once, leave_).solve(still, trace);
-}
-
-Query Session::scaled(const Query& query) const {
-    Query out = query;
-    for (double& value : out.source_pose.translation) value = std::ldexp(value, exponent_);
-    for (double& value : out.target_pose.translation) value = std::ldexp(value, exponent_);
-    if (query.tolerance.of == Tolerance::Of::absolute) {
-        out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
-    }
-    out.floor = std::min(std::ldexp(query.floor, exponent_), std::numeric_limits<double>::max());
-    out.cutoff = std::ldexp(query.cutoff, exponent_);
-    return out;
-}
-
-void Session::scale_back(Result& result, Trace& trace, double wider) const {
-    const auto down = [&](double& lower) {
-        if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
-        if (exponent_ != 0) lower = scaled_back(lower, exponent_, next_down);
-    };
-    const auto up = [&](double& upper) {
-        if (wider > 0) upper = next_up(upper + wider);
-        if (exponent_ != 0) upper = scaled_back(upper, exponent_, next_up);
-    };
-    down(result.bounds.lower);
-    up(result.bounds.upper);
-    for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
-    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
-        Field& field = (*result.fields)[i];
-        for (double& value : field.values) {
-            if (field.meaning == Field::Meaning::lower) down(value);
-            if (field.meaning == Field::Meaning::upper) up(value);
-        }
-    }
-    for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
-    for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
-}
-
 bool Session::copies_target(const Query& query) const {
     if (entry_.info.moving_target) return false;
     const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
@@ -403,109 +243,6 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
     Result result = part.solver->solve(asked, state, trace);
     hold_to_its_status(asked, result);
     return result;
-}
-
-// One direction of H(A,B), in scaled units; its witness names points of A and of B as that of H does.
-Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const {
-    query.quantity = Quantity::directed;
-    if (backward) std::swap(query.source_pose, query.target_pose);
-    trace.start();
-    Result result = directed(query, backward, chain, trace);
-    result.certificate.reset();  // it proves nothing of the other direction
-    if (!backward) return result;
-    std::swap(result.witness.source_point, result.witness.target_point);
-    std::swap(result.witness.source_element, result.witness.target_element);
-    result.witness.direction = Witness::Direction::target_to_source;
-    result.fields.reset();  // they are of B
-    Reported reported;
-    for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
-    result.reported = std::move(reported);
-    return result;
-}
-
-// A gap relative to the lower bound is never small enough where that bound is 0, as that of h(A,B) is where A is a part of B. So
-// where the tolerance is of that kind, a little work on both directions says which one seems to be the larger: that one comes
-// first, and its lower bound is the floor of the other. An answer that takes little work is kept.
-Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) const {
-    Opening opening;
-    const std::uint64_t most = query.budget;
-    if (query.tolerance.of != Tolerance::Of::lower || entry_.info.exact) return opening;
-    for (query.budget = 64; query.budget<most; query.budget = query.budget> most / 16 ? most : 16 * query.budget) {
-        const double limit = query.time_limit;
-        Query asked = query;
-        asked.time_limit = clock.left(limit);
-        opening.begin = clock.elapsed();
-        Result forward = one_of_both(asked, false, nullptr, trace);
-        if (forward.status != Status::budget) {
-            opening.forward = std::move(forward);
-            return opening;
-        }
-        asked.time_limit = clock.left(limit);
-        const Result backward = one_of_both(asked, true, nullptr, trace);
-        add(opening.spent, forward.counters);
-        add(opening.spent, backward.counters);
-        opening.backward = backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower;
-        if (opening.backward || forward.bounds.lower > 0) return opening;
-    }
-    return opening;
-}
-
-// Adds what is known of the other direction.
-void Session::join(Result& whole, const Result& other) {
-    if (other.bounds.lower > whole.bounds.lower) {
-        whole.bounds.lower = other.bounds.lower;
-        whole.witness = other.witness;
-    }
-    // Where the bounds of H are still apart, it is the direction with the larger upper bound that keeps them apart, and says why.
-    // A NaN is no bound at all.
-    if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
-        whole.bounds.upper = other.bounds.upper;
-        whole.status = other.status;
-        whole.note = other.note;
-    }
-    if (!whole.fields) whole.fields = other.fields;
-    add(whole.counters, other.counters);
-    whole.reported.insert(other.reported.begin(), other.reported.end());
-    whole.reported_seconds += other.reported_seconds;
-    whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
-}
-
-// H(A,B) = max(h(A,B), h(B,A)), in scaled units.
-Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const {
-    const Clock clock;
-    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
-    Query asked = query;
-    Opening opening = open(query, clock, one);
-    const double before = opening.forward ? opening.begin : clock.elapsed();
-    asked.time_limit = clock.left(query.time_limit);
-    Result whole = opening.forward ? std::move(*opening.forward) : one_of_both(asked, opening.backward, chain, one);
-    add(whole.counters, opening.spent);
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    // Until the other direction has a bound, H(A,B) has none from above.
-    for (const TraceSample& sample : one.samples())
-        trace.samples().push_back({before + sample.seconds, sample.lower, infinity});
-    if (whole.bounds.lower > query.cutoff) {
-        whole.bounds.upper = infinity;
-        whole.status = Status::above_cutoff;
-        whole.note.clear();
-        return whole;
-    }
-    const double first = clock.elapsed();
-    asked.time_limit = clock.left(query.time_limit);
-    asked.floor = std::max(query.floor, whole.bounds.lower);
-    // A floor that is the cutoff would ask a question that nobody asked.
-    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
-    const Result other = one_of_both(asked, !opening.backward, chain, two);
-    for (const TraceSample& sample : two.samples()) {
-        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
-                                   std::max(whole.bounds.upper, sample.upper)});
-    }
-    join(whole, other);
-    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
-        whole.status = *answer;
-        whole.note.clear();
-    }
-    return whole;
 }
 
 Result Session::solve(const Query& query, State* state, Trace& trace) const {

@@ -1,6 +1,7 @@
 #include "plan.h"
 
 #include "error.h"
+#include "matrix.h"
 #include "registry.h"
 #include "session.h"
 #include "shape_file.h"
@@ -17,9 +18,6 @@
 namespace hausbench {
 
 namespace {
-
-// Further apart, and pairs of a matrix go to workers of their own.
-constexpr int widest_scale_of_a_worker = 60;
 
 struct ScenePose {
     Pose source, target;
@@ -91,7 +89,7 @@ public:
             }
         }
         if (plan_.cases.empty()) refuse_empty();
-        join_matrices();
+        join_matrices(plan_);
         check_identities();
         return std::move(plan_);
     }
@@ -285,76 +283,6 @@ private:
              std::int64_t(models.poses.size())});
     }
 
-    // The jobs of one matrix, solver and set of options become one, or several where scales are too far apart.
-    void join_matrices() {
-        using Key = std::tuple<std::string, std::string, std::string, bool, double>;
-        std::map<Key, std::size_t> number;
-        std::vector<std::vector<Job>> groups;
-        for (Job& job : plan_.jobs) {
-            const ScenePlan& scene = plan_.experiment.scenes[job.scene];
-            const Case& first = plan_.cases[job.cases.front()];
-            if (scene.matrix.empty()) {
-                groups.push_back({std::move(job)});
-                continue;
-            }
-            // Chains of several tolerances stay apart, so that a pair's cases stand together.
-            const Key key{scene.matrix, first.label, options_json(first.options).dump(), first.warm,
-                          first.warm ? first.tolerance : 0};
-            const auto [at, fresh] = number.emplace(key, groups.size());
-            if (fresh) groups.emplace_back();
-            groups[at->second].push_back(std::move(job));
-        }
-        plan_.jobs.clear();
-        for (auto& group : groups) {
-            const ScenePlan& scene = plan_.experiment.scenes[group.front().scene];
-            if (scene.matrix.empty())
-                plan_.jobs.push_back(std::move(group.front()));
-            else
-                join(scene.matrix, std::move(group));
-        }
-    }
-
-    void join(const std::string& matrix, std::vector<Job> group) {
-        const Case& first = plan_.cases[group.front().cases.front()];
-        const SolverInfo& info = find_solver(first.solver).info;
-        const std::size_t scene = group.front().scene;
-        std::vector<int> exponents;
-        for (const Job& job : group) exponents.push_back(exponent_of(info, job.pairs.front()));
-        // The largest first. Scaling by 2^60 less than a pair would be by itself loses nothing that counts (Session).
-        while (!group.empty()) {
-            const int most = *std::min_element(exponents.begin(), exponents.end());
-            Job joined;
-            joined.scene = scene;
-            joined.label = fmt::format("{} on {}", first.label, matrix);
-            joined.exponent = most;
-            std::vector<Job> rest;
-            std::vector<int> rest_exponents;
-            for (std::size_t i = 0; i < group.size(); ++i) {
-                if (exponents[i] - most > widest_scale_of_a_worker) {
-                    rest.push_back(std::move(group[i]));
-                    rest_exponents.push_back(exponents[i]);
-                    continue;
-                }
-                joined.pairs.push_back(group[i].pairs.front());
-                joined.cases.insert(joined.cases.end(), group[i].cases.begin(), group[i].cases.end());
-            }
-            plan_.jobs.push_back(std::move(joined));
-            group = std::move(rest);
-            exponents = std::move(rest_exponents);
-        }
-    }
-
-    // What a session on this pair alone would scale by.
-    int exponent_of(const SolverInfo& info, const Job::Pair& pair) {
-        for (const auto& file : {pair.source_file, pair.target_file}) {
-            if (extents_.contains(file)) continue;
-            const Shape shape = read_shape(file).shape;
-            extents_[file] = {kind_of(shape), magnitude(points_of(shape))};
-        }
-        const Extent &a = extents_.at(pair.source_file), &b = extents_.at(pair.target_file);
-        return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
-    }
-
     [[noreturn]] void refuse_empty() const {
         const Experiment& e = plan_.experiment;
         const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
@@ -380,11 +308,6 @@ private:
     const Catalogue& catalogue_;
     const std::function<void(const std::string&)>& say_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
-    struct Extent {
-        ShapeKind kind;
-        double magnitude;
-    };
-    std::map<std::filesystem::path, Extent> extents_;
     Plan plan_;
 };
 

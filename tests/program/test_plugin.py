@@ -77,6 +77,28 @@ def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Pa
     assert "'vertex_only'" in hausbench.fails("list", "--plugin", plugin, "--plugin", plugin)
 
 
+def test_the_layout_of_a_structure_counts_where_its_header_is_included(
+    hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, tmp_path: Path
+) -> None:
+    ask = ("measure", tetrahedron, raised, "--json", "--plugin")
+    done = hausbench(*ask, outside / "libwith_octree.so", "--solver", "with_octree")
+    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
+    # A later hausbench, whose octree has one member more.
+    installed = tmp_path / "installed"
+    shutil.copytree(outside.parent / "installed", installed)
+    header = installed / "include" / "hausbench" / "structures" / "octree.h"
+    text = header.read_text()
+    later = text.replace("structure_layout = 1;", "structure_layout = 2;").replace("\n};\n", "\n    double more[7] = {};\n};\n")
+    assert later.count("structure_layout = 2;") == later.count("double more[7]") == 1
+    header.write_text(later)
+    built(["cmake", "-S", outside.parent / "sources", "-B", "later", f"-DCMAKE_PREFIX_PATH={installed}", "-DCMAKE_BUILD_TYPE=Release"], tmp_path)
+    built(["cmake", "--build", "later", "--parallel", "2"], tmp_path)
+    done = hausbench(*ask, tmp_path / "later" / "libmisbehaving.so", "--solver", "vertex_only")
+    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
+    line = hausbench.fails("list", "--plugin", tmp_path / "later" / "libwith_octree.so")
+    assert "libwith_octree.so" in line and "'octree'" in line and "build it again" in line
+
+
 HEAD = """\
 title = "solvers that misbehave at the second of four poses"
 tolerances = [2.0]

@@ -1,0 +1,45 @@
+// What the three files of Session share: session.cpp (prepares, answers), session_scale.cpp (scales, and widens for what that loses) and
+// session_both.cpp (H from two directions).
+#pragma once
+
+#include "session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace hausbench {
+
+struct Session::Part {
+    Scene scene;
+    Needs needs;
+    std::optional<Prepared> prepared;
+    std::unique_ptr<Solver> solver;
+    double solver_seconds = 0;
+};
+
+// Wall time since it was made.
+struct Session::Clock {
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+    double elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); }
+    double left(double limit) const { return std::max(0.0, limit - elapsed()); }
+};
+
+// How H(A,B) begins.
+struct Session::Opening {
+    bool backward = false;          // h(B,A) comes first
+    std::optional<Result> forward;  // h(A,B), where it has its answer already
+    double begin = 0;               // of that answer, in seconds
+    Counters spent;                 // on what is not in an answer
+};
+
+struct Session::Chain final : State {
+    std::unique_ptr<State> states[2];  // forward, backward; made by the first answer
+};
+
+inline bool claims_an_answer(Status status) {
+    return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,133 @@
+#include "worker.h"
+
+#include <set>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+json pose_json(const Pose& pose) {
+    json out = json::array();
+    for (int i = 0; i < 9; ++i) out.push_back(number(pose.rotation(i / 3, i % 3)));
+    for (int i = 0; i < 3; ++i) out.push_back(number(pose.translation[i]));
+    return out;
+}
+
+Pose pose_of(const json& values) {
+    Pose pose;
+    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = number(values.at(std::size_t(i)));
+    for (int i = 0; i < 3; ++i) pose.translation[i] = number(values.at(std::size_t(9 + i)));
+    return pose;
+}
+
+ParameterMap parameters_of(const json& object) {
+    ParameterMap out;
+    for (const auto& [name, value] : object.items()) out[name] = parameter_of(value);
+    return out;
+}
+
+}  // namespace
+
+std::size_t WorkOrder::chain_end(std::size_t first) const {
+    std::size_t end = first + 1;
+    while (end < items.size() && items[end].chain == items[first].chain) ++end;
+    return end;
+}
+
+std::size_t WorkOrder::pair_end(std::size_t first) const {
+    std::size_t end = first + 1;
+    while (end < items.size() && items[end].pair == items[first].pair) ++end;
+    return end;
+}
+
+int WorkOrder::new_shapes(std::size_t first) const {
+    std::set<std::filesystem::path> before, all;
+    for (std::size_t i = 0; i <= first; ++i) {
+        const Pair& pair = pairs.at(items[i].pair);
+        for (const auto& file : {pair.source_file, pair.target_file}) {
+            all.insert(file);
+            if (i < first) before.insert(file);
+        }
+    }
+    return int(all.size() - before.size());
+}
+
+json to_json(const WorkOrder& o) {
+    json items = json::array(), pairs = json::array(), plugins = json::object();
+    for (const auto& [file, hash] : o.plugins) plugins[file.string()] = hash;
+    for (const auto& p : o.pairs) {
+        const QuerySet& q = p.queries;
+        pairs.push_back({{"source", p.source_file.string()},
+                         {"target", p.target_file.string()},
+                         {"queries", {q.moves, q.count, q.finest_tolerance, q.target_moves, q.symmetric}}});
+    }
+    for (const auto& i : o.items) {
+        items.push_back({{"row", i.row},
+                         {"pair", i.pair},
+                         {"chain", i.chain},
+                         {"warm", i.warm},
+                         {"symmetric", i.quantity == Quantity::symmetric},
+                         {"pose", pose_json(i.source_pose)},
+                         {"target_pose", pose_json(i.target_pose)},
+                         {"of_lower", i.tolerance.of == Tolerance::Of::lower},
+                         {"tolerance", i.tolerance.value},
+                         {"floor", i.floor},
+                         {"cutoff", number(i.cutoff)},
+                         {"budget", i.budget},
+                         {"threads", i.threads},
+                         {"trace", i.trace},
+                         {"marks", i.marks},
+                         {"fields", i.fields.string()}});
+    }
+    return {{"solver", o.solver},
+            {"options", options_json(o.options)},
+            {"pairs", pairs},
+            {"exponent", o.exponent ? json(*o.exponent) : json()},
+            {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
+            {"round", o.round},
+            {"repeats", o.repeats},
+            {"leave_nothing_out", o.leave == Leave::nothing_out},
+            {"items", items},
+            {"plugins", plugins}};
+}
+
+WorkOrder work_order_from_json(const json& j) {
+    WorkOrder o;
+    o.solver = j.at("solver");
+    o.options = parameters_of(j.at("options"));
+    for (const json& p : j.at("pairs")) {
+        const json& q = p.at("queries");
+        o.pairs.push_back({p.at("source").get<std::string>(),
+                           p.at("target").get<std::string>(),
+                           {q.at(0), q.at(1), q.at(2), q.at(3), q.at(4)}});
+    }
+    if (!j.at("exponent").is_null()) o.exponent = j.at("exponent").get<int>();
+    o.limits = {j.at("limits").at(0), j.at("limits").at(1), j.at("limits").at(2)};
+    o.round = j.at("round");
+    o.repeats = j.at("repeats");
+    o.leave = j.at("leave_nothing_out").get<bool>() ? Leave::nothing_out : Leave::out_what_is_not_needed;
+    for (const json& i : j.at("items")) {
+        o.items.push_back(
+            {i.at("row"),
+             i.at("pair"),
+             i.at("chain"),
+             i.at("warm"),
+             i.at("symmetric").get<bool>() ? Quantity::symmetric : Quantity::directed,
+             pose_of(i.at("pose")),
+             pose_of(i.at("target_pose")),
+             {i.at("of_lower").get<bool>() ? Tolerance::Of::lower : Tolerance::Of::absolute, i.at("tolerance")},
+             i.at("floor"),
+             number(i.at("cutoff")),
+             i.at("budget"),
+             i.at("threads"),
+             i.at("trace"),
+             i.at("marks").get<std::vector<double>>(),
+             i.at("fields").get<std::string>()});
+    }
+    for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
+    return o;
+}
+
+}  // namespace hausbench
