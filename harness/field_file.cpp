@@ -83,25 +83,26 @@ struct Property {
     const std::vector<double>* values;
 };
 
-// Names become words, as PLY has no others.
+using Properties = std::vector<Property>;
+
+// Names become words, as neither format has others; VTK reads %41 as A.
 std::string word(std::string name) {
     std::replace_if(
-        name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c >= 0x7f; }, '_');
+        name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c >= 0x7f || c == '%'; }, '_');
     return name.empty() ? "_" : name;
 }
 
-std::vector<Property> properties(const Fields& fields, bool of_vertices, bool points) {
-    std::vector<Property> out;
+Properties properties(const Fields& fields, Field::Of of) {
+    Properties out;
     for (const Field& field : fields) {
-        if ((field.of == Field::Of::vertices || points) != of_vertices) continue;
-        const bool first_distance = field.name == "distance" && field.of == Field::Of::vertices;
-        if (first_distance) out.push_back({"quality", "float", &field.values});
-        out.push_back({word(field.name), field.name == "nearest" && of_vertices ? "int" : "double", &field.values});
+        if (field.of != of) continue;
+        const bool index = field.name == "nearest" && of == Field::Of::vertices;
+        out.push_back({word(field.name), index ? "int" : "double", &field.values});
     }
     return out;
 }
 
-void append(std::string& bytes, const std::vector<Property>& properties, std::size_t i) {
+void append(std::string& bytes, const Properties& properties, std::size_t i) {
     for (const Property& p : properties) {
         const double value = p.values->at(i);
         if (p.type == "int")
@@ -111,6 +112,87 @@ void append(std::string& bytes, const std::vector<Property>& properties, std::si
         else
             append(bytes, value);
     }
+}
+
+std::string as_ply(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
+                   const Properties& of_elements) {
+    Properties columns = of_vertices;
+    const auto distance =
+        std::find_if(columns.begin(), columns.end(), [](const Property& p) { return p.name == "distance"; });
+    if (distance != columns.end()) columns.insert(distance, {"quality", "float", distance->values});
+    if (!mesh) columns.insert(columns.end(), of_elements.begin(), of_elements.end());
+    std::string bytes = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\n"
+        "property double x\nproperty double y\nproperty double z\n",
+        posed.rows());
+    for (const Property& p : columns) bytes += fmt::format("property {} {}\n", p.type, p.name);
+    if (mesh) {
+        bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh->triangles.rows());
+        for (const Property& p : of_elements) bytes += fmt::format("property {} {}\n", p.type, p.name);
+    }
+    bytes += "end_header\n";
+    for (Index i = 0; i < posed.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) append(bytes, posed(i, k));
+        append(bytes, columns, std::size_t(i));
+    }
+    for (Index i = 0; mesh && i < mesh->triangles.rows(); ++i) {
+        append(bytes, std::uint8_t(3));
+        for (int k = 0; k < 3; ++k) append(bytes, std::int32_t(mesh->triangles(i, k)));
+        append(bytes, of_elements, std::size_t(i));
+    }
+    return bytes;
+}
+
+template <class T> void append_big_endian(std::string& bytes, T value) {
+    append(bytes, value);
+    std::reverse(bytes.end() - std::ptrdiff_t(sizeof value), bytes.end());
+}
+
+void append_vtk_scalars(std::string& bytes, const char* section, Index count, const Properties& properties) {
+    if (properties.empty()) return;
+    bytes += fmt::format("{} {}\n", section, count);
+    for (const Property& p : properties) {
+        bytes += fmt::format("SCALARS {} {} 1\nLOOKUP_TABLE default\n", p.name, p.type);
+        for (Index i = 0; i < count; ++i) {
+            const double value = p.values->at(std::size_t(i));
+            if (p.type == "int")
+                append_big_endian(bytes, std::int32_t(value));
+            else
+                append_big_endian(bytes, value);
+        }
+        bytes += '\n';
+    }
+}
+
+std::string as_vtk(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
+                   const Properties& of_elements) {
+    const Index cells = mesh ? mesh->triangles.rows() : posed.rows();
+    const int corners = mesh ? 3 : 1, type = mesh ? 5 : 1;  // VTK_TRIANGLE, VTK_VERTEX
+    std::string bytes = fmt::format(
+        "# vtk DataFile Version 3.0\ndistances of A to B, by hausbench\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+        "POINTS {} double\n",
+        posed.rows());
+    for (Index i = 0; i < posed.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) append_big_endian(bytes, posed(i, k));
+    }
+    bytes += fmt::format("\nCELLS {} {}\n", cells, cells * (corners + 1));
+    for (Index i = 0; i < cells; ++i) {
+        append_big_endian(bytes, std::int32_t(corners));
+        for (int k = 0; k < corners; ++k) append_big_endian(bytes, std::int32_t(mesh ? mesh->triangles(i, k) : i));
+    }
+    bytes += fmt::format("\nCELL_TYPES {}\n", cells);
+    for (Index i = 0; i < cells; ++i) append_big_endian(bytes, std::int32_t(type));
+    bytes += '\n';
+    append_vtk_scalars(bytes, "POINT_DATA", posed.rows(), of_vertices);
+    append_vtk_scalars(bytes, "CELL_DATA", cells, of_elements);
+    return bytes;
+}
+
+std::string extension_of(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return extension;
 }
 
 }  // namespace
@@ -140,12 +222,10 @@ std::optional<Fields> read_fields(const fs::path& file, const std::string& sha25
     return parse(bytes);
 }
 
-void check_ply_place(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    if (extension != ".ply")
-        throw InputError(fmt::format("{}: fields are written as .ply: end the name with it", file.string()));
+void check_export_place(const fs::path& file) {
+    if (const std::string extension = extension_of(file); extension != ".ply" && extension != ".vtk")
+        throw InputError(
+            fmt::format("{}: fields are written as PLY or VTK: end the name with .ply or .vtk", file.string()));
     const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
     if (!fs::is_directory(folder))
         throw InputError(fmt::format("{}: its folder does not exist: make it, or choose another place", file.string()));
@@ -153,29 +233,10 @@ void check_ply_place(const fs::path& file) {
         throw InputError(fmt::format("{}: cannot be written: choose another place", file.string()));
 }
 
-void write_fields_ply(const fs::path& file, const Shape& shape, const Points& posed, const Fields& fields) {
-    const auto* mesh = std::get_if<TriangleMesh>(&shape);
-    const auto of_vertices = properties(fields, true, !mesh), of_faces = properties(fields, false, !mesh);
-    std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\n"
-        "property double x\nproperty double y\nproperty double z\n",
-        posed.rows());
-    for (const Property& p : of_vertices) bytes += fmt::format("property {} {}\n", p.type, p.name);
-    if (mesh) {
-        bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh->triangles.rows());
-        for (const Property& p : of_faces) bytes += fmt::format("property {} {}\n", p.type, p.name);
-    }
-    bytes += "end_header\n";
-    for (Index i = 0; i < posed.rows(); ++i) {
-        for (int k = 0; k < 3; ++k) append(bytes, posed(i, k));
-        append(bytes, of_vertices, std::size_t(i));
-    }
-    for (Index i = 0; mesh && i < mesh->triangles.rows(); ++i) {
-        append(bytes, std::uint8_t(3));
-        for (int k = 0; k < 3; ++k) append(bytes, std::int32_t(mesh->triangles(i, k)));
-        append(bytes, of_faces, std::size_t(i));
-    }
-    write_file(file, bytes);
+void export_fields(const fs::path& file, const Shape& shape, const Points& posed, const Fields& fields) {
+    const auto write = extension_of(file) == ".vtk" ? as_vtk : as_ply;
+    write_file(file, write(std::get_if<TriangleMesh>(&shape), posed, properties(fields, Field::Of::vertices),
+                           properties(fields, Field::Of::elements)));
 }
 
 }  // namespace hausbench

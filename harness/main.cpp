@@ -234,8 +234,9 @@ int dispatch(int argc, char** argv) {
         ->check(CLI::Range(1, 1024));
     measure_verb->add_option(
         "--fields", request.fields,
-        "write A with the distance of each vertex to B and its nearest element, and what the solver knows "
-        "of each element, as properties into this .ply file");
+        "write A with the distance of each vertex to B and its nearest element, and what the solver knows of each "
+        "element, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView); with --symmetric too they are "
+        "those of h(A,B)");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {

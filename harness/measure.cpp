@@ -55,7 +55,7 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
         if (auto own = session.solve(query, untraced).fields)
             std::move(own->begin(), own->end(), std::back_inserter(fields));
     }
-    write_fields_ply(request.fields, shapes.source->shape(), shapes.source->original(), fields);
+    export_fields(request.fields, shapes.source->shape(), shapes.source->original(), fields);
 }
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
@@ -80,7 +80,7 @@ Measured measure(const MeasureRequest& request) {
     }
     if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
         throw InputError(fmt::format("--cutoff: must be a length of at least 0, not {}", *request.cutoff));
-    if (!request.fields.empty()) check_ply_place(request.fields);
+    if (!request.fields.empty()) check_export_place(request.fields);
     LoadedShape source = load_isolated(program_path(), request.source);
     LoadedShape target = load_isolated(program_path(), request.target);
     Measured measured;

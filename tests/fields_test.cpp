@@ -203,7 +203,7 @@ template <class Key, class Type> std::vector<double> values_of(const Mesh& mesh,
 TEST_F(FieldFile, AsPlyIsReadByAnotherLibrary) {
     const auto file = folder.path() / "x.ply";
     const Points there = posed(tetrahedron().vertices, moved({0.1, 0, 0}));
-    write_fields_ply(file, tetrahedron(), there, fields);
+    export_fields(file, tetrahedron(), there, fields);
     std::ifstream in(file, std::ios::binary);
     Mesh mesh;
     std::string comments;
@@ -225,7 +225,7 @@ TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
     using Read = std::tuple<Kernel::Point_3, double, int, double>;
     const auto file = folder.path() / "x.ply";
     const PointSet points{tetrahedron().vertices};
-    write_fields_ply(file, points, points.points, fields);
+    export_fields(file, points, points.points, fields);
     std::ifstream in(file, std::ios::binary);
     std::vector<Read> read;
     ASSERT_TRUE(CGAL::IO::read_PLY_with_properties(
@@ -241,11 +241,13 @@ TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
     }
 }
 
-TEST_F(FieldFile, AsPlyIsRefusedInOneLine) {
-    EXPECT_THROW(check_ply_place(folder.path() / "x.vtk"), InputError);
-    EXPECT_THROW(check_ply_place(folder.path() / "none" / "x.ply"), InputError);
-    EXPECT_THROW(check_ply_place(folder.path()), InputError);
-    EXPECT_NO_THROW(check_ply_place(folder.path() / "x.PLY"));
+TEST_F(FieldFile, AsPlyOrVtkAreRefusedInOneLine) {
+    EXPECT_THROW(check_export_place(folder.path() / "x.vtu"), InputError);
+    EXPECT_THROW(check_export_place(folder.path() / "none" / "x.ply"), InputError);
+    EXPECT_THROW(check_export_place(folder.path() / "none" / "x.vtk"), InputError);
+    EXPECT_THROW(check_export_place(folder.path()), InputError);
+    EXPECT_NO_THROW(check_export_place(folder.path() / "x.PLY"));
+    EXPECT_NO_THROW(check_export_place(folder.path() / "x.Vtk"));
 }
 
 // The tetrahedron, 7 above the square, and a second pose of the square that is as far: its distances are 7, 7, 7 and 8.

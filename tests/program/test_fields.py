@@ -1,12 +1,14 @@
-"""Fields: values for each vertex and each element of A, beside the journal, in the result, re-checked, and as PLY."""
+"""Fields: values for each vertex and each element of A, beside the journal, in the result, re-checked, and as PLY or VTK."""
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 from typing import Any
 
 import h5py
+import meshio
 import numpy as np
 import pytest
 
@@ -229,19 +231,110 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
     assert vertices["distance"].tolist() == [0, 0] and vertices["nearest"].tolist() == [0, 1] and none is None
 
 
-def test_what_cannot_be_a_ply_is_one_line(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
-    for name, remedy in (("out.vtk", "end the name"), ("none/out.ply", "make it"), ("out", "end the name")):
-        line = hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", tmp_path / name)
-        assert name in line and remedy in line
-    (tmp_path / "folder.ply").mkdir()
-    assert "another place" in hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", tmp_path / "folder.ply")
+def read_by_meshio(file: Path) -> tuple[Any, Any, dict[str, Any], dict[str, Any]]:
+    """Points, cells, and what is known of each of them. Of PLY, meshio does not read properties of faces."""
+    mesh = meshio.read(file)
+    assert len(mesh.cells) <= 1 and mesh.points.dtype.itemsize == 8
+    cells = mesh.cells[0].data if mesh.cells else None
+    return mesh.points, cells, {name: v.reshape(-1) for name, v in mesh.point_data.items()}, {name: v.reshape(-1) for name, [v] in mesh.cell_data.items()}
+
+
+def test_vtk_is_read_by_another_library(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    """It has the fields of the same case in a result file."""
+    experiment.write_text(f"fields = true\n{experiment.read_text()}")
+    stored = {name: values for (_, name), values in fields_of(run(hausbench, experiment, tmp_path)).items()}
+    a, b, out = tmp_path / "a.off", tmp_path / "b.off", tmp_path / "out.vtk"
+    assert hausbench("export", "sphere1", a).returncode == hausbench("export", "sphere2", b).returncode == 0
+    done = hausbench("measure", a, b, "--tolerance", "1e-3", "--json", "--fields", out)
+    points, cells, of_points, of_cells = read_by_meshio(out)
+    model = meshio.read(a)
+    np.testing.assert_array_equal(points, model.points)
+    np.testing.assert_array_equal(cells, model.cells[0].data)
+    assert meshio.read(out).cells[0].type == "triangle"
+    assert set(of_points) == {"distance", "nearest"} and set(of_cells) == {"lower", "upper", "level"}
+    for name, values in stored.items():
+        np.testing.assert_array_equal({**of_points, **of_cells}[name], values)
+    assert of_points["nearest"].dtype.kind == "i" and len(set(of_points["nearest"])) > 2
+    assert of_cells["upper"].max() == json.loads(done.stdout)["upper"] and len(set(of_cells["lower"])) > 2
+
+
+def test_vtk_without_a_solvers_fields_and_of_points(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.VTK"
+    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
+    out = out.rename(tmp_path / "out.vtk")  # meshio does not know .VTK
+    _, cells, of_points, of_cells = read_by_meshio(out)
+    assert of_points["distance"].tolist() == [0.25, 0.25, 0.25, 0] and of_cells == {}
+    assert cells.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    a, b = tmp_path / "a.obj", tmp_path / "b.obj"
+    a.write_text("v 0 0 4\nv 0 0 0.1\nv 1 0 0\n")
+    b.write_text("v 1 0 0\nv 0 0 0.1\n")
+    assert hausbench("measure", a, b, "--solver", "guthe", "--fields", out).returncode == 0
+    points, cells, of_points, of_cells = read_by_meshio(out)
+    assert points.tolist() == [[0, 0, 4], [0, 0, 0.1], [1, 0, 0]]
+    assert meshio.read(out).cells[0].type == "vertex" and cells.tolist() == [[0], [1], [2]]
+    assert of_points["distance"].tolist() == [3.9, 0, 0] and of_points["nearest"].tolist() == [1, 1, 0]
+    assert of_cells["lower"][0] == pytest.approx(3.9) and len(of_cells["lower"]) == 3
+
+
+def test_ply_is_read_by_another_library(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.ply"
+    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
+    points, cells, of_points, _ = read_by_meshio(out)
+    np.testing.assert_array_equal(points, meshio.read(tetrahedron).points)
+    assert cells.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    assert set(of_points) == {"quality", "distance", "nearest"}
+    assert of_points["distance"].tolist() == of_points["quality"].tolist() == [0.25, 0.25, 0.25, 0]
+
+
+@pytest.mark.parametrize("extension", ["ply", "vtk"])
+def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedron: Path, tmp_path: Path, extension: str) -> None:
+    """With --symmetric, also where B has more vertices and triangles than A and is the farther one; with --cutoff, what is known at its end."""
+    b, out = tmp_path / "b.off", tmp_path / f"out.{extension}"
+    b.write_text("OFF\n5 5 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n5 0 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 1 2 4\n")
+
+    def read(*more: str) -> tuple[int, Any, Any, Any]:
+        done = hausbench("measure", tetrahedron, b, "--fields", out, *more)
+        assert done.stderr == ""
+        if extension == "vtk":
+            _, _, of_points, of_cells = read_by_meshio(out)
+        else:
+            of_points, of_cells = read_ply(out)
+        out.unlink()
+        return done.returncode, of_points["distance"].tolist(), of_cells["lower"], of_cells["upper"]
+
+    _, distance, lower, upper = read()
+    assert len(distance) == 4 and len(lower) == len(upper) == 4
+    code, distance_of_both, lower_of_both, upper_of_both = read("--symmetric")
+    assert code == 0 and distance_of_both == distance
+    assert lower_of_both.max() <= upper.max() < 0.5 and lower.max() <= upper_of_both.max() < 0.5
+    for cutoff, expected in (("0.1", 1), ("0.5", 0)):
+        code, distance_of_both, low, high = read("--cutoff", cutoff)
+        assert code == expected and distance_of_both == distance and (low <= high).all()
+        assert (low <= upper).all() and (lower <= high).all()
+
+
+def test_what_cannot_be_written_is_one_line_before_anything_is_read(hausbench: Program, tmp_path: Path) -> None:
+    def refused(name: str) -> str:
+        line = hausbench.fails("measure", tmp_path / "missing.off", tmp_path / "missing.off", "--fields", tmp_path / name)
+        assert name in line and "missing.off" not in line
+        return line
+
+    for name in ("out", "out.vtu", "out.ply.gz", "ply"):
+        assert ".ply or .vtk" in refused(name)
+    for extension in (".ply", ".vtk"):
+        assert "make it" in refused(f"none/out{extension}")
+        (tmp_path / f"folder{extension}").mkdir()
+        assert "another place" in refused(f"folder{extension}")
+        if os.getuid() != 0:
+            (tmp_path / "locked").mkdir(mode=0o500, exist_ok=True)
+            assert "another place" in refused(f"locked/out{extension}")
+
+
+def test_a_surface_has_no_fields_to_write(hausbench: Program, tmp_path: Path) -> None:
     surface = tmp_path / "ball.surface.toml"
     surface.write_text('polynomial = "x^2 + y^2 + z^2 - 1"\nbox = [[-2, 2], [-2, 2], [-2, 2]]\n')
-    assert "triangulate" in hausbench.fails("measure", surface, surface, "--fields", tmp_path / "out.ply")
-    if os.getuid() != 0:
-        locked = tmp_path / "locked"
-        locked.mkdir(mode=0o500)
-        assert "another place" in hausbench.fails("measure", tetrahedron, tetrahedron, "--fields", locked / "out.ply")
+    for name in ("out.ply", "out.vtk"):
+        assert "triangulate" in hausbench.fails("measure", surface, surface, "--fields", tmp_path / name)
 
 
 def test_surfaces_have_no_fields(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
