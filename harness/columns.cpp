@@ -201,10 +201,10 @@ const Columns<Outcome>& outcome_columns() {
                                                "source`: the one on B, where the distance is H"),
         at<Outcome, MEMBER(witness.source_element)>("witness_source_element", "point or triangle number, -1 unknown"),
         at<Outcome, MEMBER(witness.target_element)>("witness_target_element", "likewise"),
-        at<Outcome, MEMBER(prepare_seconds)>(
-            "prepare_seconds",
-            "all structures together; each round prepares once, and this is the median of the rounds. In a matrix, what those "
-            "of its two shapes cost when they were built, for whatever pair"),
+        at<Outcome, MEMBER(prepare_seconds)>("prepare_seconds",
+                                             "all structures together; each round prepares once, and this is the "
+                                             "median of the rounds. In a matrix, what those "
+                                             "of its two shapes cost when they were built, for whatever pair"),
         at<Outcome, MEMBER(prepare_bytes)>("prepare_bytes", "all structures together"),
         at<Outcome, MEMBER(solve_seconds)>(
             "solve_seconds",
@@ -217,7 +217,8 @@ const Columns<Outcome>& outcome_columns() {
         at<Outcome, MEMBER(peak_bytes)>(
             "peak_bytes",
             "what the solver took, as in `measure`: peak resident set while preparing and solving less the resident "
-            "set before preparing; of an outside program its own peak; -1 unknown, as in a matrix, whose pairs share shapes"),
+            "set before preparing; of an outside program its own peak; -1 unknown, as in a matrix, whose pairs share "
+            "shapes"),
         at<Outcome, MEMBER(clock)>(
             "clock",
             "which of the times in `/answers` and `/repeats` is the time of the case: `cpu` where one thread works at "
