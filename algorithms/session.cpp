@@ -193,7 +193,9 @@ bool Session::built_for_the_first_direction(const std::string& name) const {
     const bool source = name.starts_with("source "), target = name.starts_with("target ");
     if (!source && !target) return false;
     const std::string other = (source ? "target " : "source ") + name.substr(7);
-    return std::any_of(preparation_.begin(), preparation_.end(), [&](const auto& time) { return time.name == other; });
+    return std::any_of(preparation_.begin(), preparation_.end(), [&](const auto& time) {
+        return time.name == other || (source_ == target_ && time.name == name);  // one shape may stand on both sides
+    });
 }
 
 const Prepared& Session::prepared() const {
@@ -258,6 +260,7 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     auto* chain = static_cast<Chain*>(state);
     trace.start(exponent_);
     Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
+    if (query.quantity == Quantity::directed) result.witness.direction = Witness::Direction::source_to_target;
     if (!query.wanted.fields || !entry_.info.fields) result.fields.reset();
     if (!query.wanted.certificate) result.certificate.reset();
     scale_back(result, trace, widening(*source_, query.source_pose) + widening(*target_, query.target_pose));

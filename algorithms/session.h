@@ -45,7 +45,7 @@ public:
     // H(A,B), of a solver that answers directed queries only: first h(A,B), then h(B,A) with the first lower bound as its floor.
     // With a tolerance relative to the lower bound, the direction that seems to be the larger one comes first, so that the other may
     // be 0; finding out which costs some work more.
-    // Counters are sums. Budget: for each of the two. A first lower bound above the cutoff ends it, the upper bound then is infinite.
+    // Counters are sums, of all that was tried. Budget: for each of the two. A first lower bound above the cutoff ends it, the upper bound then is infinite.
     // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
     // built again, which counts as solving.
     // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the

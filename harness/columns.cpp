@@ -303,8 +303,9 @@ const Columns<Preparation>& preparation_columns() {
         at<Preparation, MEMBER(name)>("name", "of the structure, or `solver` for what the solver built itself"),
         at<Preparation, MEMBER(seconds)>("seconds", "wall time"),
         at<Preparation, MEMBER(bytes)>("bytes", ""),
-        at<Preparation, MEMBER(shared)>(
-            "shared", "1: it was there already, for another pair of a matrix; `seconds` is what it cost then"),
+        at<Preparation, MEMBER(shared)>("shared",
+                                        "1: it was there already, for another pair of a matrix, or for the other "
+                                        "direction of H; `seconds` is what it cost then"),
     };
     return columns;
 }
@@ -342,8 +343,9 @@ const Columns<LedgerEntry>& ledger_columns() {
         at<LedgerEntry, MEMBER(subject)>("subject", "solver and scene"),
         at<LedgerEntry, MEMBER(what)>("what",
                                       "such as a structure. For motions, `structures for each pose` counts the poses "
-                                      "that reused structures: one process prepares once and answers all poses"),
-        at<LedgerEntry, MEMBER(reason)>("reason", "why this was safe"),
+                                      "that reused structures: one process prepares once and answers all poses; of "
+                                      "kind `prepared_again`, the poses that could not"),
+        at<LedgerEntry, MEMBER(reason)>("reason", "why this was safe; of `prepared_again`, why it had to be"),
         at<LedgerEntry, MEMBER(count)>("count", "cases, structures, or poses"),
         at<LedgerEntry, MEMBER(seconds_saved)>("seconds_saved", "NaN if unknown"),
     };

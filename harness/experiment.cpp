@@ -437,9 +437,10 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                               {"name", "source", "target", "sources", "targets", "note", "exact", "motion",
                                "target_motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
-                if (!wanted(reader, profile, profiles)) continue;
                 const ScenePlan scene = read_scene(file, reader);
                 const auto pairs = expand(reader, scene);
+                for (const ScenePlan& pair : pairs) names_of_all.insert(pair.name);
+                if (!wanted(reader, profile, profiles)) continue;
                 experiment.scenes.insert(experiment.scenes.end(), pairs.begin(), pairs.end());
                 bool fresh = names.insert(scene.name).second;
                 for (const ScenePlan& pair : pairs)

@@ -167,7 +167,10 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        if (job.exponent)
+        const QuerySet& queries = job.pairs.front().queries;
+        if (queries.target_moves || (queries.symmetric && queries.moves))
+            text += "      over a target that moves, what is prepared is built again for each pose\n";
+        else if (job.exponent && job.pairs.size() > 1)
             text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",
                                 shapes_of(job), job.pairs.size());
         else if (poses.size() > 1)
@@ -175,6 +178,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     }
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {
+        if (entry.kind == "prepared_again") continue;  // said above
         text += fmt::format("  {:<44} {} ({}): {}\n", entry.subject, entry.what, entry.count, entry.reason);
     }
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",

@@ -1,5 +1,6 @@
 #include "matrix.h"
 
+#include "kernel/rounding.h"
 #include "registry.h"
 #include "session.h"
 #include "shape_file.h"
@@ -7,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace hausbench {
@@ -18,7 +21,7 @@ constexpr int widest_scale_of_a_worker = 60;
 
 struct Extent {
     ShapeKind kind;
-    double magnitude;
+    double magnitude, smallest;  // of the nonzero |coordinates|
 };
 using Extents = std::map<std::filesystem::path, Extent>;
 
@@ -27,10 +30,43 @@ int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents)
     for (const auto& file : {pair.source_file, pair.target_file}) {
         if (extents.contains(file)) continue;
         const Shape shape = read_shape(file).shape;
-        extents[file] = {kind_of(shape), magnitude(points_of(shape))};
+        extents[file] = {kind_of(shape), magnitude(points_of(shape)), smallest_nonzero(points_of(shape))};
     }
     const Extent &a = extents.at(pair.source_file), &b = extents.at(pair.target_file);
     return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
+}
+
+// The least nonzero |entry| and the largest.
+void widen(double entry, double& least, double& most) {
+    if (entry != 0) least = std::min(least, std::abs(entry));
+    most = std::max(most, std::abs(entry));
+}
+
+// Whether a session that scales by 2^shared has the bits of one that scales the pair by 2^own, which is more: powers of two commute
+// with every rounding, as long as nothing underflows, squares and products with poses included, and no pose leaves the range of one
+// scale and not of the other (Session). Distances between points of one shape may be smaller than its coordinates; by how much is in
+// the bits of these: their differences are no smaller than 2^-53 of the smallest coordinate.
+bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {
+    if (own == shared) return true;
+    constexpr double least_safe = 0x1p-400, most_safe = 0x1p390;
+    const Job::Pair& pair = job.pairs.front();
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const auto& file : {pair.source_file, pair.target_file}) {
+        widen(std::ldexp(std::min(extents.at(file).smallest, 1e300), shared), least, most);
+        widen(std::ldexp(extents.at(file).magnitude, own), least, most);
+    }
+    double entry = std::numeric_limits<double>::infinity(), largest_entry = 0, translation = entry, shift = 0;
+    for (const std::size_t row : job.cases) {
+        for (const Pose* pose : {&plan.cases[row].pose, &plan.cases[row].target_pose}) {
+            for (const double x : pose->rotation.reshaped()) widen(x, entry, largest_entry);
+            for (const double x : pose->translation) {
+                widen(std::ldexp(x, shared), translation, shift);
+                widen(std::ldexp(x, own), translation, shift);
+            }
+        }
+    }
+    return least * std::min(entry, 1.0) >= least_safe && translation >= least_safe &&
+           3 * largest_entry * most + shift <= most_safe;
 }
 
 void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents& extents) {
@@ -49,7 +85,8 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         std::vector<Job> rest;
         std::vector<int> rest_exponents;
         for (std::size_t i = 0; i < group.size(); ++i) {
-            if (exponents[i] - most > widest_scale_of_a_worker) {
+            if (exponents[i] - most > widest_scale_of_a_worker ||
+                !same_bits(plan, group[i], exponents[i], most, extents)) {
                 rest.push_back(std::move(group[i]));
                 rest_exponents.push_back(exponents[i]);
                 continue;

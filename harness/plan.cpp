@@ -67,7 +67,9 @@ public:
         std::vector<std::string> scene_names, solver_names;
         for (const ScenePlan& scene : experiment.scenes) {
             scene_names.push_back(scene.name);
-            if (!scene.matrix.empty()) scene_names.push_back(scene.matrix);
+            if (!scene.matrix.empty() &&
+                std::find(scene_names.begin(), scene_names.end(), scene.matrix) == scene_names.end())
+                scene_names.push_back(scene.matrix);
         }
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
         plan_.leave_nothing_out = choice.leave_nothing_out;

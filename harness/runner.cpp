@@ -6,6 +6,7 @@
 #include "journal.h"
 #include "machine.h"
 #include "progress.h"
+#include "registry.h"
 #include "result_file.h"
 #include "rounds.h"
 #include "shape_file.h"
@@ -104,9 +105,14 @@ private:
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         const bool timed = outcome.status == RowStatus::ok || outcome.status == RowStatus::floor;
         if (timed && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
-        if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && !plan_.marks(row).empty())
-            return nullptr;
+        const bool traced = !plan_.marks(row).empty() || traces_chain(row);
+        if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && traced) return nullptr;
         return &outcome;
+    }
+
+    bool traces_chain(std::size_t row) const {
+        const Case& asked = plan_.cases[row];
+        return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.traces;
     }
 
     // Where the fields of a row belong; empty: it has none.
@@ -302,6 +308,7 @@ private:
         struct Use {
             int built = 0, shared = 0;
             double saved = 0;
+            std::set<std::filesystem::path> shapes;
         };
         std::map<std::string, Use> uses;
         std::size_t place = 0;
@@ -311,17 +318,24 @@ private:
             if (!outcome) continue;
             for (const Preparation& part : outcome->preparation) {
                 if (part.round != 0 || part.name.starts_with("solver")) continue;
-                const std::size_t side = part.name.find(' ') + 1;  // "target BVH": by whatever side it is reached
-                Use& use = uses[part.name.substr(side, part.name.find(" (B to A)") - side)];
+                const std::size_t side =
+                    part.name.find(' ') + 1;  // "target BVH", or "target BVH (B to A)", which is over A
+                const std::size_t back = part.name.find(" (B to A)");
+                const bool over_target = part.name.starts_with("target") == (back == std::string::npos);
+                Use& use = uses[part.name.substr(side, back - side)];
                 ++(part.shared ? use.shared : use.built);
                 if (part.shared) use.saved += part.seconds;
+                use.shapes.insert(over_target ? pair.target_file : pair.source_file);
             }
         }
         for (const auto& [name, use] : uses) {
             if (use.shared == 0) continue;
+            const std::string again = std::size_t(use.built) == use.shapes.size()
+                                          ? ""
+                                          : fmt::format(", built {} times, by several workers or runs", use.built);
             result.ledger.push_back({"not_prepared", job.label, structures_for_each_pair,
-                                     fmt::format("{}: built over {} shapes and used {} times by {} pairs", name,
-                                                 use.built, use.built + use.shared, job.pairs.size()),
+                                     fmt::format("{}: built over {} shapes and used {} times by {} pairs{}", name,
+                                                 use.shapes.size(), use.built + use.shared, job.pairs.size(), again),
                                      use.shared, use.saved});
         }
     }

@@ -28,7 +28,8 @@ public:
         : order_(order),
           report_(report),
           worker_(program_path(), to_json(order).dump()),
-          chain_end_(order.chain_end(0)) {
+          chain_end_(order.chain_end(0)),
+          new_shapes_(order.new_shapes()) {
         allow(seconds_to_prepare());
     }
 
@@ -123,7 +124,7 @@ private:
             expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
             outcomes_.push_back(outcome_from_json(event.at("outcome")));
             began_ = false;
-            allow(with_grace(3 * seconds));
+            allow_a_pass();
             return;
         }
         expect(outcomes_.size() == length);
@@ -142,7 +143,7 @@ private:
         } else if (kind == "fields") {
             expect(outcome.fields_sha256.empty());
             outcome.fields_sha256 = event.at("sha256").get<std::string>();
-            for (const auto& [name, seconds] : event.at("stages").items()) outcome.extras[name] = number(seconds);
+            for (const auto& [name, value] : event.at("stages").items()) outcome.extras[name] = number(value);
         } else {
             expect(kind == "trace" && outcome.trace.empty());
             for (const json& s : event.at("samples"))
@@ -153,7 +154,7 @@ private:
                     "the traced run ended with other bounds than the first: the solver is not deterministic";
             }
         }
-        allow(with_grace(3 * seconds));
+        allow_a_pass();
     }
 
     // The worker has ended or has to end: the case in flight gets its row, or all of its pair if that never got ready.
@@ -166,6 +167,8 @@ private:
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         const std::size_t length = chain_end_ - finished_;
+        // Shapes of other pairs take memory too: a worker of its own may have enough for this one.
+        if (status == RowStatus::out_of_memory && order_.items[finished_].pair != order_.items.front().pair) return;
         if (!prepared_) {
             for (const std::size_t end = order_.pair_end(finished_); finished_ < end; ++finished_)
                 report_.finished(order_.items[finished_].row, outcome);
@@ -203,9 +206,12 @@ private:
         chain_end_ = order_.chain_end(finished_);
     }
 
-    // The limit is for each shape; those that are there already leave a fraction of it for the solver itself.
+    // A pass through a chain says nothing of poses that are not timed, such as those that run into their limit.
+    void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
+
+    // The limit is for each shape that is not there yet, and for a solver that finds all of them.
     double seconds_to_prepare() const {
-        return order_.limits.prepare_seconds * (order_.exponent ? std::max(1, order_.new_shapes(finished_)) : 1);
+        return order_.limits.prepare_seconds * (order_.exponent ? std::max(1, new_shapes_[finished_]) : 1);
     }
 
     std::size_t place_of(std::size_t row) const {
@@ -228,6 +234,7 @@ private:
                 chain_end_;          // the case or chain of cases in flight: of the items from `finished_` on ...
     std::vector<Outcome> outcomes_;  // ... those that are answered, as far as they are known ...
     std::size_t closed_ = 0;         // ... and ended
+    std::vector<int> new_shapes_;    // see WorkOrder
 };
 
 }  // namespace

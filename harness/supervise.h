@@ -18,6 +18,8 @@ struct Supervision {
 // the worker's last words, and the caller starts another for the rest. If a pair never got ready, all its cases get that row.
 // Where a warm chain breaks at a pose, the poses after it get rows that say so, and those before it none: their timings are lost,
 // so the caller has them run again from the head.
+// Where a matrix worker that has answered other pairs runs out of memory, the pair in flight gets no row: the caller tries it in a
+// fresh worker, which holds fewer shapes.
 // At least one item is finished, unless interrupted.
 void supervise(const WorkOrder& order, const Supervision& report);
 

@@ -59,7 +59,7 @@ private:
     void check_lower(const Member& m) {
         Row& row = rows_[m.row];
         const double lower = row.outcome.bounds.lower;
-        Witness witness = row.outcome.witness;
+        const Witness& witness = row.outcome.witness;
         if (lower <= 0) {  // 0 needs no witness
             row.check.lower = Verdict::holds;
             return;
@@ -68,9 +68,12 @@ private:
             row.check = {Verdict::unsound, row.check.upper, "lower is infinite, and no two points are that far apart"};
             return;
         }
-        if (row.asked.quantity == Quantity::directed)
-            witness.direction = Witness::Direction::source_to_target;  // whatever it says
         const bool forward = witness.direction == Witness::Direction::source_to_target;
+        if (row.asked.quantity == Quantity::directed && !forward) {
+            row.check.lower = Verdict::unsound;
+            row.check.reason = "the witness is one of h(B,A), and the row one of h(A,B)";
+            return;
+        }
         const Vec3& p = forward ? witness.source_point : witness.target_point;
         if (!p.allFinite()) {
             row.check.lower = Verdict::no_witness;

@@ -42,16 +42,18 @@ std::size_t WorkOrder::pair_end(std::size_t first) const {
     return end;
 }
 
-int WorkOrder::new_shapes(std::size_t first) const {
-    std::set<std::filesystem::path> before, all;
-    for (std::size_t i = 0; i <= first; ++i) {
-        const Pair& pair = pairs.at(items[i].pair);
-        for (const auto& file : {pair.source_file, pair.target_file}) {
-            all.insert(file);
-            if (i < first) before.insert(file);
+std::vector<int> WorkOrder::new_shapes() const {
+    std::set<std::filesystem::path> known;
+    std::vector<int> counts(items.size());
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i > 0 && items[i].pair == items[i - 1].pair) {
+            counts[i] = counts[i - 1];
+            continue;
         }
+        const Pair& pair = pairs.at(items[i].pair);
+        for (const auto& file : {pair.source_file, pair.target_file}) counts[i] += known.insert(file).second ? 1 : 0;
     }
-    return int(all.size() - before.size());
+    return counts;
 }
 
 json to_json(const WorkOrder& o) {

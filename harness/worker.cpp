@@ -78,21 +78,24 @@ private:
         }
         json left_out = json::array();
         const auto& built = session_->needs();
+        // Not said where other directions, copies or pairs may build it after all.
+        const bool alone = !order_.exponent && !pair.queries.symmetric && !pair.queries.target_moves;
         for (const Need& need : entry.info.may_need) {
-            if (std::find(built.begin(), built.end(), need) == built.end()) left_out.push_back(to_string(need));
+            if (alone && std::find(built.begin(), built.end(), need) == built.end())
+                left_out.push_back(to_string(need));
         }
         send({{"event", "prepared"}, {"left_out", left_out}});
     }
 
     // Of a matrix; let go of where no item from `first` on needs it.
     std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
-        std::erase_if(loaded_, [&](const auto& known) {
-            return std::none_of(order_.items.begin() + std::ptrdiff_t(first), order_.items.end(),
-                                [&](const auto& item) {
-                                    const WorkOrder::Pair& pair = order_.pairs.at(item.pair);
-                                    return pair.source_file == known.first || pair.target_file == known.first;
-                                });
-        });
+        if (last_use_.empty()) {
+            for (std::size_t i = 0; i < order_.items.size(); ++i) {
+                const WorkOrder::Pair& pair = order_.pairs.at(order_.items[i].pair);
+                last_use_[pair.source_file] = last_use_[pair.target_file] = i;
+            }
+        }
+        std::erase_if(loaded_, [&](const auto& known) { return last_use_.at(known.first) < first; });
         auto& known = loaded_[file];
         if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, *order_.exponent);
         return known;
@@ -128,10 +131,15 @@ private:
         try {
             result = session_->solve(query_of(item), state, untraced);
         } catch (const std::bad_alloc&) {
+            broke_ = true;
             return give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
+        } catch (const InputError& error) {  // the session refuses the pose: the solver was not asked
+            return give_up(item, RowStatus::failed, error.what());
         } catch (const std::exception& error) {
+            broke_ = true;
             return give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
         } catch (...) {
+            broke_ = true;
             return give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
         }
         const Spent spent = watch.spent();
@@ -170,12 +178,13 @@ private:
         send({{"event", "end"}, {"row", item.row}});
     }
 
-    // A solver that throws has left the state as nobody knows: the chain ends there.
+    // A solver that throws has left the state as nobody knows: the chain ends there. A pose that is refused is passed over.
     void answer_chain(std::size_t begin, std::size_t end) {
         std::vector<std::optional<Answer>> first;
         std::unique_ptr<State> state = session_->begin();
+        broke_ = false;
         for (std::size_t i = begin; i < end; ++i) {
-            if (i > begin && !first.back()) {
+            if (broke_) {
                 send({{"event", "begin"}, {"row", order_.items[i].row}});
                 first.push_back(
                     give_up(order_.items[i], RowStatus::failed, "the chain of poses broke at an earlier pose"));
@@ -183,24 +192,28 @@ private:
                 first.push_back(answer(order_.items[i], state.get()));
             }
         }
+        const auto pass = [&](auto&& at) {
+            state = session_->begin();
+            for (std::size_t i = begin; i < end; ++i) {
+                if (first[i - begin]) at(order_.items[i], *first[i - begin]);
+            }
+        };
         double spent = 0;
         for (int k = 0; k < order_.repeats && (k == 0 || spent < most_seconds_of_repeats(end - begin)); ++k) {
-            state = session_->begin();
-            for (std::size_t i = begin; i < end && first[i - begin]; ++i) {
-                const WorkOrder::Item& item = order_.items[i];
+            pass([&](const WorkOrder::Item& item, const Answer& answered) {
                 Trace untraced;
                 const Stopwatch watch;
                 (void)session_->solve(query_of(item), state.get(), untraced);
                 const Spent once = watch.spent();
                 spent += once.wall_seconds;
-                if (timed(first[i - begin]->status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
-            }
+                if (timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
+            });
         }
-        state = session_->begin();
-        for (std::size_t i = begin; i < end && first[i - begin] && order_.items[i].trace; ++i)
-            trace(order_.items[i], state.get(), first[i - begin]->result);
-        state = session_->begin();
-        for (std::size_t i = begin; i < end && first[i - begin]; ++i) fields(order_.items[i], state.get());
+        if (order_.items[begin].trace)
+            pass([&](const WorkOrder::Item& item, const Answer& answered) {
+                trace(item, state.get(), answered.result);
+            });
+        pass([&](const WorkOrder::Item& item, const Answer&) { fields(item, state.get()); });
         for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
     }
 
@@ -291,8 +304,10 @@ private:
 
     WorkOrder order_;
     int events_;
+    bool broke_ = false;  // the solver threw, see answer_chain()
     std::optional<SolverMemory> memory_;
     std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // of a matrix
+    std::map<std::filesystem::path, std::size_t> last_use_;                   // likewise: the last item
     PreparedPair shapes_;
     std::optional<Session> session_;
 };

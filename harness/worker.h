@@ -44,8 +44,8 @@ struct WorkOrder {
     std::size_t chain_end(std::size_t first) const;
     std::size_t pair_end(std::size_t first) const;
 
-    // How many shapes are loaded for this item's pair that no earlier item has asked for.
-    int new_shapes(std::size_t first) const;
+    // For each item, how many shapes of its pair no earlier pair has asked for. O(n log n).
+    std::vector<int> new_shapes() const;
     std::map<std::filesystem::path, std::string> plugins = {};  // file -> SHA-256
 };
 

@@ -104,6 +104,29 @@ def test_a_chain_with_a_pose_lost_is_run_again_as_a_whole(hausbench: Program, ch
     assert len(journal.read_bytes().splitlines()) == len(lines) - 1 + 12  # the header, the rest, and this chain once more
 
 
+def test_a_trace_that_is_asked_for_later_is_made(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    run(hausbench, chains, tmp_path)
+    chains.write_text(CHAIN.format(trace="true"))
+    file = run(hausbench, chains, tmp_path)
+    lengths = numbers(file, "cases/trace_end") - numbers(file, "cases/trace_begin")
+    assert all(lengths[i] > 0 for i in labelled(file, "warm"))
+
+
+def test_a_pose_that_is_refused_is_passed_over(hausbench: Program, chains: Path, tmp_path: Path) -> None:
+    """The session refuses it before the solver is asked, so the state is as it was."""
+    poses = ["1 0 0  0 1 0  0 0 1  0 0 0", "1e307 0 0  0 1e307 0  0 0 1e307  1.79e308 1.79e308 0", "1 0 0  0 1 0  0 0 1  0.1 0 0"]
+    (tmp_path / "poses.txt").write_text("\n".join(poses) + "\n")
+    chains.write_text(chains.read_text().replace('{ kind = "rotation", axis = [0, 1, 3], degrees = 40, steps = 12 }', '{ kind = "poses", file = "poses.txt" }'))
+    file = run(hausbench, chains, tmp_path)
+    status = texts(file, "cases/status")
+    for label in ("warm", "cold"):
+        rows = labelled(file, label)
+        by_pose = [{status[i] for i in rows if numbers(file, "cases/pose_index")[i] == p} for p in range(3)]
+        assert by_pose[0] == by_pose[2] == {"ok"}, label
+        assert by_pose[1] == {"failed"}
+        assert all("beyond the largest double" in texts(file, "cases/reason")[i] for i in rows if status[i] == "failed")
+
+
 def test_shards_keep_chains_whole(hausbench: Program, chains: Path, tmp_path: Path) -> None:
     whole = run(hausbench, chains, tmp_path / "whole")
     for i in (1, 2):

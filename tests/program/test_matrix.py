@@ -13,8 +13,9 @@ from conftest import Program
 from test_results import run_in
 from test_run import numbers, texts
 
-# Two in the range of one worker, one 2^40 smaller, one 2^300 smaller, which gets a worker of its own with itself.
-EXPONENTS = {"a": 0, "b": 1, "small": -40, "tiny": -300}
+# Two in the range of one worker, one 2^40 smaller, one 2^300 smaller, which gets a worker of its own with itself, and one so small
+# that scaling it beside b would lose bits that are there beside a.
+EXPONENTS = {"a": 0, "b": 30, "small": -40, "tiny": -300, "far": -1015}
 
 SOLVERS = '[[solver]]\nname = "guthe"\n[[solver]]\nname = "earlybreak"\n[[solver]]\nname = "guthe"\nlabel = "H"\nquantity = "symmetric"\n'
 
@@ -56,11 +57,12 @@ def test_pairs_have_the_same_bits_alone_and_in_the_matrix(hausbench: Program, ro
         done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
         assert done.returncode == 0, done.stderr
     one, other = tmp_path / "matrix.h5", tmp_path / "alone.h5"
-    assert len(texts(one, "cases/scene")) == 3 * 16 * 2
+    assert len(texts(one, "cases/scene")) == 3 * 25 * 2
     for column in ("scene", "solver", "identity", "status", "lower_check", "upper_check"):
         assert texts(one, f"cases/{column}") == texts(other, f"cases/{column}"), column
     # earlybreak takes no meshes; a thousandth of a tiny A is less than double precision tells beside a large B.
-    assert [texts(one, "cases/status").count(status) for status in ("ok", "floor", "skipped")] == [48, 16, 32]
+    statuses = [texts(one, "cases/status").count(status) for status in ("ok", "floor", "skipped")]
+    assert sum(statuses) == 150 and statuses[2] == 50 and min(statuses) > 0
     with h5py.File(one) as f:
         counters = [name for name in f["cases"] if name.startswith("counter_")]
     for column in ("lower", "upper", "witness_source", "witness_target", "witness_source_element", *counters):
@@ -98,8 +100,20 @@ def test_far_scales_get_a_worker_of_their_own(hausbench: Program, root: Path, tm
     names = list(EXPONENTS)
     file = write(tmp_path / "matrix.toml", f'[[scene]]\nname = "all"\nsources = {names}\n', '[[solver]]\nname = "guthe"\n')
     shown = run_in(hausbench, root, "explain", file).stdout
-    assert "each of 4 shapes is loaded and prepared once for all 15 pairs" in shown
-    assert "each of 1 shapes is loaded and prepared once for all 1 pairs" in shown
+    pairs = sorted(int(words.split()[0]) for words in shown.split("for all ")[1:])
+    assert pairs == [2, 3, 5, 14] and shown.count("  guthe on all ") == 5  # far is by itself with itself
+
+
+def test_directions_and_pairs_are_counted_apart(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    solvers = '[[solver]]\nname = "guthe"\n[[solver]]\nname = "guthe"\nquantity = "symmetric"\nscenes = ["all: a to b", "all: b to a"]\n'
+    file = write(tmp_path / "matrix.toml", '[[scene]]\nname = "all"\nsources = ["a", "b"]\n', solvers)
+    assert run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet").returncode == 0
+    result = tmp_path / "matrix.h5"
+    assert len(texts(result, "cases/scene")) == 4 * 2 + 2 * 2
+    # H builds the octrees of both shapes at its first pair, and finds them at the second.
+    assert ledger(result, "structures for each pair") == [
+        ("guthe on all", "octree: built over 2 shapes and used 4 times by 4 pairs", 2),
+        ("guthe on all", "octree: built over 2 shapes and used 4 times by 2 pairs", 2)]
 
 
 def test_a_crash_costs_its_case_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
