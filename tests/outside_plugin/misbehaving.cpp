@@ -92,6 +92,12 @@ void chatter(const std::string&, Result&) {
     }
 }
 
+// As a solver does that runs into a time limit of one second.
+void dawdle(const std::string&, Result& result) {
+    ::usleep(999'999);
+    result.status = Status::time_limit;
+}
+
 using Deed = void (*)(const std::string& how, Result& result);
 
 template <Deed deed> class Misbehaving final : public Solver {
@@ -107,7 +113,8 @@ public:
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         Result result = good_->solve(query, nullptr, trace);
-        if (query.source_pose.translation.x() == at_) deed(how_, result);
+        const double x = query.source_pose.translation.x();
+        if (how_ == "up to there" ? x <= at_ : x == at_) deed(how_, result);
         return result;
     }
 
@@ -172,6 +179,7 @@ SolverEntry stops_early() {
 }  // namespace
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
+                 misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
                                            "wide", "wide, no cutoff"}),

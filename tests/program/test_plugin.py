@@ -274,6 +274,30 @@ def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Pa
         assert status == ("signal" if label_ == "crashes" and pose == 1 else "ok")
 
 
+def test_a_chain_is_waited_for_as_long_as_a_pass_takes(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    """Poses that are not timed are solved in every pass all the same, and nothing is said of them meanwhile."""
+    experiment = tmp_path / "patient.toml"
+    experiment.write_text(head(1.0).replace("from = [0, 0, 0], to = [3, 0, 0], steps = 4", "from = [0, 0, 0], to = [7, 0, 0], steps = 8")
+                          .replace('name = "guthe"', 'name = "dawdles"\nwarm = true\nparameters = { at = 6.0 }'))
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(tmp_path / "patient.h5")["dawdles"]
+    assert [row["status"] for row in rows] == 7 * ["timeout"] + ["ok"], [row["reason"] for row in rows]
+    assert all("the bounds hold" in row["reason"] for row in rows[:7])
+
+
+def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "full.toml"
+    names = '["sphere0", "sphere1", "sphere2"]'
+    experiment.write_text(LEAKING.replace("repeats = 300", "repeats = 10").replace("memory_mb = 300", "memory_mb = 200")
+                          .replace('source = "sphere0"\ntarget = "sphere0"', f"sources = {names}").replace("HOW", "from repeat to repeat"))
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "full.h5") as f:  # 44 MB a pair, which the worker keeps
+        assert set(f["cases/status"].asstr()[:]) == {"ok"}, set(f["cases/reason"].asstr()[:])
+        assert len(f["cases/status"]) == 9
+
+
 LEAKING = """\
 title = "a solver that grows and is never silent"
 tolerances = [2.0]
