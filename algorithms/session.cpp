@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -205,11 +204,9 @@ const Prepared& Session::prepared() const {
 
 std::unique_ptr<State> Session::begin() const { return entry_.info.warm ? std::make_unique<Chain>() : nullptr; }
 
-bool Session::copies_target(const Query& query) const {
-    if (entry_.info.moving_target) return false;
-    const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
-    return queries_.target_moves || !query.target_pose.is_identity() ||
-           (both && (queries_.moves || !query.source_pose.is_identity()));
+bool copies_targets(const SolverInfo& info, const QuerySet& queries) {
+    const bool both = queries.symmetric && !info.offers(Quantity::symmetric);
+    return !info.moving_target && (queries.target_moves || (both && queries.moves));
 }
 
 // One direction, in scaled units; `query` is turned already.

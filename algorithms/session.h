@@ -45,7 +45,8 @@ public:
     // H(A,B), of a solver that answers directed queries only: first h(A,B), then h(B,A) with the first lower bound as its floor.
     // With a tolerance relative to the lower bound, the direction that seems to be the larger one comes first, so that the other may
     // be 0; finding out which costs some work more.
-    // Counters are sums, of all that was tried. Budget: for each of the two. A first lower bound above the cutoff ends it, the upper bound then is infinite.
+    // Counters are sums, of all that was tried. Budget: for each of the two. A first lower bound above the cutoff ends it; the upper
+    // bound then is infinite.
     // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
     // built again, which counts as solving.
     // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the
@@ -70,9 +71,6 @@ public:
     const std::vector<PreparationTime>& preparation() const { return preparation_; }
     double prepare_seconds() const;
     std::size_t prepare_bytes() const;
-
-    // Whether an answer to this query builds structures over a posed copy of a target.
-    bool copies_target(const Query& query) const;
 
 private:
     struct Part;   // a solver, made and prepared for one direction
@@ -111,6 +109,9 @@ private:
     std::unique_ptr<Part> forward_, backward_;  // null where each answer makes its own
     std::vector<PreparationTime> preparation_;
 };
+
+// Whether the answers of a session build structures over posed copies, since a target moves and the solver does not offer that.
+bool copies_targets(const SolverInfo& info, const QuerySet& queries);
 
 // Whether the solver's scenes are scaled at all.
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);

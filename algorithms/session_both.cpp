@@ -17,6 +17,7 @@ void add(Counters& sum, const Counters& more) {
 Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const {
     query.quantity = Quantity::directed;
     if (backward) std::swap(query.source_pose, query.target_pose);
+    if (backward) query.wanted.fields = false;  // they would be of B
     trace.start();
     Result result = directed(query, backward, chain, trace);
     result.certificate.reset();  // it proves nothing of the other direction
@@ -24,7 +25,7 @@ Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& tra
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
-    result.fields.reset();  // they are of B
+    result.fields.reset();
     Reported reported;
     for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
     result.reported = std::move(reported);
@@ -37,8 +38,9 @@ Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& tra
 Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) const {
     Opening opening;
     const std::uint64_t most = query.budget;
+    const auto more = [most](std::uint64_t spent) { return spent > most / 16 ? most : 16 * spent; };
     if (query.tolerance.of != Tolerance::Of::lower || entry_.info.exact) return opening;
-    for (query.budget = 64; query.budget<most; query.budget = query.budget> most / 16 ? most : 16 * query.budget) {
+    for (query.budget = 64; query.budget < most; query.budget = more(query.budget)) {
         const double limit = query.time_limit;
         Query asked = query;
         asked.time_limit = clock.left(limit);

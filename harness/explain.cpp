@@ -5,6 +5,7 @@
 #include "machine.h"
 #include "registry.h"
 #include "result_file.h"
+#include "session.h"
 #include "shape_file.h"
 
 #include <fmt/format.h>
@@ -167,8 +168,8 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        const QuerySet& queries = job.pairs.front().queries;
-        if (queries.target_moves || (queries.symmetric && queries.moves))
+        const SolverInfo& info = find_solver(plan.cases[job.cases.front()].solver).info;
+        if (copies_targets(info, job.pairs.front().queries))
             text += "      over a target that moves, what is prepared is built again for each pose\n";
         else if (job.exponent && job.pairs.size() > 1)
             text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",

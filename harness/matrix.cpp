@@ -36,10 +36,10 @@ int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents)
     return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
 }
 
-// The least nonzero |entry| and the largest.
-void widen(double entry, double& least, double& most) {
-    if (entry != 0) least = std::min(least, std::abs(entry));
-    most = std::max(most, std::abs(entry));
+// Keeps the least nonzero |x| and the largest.
+void take(double x, double& least, double& most) {
+    if (x != 0) least = std::min(least, std::abs(x));
+    most = std::max(most, std::abs(x));
 }
 
 // Whether a session that scales by 2^shared has the bits of one that scales the pair by 2^own, which is more: powers of two commute
@@ -52,16 +52,17 @@ bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Exte
     const Job::Pair& pair = job.pairs.front();
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (const auto& file : {pair.source_file, pair.target_file}) {
-        widen(std::ldexp(std::min(extents.at(file).smallest, 1e300), shared), least, most);
-        widen(std::ldexp(extents.at(file).magnitude, own), least, most);
+        const Extent& extent = extents.at(file);
+        least = std::min(least, std::ldexp(extent.smallest, shared));  // infinite where all are zero
+        most = std::max(most, std::ldexp(extent.magnitude, own));
     }
     double entry = std::numeric_limits<double>::infinity(), largest_entry = 0, translation = entry, shift = 0;
     for (const std::size_t row : job.cases) {
         for (const Pose* pose : {&plan.cases[row].pose, &plan.cases[row].target_pose}) {
-            for (const double x : pose->rotation.reshaped()) widen(x, entry, largest_entry);
+            for (const double x : pose->rotation.reshaped()) take(x, entry, largest_entry);
             for (const double x : pose->translation) {
-                widen(std::ldexp(x, shared), translation, shift);
-                widen(std::ldexp(x, own), translation, shift);
+                take(std::ldexp(x, shared), translation, shift);
+                take(std::ldexp(x, own), translation, shift);
             }
         }
     }

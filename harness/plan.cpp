@@ -205,8 +205,7 @@ private:
             queries.count = job.cases.size();
             queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
             job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
-            if (queries.target_moves || (queries.symmetric && queries.moves))
-                note_copies(label, *entry, queries, models);
+            if (copies_targets(entry->info, queries)) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);
@@ -271,9 +270,7 @@ private:
     }
 
     // What a moving target costs where the solver does not offer it.
-    void note_copies(const std::string& label, const SolverEntry& entry, const QuerySet& queries,
-                     const SceneModels& models) {
-        if (entry.info.moving_target) return;
+    void note_copies(const std::string& label, const QuerySet& queries, const SceneModels& models) {
         const bool both = queries.target_moves && queries.symmetric && queries.moves;
         plan_.ledger.push_back(
             {"prepared_again", label, structures_for_each_pose,

@@ -9,6 +9,7 @@
 #include "registry.h"
 #include "result_file.h"
 #include "rounds.h"
+#include "session.h"
 #include "shape_file.h"
 #include "supervise.h"
 #include "verify.h"
@@ -281,9 +282,8 @@ private:
                 note_shapes_shared(job, result);
                 continue;
             }
-            const QuerySet& queries = job.pairs.front().queries;
-            if (queries.target_moves || (queries.symmetric && queries.moves))
-                continue;             // see note_copies() in plan.cpp
+            const SolverInfo& info = find_solver(plan_.cases[job.cases.front()].solver).info;
+            if (copies_targets(info, job.pairs.front().queries)) continue;  // see note_copies() in plan.cpp
             std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
             std::set<int> poses;
             for (std::size_t row : job.cases) {

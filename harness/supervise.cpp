@@ -167,8 +167,10 @@ private:
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         const std::size_t length = chain_end_ - finished_;
-        // Shapes of other pairs take memory too: a worker of its own may have enough for this one.
-        if (status == RowStatus::out_of_memory && order_.items[finished_].pair != order_.items.front().pair) return;
+        // Shapes of other pairs take memory too: a worker of its own may have enough for this one. What has ended in part stays, since
+        // a chain cannot go on in the middle.
+        const bool another = order_.items[finished_].pair != order_.items.front().pair;
+        if (status == RowStatus::out_of_memory && another && closed_ == 0) return;
         if (!prepared_) {
             for (const std::size_t end = order_.pair_end(finished_); finished_ < end; ++finished_)
                 report_.finished(order_.items[finished_].row, outcome);

@@ -13,7 +13,7 @@ namespace {
 using Interval = CGAL::Interval_nt<false>;
 using Exact = CGAL::Simple_cartesian<Rational>;
 
-// The definition of a posed point (algorithms/scene.h), written again on purpose.
+// The definition of a posed point (algorithms/geometry.h), written again on purpose.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;

@@ -78,7 +78,9 @@ private:
         if (squared_distance(vertex(i), target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
-        const auto squared = nearer(vertex(i), distance - error);  // rounded, which only makes elements doubtful
+        // Rounded up, which only makes more elements doubtful.
+        const double away = std::nextafter(distance - error, std::numeric_limits<double>::infinity());
+        const auto squared = nearer(vertex(i), away);
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
     }
 

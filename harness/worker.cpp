@@ -121,7 +121,7 @@ private:
         RowStatus status;
     };
 
-    // Sends it; none where the solver threw.
+    // Sends it; none where the solver threw or the session refused the pose.
     std::optional<Answer> answer(const WorkOrder::Item& item, State* state) {
         send({{"event", "begin"}, {"row", item.row}});
         if (memory_) memory_->next_answer();

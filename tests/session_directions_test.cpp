@@ -422,7 +422,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
     }
-    EXPECT_TRUE(moving.copies_target(query));
+    EXPECT_TRUE(copies_targets(scripted().info, {.target_moves = true}));
 }
 
 TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {

@@ -1,6 +1,6 @@
 // What a session adds to a solver: a status that follows from the bounds, scaling, and bounds widened for what scaling loses.
 //
-// Truths are exact: h of point sets in rational arithmetic, of the points that scene.h defines. Solvers for meshes get every
+// Truths are exact: h of point sets in rational arithmetic, of the points that geometry.h defines. Solvers for meshes get every
 // point as a triangle whose corners coincide.
 #include "session.h"
 #include "error.h"

@@ -12,7 +12,7 @@
 
 namespace hausbench {
 
-// Holds posed(p) (scene.h) for every p in the box: the operations of posed() on whichever end of the box makes each product
+// Holds posed(p) (geometry.h) for every p in the box: the operations of posed() on whichever end of the box makes each product
 // least or most. For the identity it is the box itself; for a rotation the box around the turned box, as far as it lies in
 // `within`, which must hold all those points (and keeps what overflows at a corner out).
 inline Box posed_box(const Box& box, const Pose& pose, const Box& within) {

@@ -11,7 +11,7 @@
 // boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, more bounds apply: surface_beside.h, and
 // surface_feet.h, whose error is O(s^9). With it, boxes stay large where the distance is constant over A (concentric spheres).
 //
-// Surfaces are never empty (scene.h); one that has no point in its box is refused when that is seen in preparing. Where no
+// Surfaces are never empty (geometry.h); one that has no point in its box is refused when that is seen in preparing. Where no
 // point can be proven (f = g^2 has no change of sign) bounds hold all the same, but do not close: `stalled`. So does a
 // search that needs more than `most_cells` boxes, such as the lower bound at a point that is equally far from much of B.
 //
