@@ -45,6 +45,8 @@ class Cases:
     threads: Ints
     identity: Texts
     label: Texts
+    variant: Texts
+    profile: Texts
     certified: Ints
     scene: Texts
     scene_note: Texts
@@ -107,6 +109,7 @@ class Ledger:
     reason: Texts
     count: Ints
     seconds_saved: Floats
+    profile: Texts
 
 
 @dataclass(frozen=True)
@@ -182,6 +185,8 @@ DEFAULTS: dict[str, Any] = {
     "cases/threads": 1,
     "cases/identity": "",
     "cases/label": "",
+    "cases/variant": "",
+    "cases/profile": "",
     "cases/certified": -1,
     "cases/scene": "",
     "cases/scene_note": "",
@@ -232,6 +237,7 @@ DEFAULTS: dict[str, Any] = {
     "ledger/reason": "",
     "ledger/count": 1,
     "ledger/seconds_saved": float("nan"),
+    "ledger/profile": "",
     "models/name": "",
     "models/sha256": "",
     "models/kind": "",

@@ -23,7 +23,7 @@ Panel = tuple[str, int]  # scene, pose
 def make(results: Results, out: Path) -> list[Path]:
     cases = results.cases
     panels: list[Panel] = list(dict.fromkeys(zip(cases.scene, map(int, cases.pose_index))))
-    labels = style.order(zip(cases.solver, cases.label))
+    labels = style.order(zip(cases.solver, results.names))
     times = {case: median(results.total_seconds(case)) for case in range(len(cases)) if results.is_bounded(case)}
 
     table = tables.Table(
@@ -32,7 +32,7 @@ def make(results: Results, out: Path) -> list[Path]:
     for panel in panels:
         table.rules.add(len(table.rows))
         for solver, label in labels:
-            rows = [r for r in run_rows(results, panel) if results.cases.label[r] == label]
+            rows = [r for r in run_rows(results, panel) if results.names[r] == label]
             if rows:
                 table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
                                    *finest(results, rows, times)])
@@ -48,8 +48,8 @@ def make(results: Results, out: Path) -> list[Path]:
 def run_rows(results: Results, panel: Panel) -> list[int]:
     """Rows of the solvers that were run on this scene: not those that do not take its shapes, or were not built."""
     cases, rows = results.cases, [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
-    run = {cases.label[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
-    return [r for r in rows if cases.label[r] in run]
+    run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
+    return [r for r in rows if results.names[r] in run]
 
 
 def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]]) -> list[str]:
@@ -57,8 +57,8 @@ def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]
     cases = results.cases
     where: dict[str, list[str]] = {}
     for panel in panels:
-        run = {cases.label[r] for r in run_rows(results, panel)}
-        asked = {cases.label[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
+        run = {results.names[r] for r in run_rows(results, panel)}
+        asked = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
         for solver, label in labels:
             if label in asked - run:
                 where.setdefault(panel_title(results, panel, panels), []).append(style.look(solver, label).title)
@@ -141,7 +141,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
             shown |= draw_panel(ax, results, rows, times, what)
         upper.tick_params(labelbottom=False)
         upper.set_title(panel_title(results, panel, panels), pad=3)
-        failed = Counter((results.cases.solver[r], results.cases.label[r], results.cases.status[r])
+        failed = Counter((results.cases.solver[r], results.names[r], results.cases.status[r])
                          for r in rows if results.cases.status[r] != "ok")
         marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
                  for pair in labels for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
@@ -173,8 +173,8 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
     points = {case: relative(results, case)[what] for case in rows if case in times and times[case].n}
     points = {case: y for case, y in points.items() if np.isfinite(y)}
     lines = {}
-    for pair in dict.fromkeys((cases.solver[r], cases.label[r]) for r in rows):
-        traced = [r for r in rows if (cases.solver[r], cases.label[r]) == pair and cases.status[r] != "unsound"
+    for pair in dict.fromkeys((cases.solver[r], results.names[r]) for r in rows):
+        traced = [r for r in rows if (cases.solver[r], results.names[r]) == pair and cases.status[r] != "unsound"
                   and cases.trace_end[r] > cases.trace_begin[r]]
         if traced:
             case = min(traced, key=lambda r: float(cases.tolerance[r]))
@@ -182,18 +182,18 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
     axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
     ax.set_xscale("log")
     for case, (x, y) in lines.items():
-        looks = style.look(cases.solver[case], cases.label[case])
+        looks = style.look(cases.solver[case], results.names[case])
         ax.plot(x, axis.place(y), color=looks.colour, linestyle=looks.line, linewidth=0.7, alpha=0.75, zorder=2,
                 drawstyle="steps-post")
     for case, y in points.items():
-        looks, time = style.look(cases.solver[case], cases.label[case]), times[case]
+        looks, time = style.look(cases.solver[case], results.names[case]), times[case]
         at = axis.place(y)
         if time.has_interval:
             ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
     style.log_ticks(ax.xaxis)
-    return {(cases.solver[case], cases.label[case]) for case in [*points, *lines]}
+    return {(cases.solver[case], results.names[case]) for case in [*points, *lines]}
 
 
 def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:

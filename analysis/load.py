@@ -70,6 +70,12 @@ class Results:
         values = getattr(self.cases, column)
         return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
 
+    @cached_property
+    def names(self) -> Texts:
+        """Of each row the solver as it is shown: its label, with the parameters that the experiment sweeps."""
+        return np.array([f"{label}({variant})" if variant else label
+                         for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
+
     def options(self, case: int) -> dict[str, Any]:
         options: dict[str, Any] = json.loads(self.cases.options[case] or "{}")
         return options
@@ -283,8 +289,35 @@ def _attribute(value: Any) -> Any:
     return value.item() if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1 else value
 
 
-def load(path: Path) -> Results:
-    """Opens a result file read-only and reads it whole. Throws ResultError for a missing or foreign one, or one of a newer schema."""
+def _of_profile(results: Results, profile: str) -> Results:
+    """The rows that the experiment asks for in this profile."""
+    asked = [not profiles or profile in profiles.split(",") for profiles in results.cases.profile]
+    keep = np.flatnonzero(asked)
+    if len(keep) == len(results.cases):
+        return results
+    number = np.full(len(results.cases), -1)
+    number[keep] = np.arange(len(keep))
+
+    def rows(group: Any, kept: Any) -> Any:
+        columns = {field.name: getattr(group, field.name)[kept] for field in dataclasses.fields(group) if field.name != "counters"}
+        if hasattr(group, "counters"):
+            columns["counters"] = {name: counts[kept] for name, counts in group.counters.items()}
+        return type(group)(**columns)
+
+    def details(group: Any) -> Any:
+        left = rows(group, number[group.case] >= 0)
+        return dataclasses.replace(left, case=number[left.case])
+
+    ledger = results.ledger
+    return dataclasses.replace(results, cases=rows(results.cases, keep), answers=details(results.answers), repeats=details(results.repeats),
+                               preparation=details(results.preparation), fields=details(results.fields),
+                               ledger=rows(ledger, [not of or of == profile for of in ledger.profile]))
+
+
+def load(path: Path, profile: str = "") -> Results:
+    """Opens a result file read-only and reads it whole; of its rows it keeps those of one profile: that of the latest run, unless
+    one is named. Throws ResultError for a missing or foreign file, or one of a newer schema.
+    """
     stem = path.stem
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
@@ -307,6 +340,7 @@ def load(path: Path) -> Results:
         raise ResultError(f"{path}: not a hausbench result file ({text}): {again}") from None
     if meta.get("stem") != stem:
         raise ResultError(f"{path}: holds the experiment '{meta.get('stem')}', not '{stem}': rename it or {again}")
+    results = _of_profile(results, profile or str(meta.get("profile", "")))
     if len(results.cases) == 0:
         raise ResultError(f"{path}: holds no cases: {again}")
     return results

@@ -2,7 +2,7 @@
 
     python3 -m analysis.schema
 
-asks the program (`hausbench list --columns`) and writes both; a test fails where they differ from it.
+asks the program (`hausbench list columns`) and writes both; a test fails where they differ from it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Groups = dict[str, list[dict[str, Any]]]
 
 
 def columns() -> Groups:
-    done = subprocess.run([program(), "list", "--columns"], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run([program(), "list", "columns"], cwd=ROOT, capture_output=True, text=True, check=True)
     groups: Groups = json.loads(done.stdout)
     return groups
 

@@ -160,7 +160,7 @@ class Motion:
         """What the ledger says of structures, one text a solver."""
         ledger, found = self.results.ledger, dict[str, str]()
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
-            solver = next((pair for pair in self.labels if subject == f"{pair[1]} on {self.scene}"), None)
+            solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
             if solver and what == "structures for each pose":
                 title = style.look(*solver).title
                 found.setdefault(title, f"{title}: {reason}, {tables.number(1000 * seconds)} ms saved")

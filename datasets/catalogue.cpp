@@ -153,6 +153,7 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
 
 Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program)
     : cache_(std::move(cache)), program_(std::move(program)) {
+    if (manifest.empty()) return;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(manifest, ignored))
         throw InputError(manifest.string() + ": cannot be opened: set HAUSBENCH_ROOT to the checkout");

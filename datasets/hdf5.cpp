@@ -71,9 +71,7 @@ std::string library_message() {
 constexpr std::string_view seal_mark = "\nsha256 ";
 constexpr std::size_t seal_length = seal_mark.size() + 64 + 1;
 
-std::string seal_of(const char* bytes, std::size_t count) {
-    return std::string(seal_mark) + Sha256().add(bytes, count).hex() + "\n";
-}
+std::string sealed(Sha256& hash) { return std::string(seal_mark) + hash.hex() + "\n"; }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& object, const std::string& why) {
     throw std::runtime_error(file.string() + ": " + (object.empty() ? "" : object + ": ") + why);
@@ -267,13 +265,22 @@ void File::close() {
 }
 
 void check_seal(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    if (bytes.size() < seal_length) return;
-    const std::size_t content = bytes.size() - seal_length;
-    if (bytes.compare(content, seal_mark.size(), seal_mark) != 0) return;
-    if (seal_of(bytes.data(), content) != bytes.substr(content))
-        fail(file, "", "some of its bytes are not those that were written");
+    std::ifstream in(file, std::ios::binary | std::ios::ate);
+    const std::streamoff size = in.tellg();
+    if (size < std::streamoff(seal_length)) return;
+    std::string seal(seal_length, '\0');
+    in.seekg(size - std::streamoff(seal_length));
+    in.read(seal.data(), std::streamsize(seal_length));
+    if (!seal.starts_with(seal_mark)) return;
+    Sha256 hash;
+    std::vector<char> buffer(1 << 18);
+    in.seekg(0);
+    for (std::streamoff left = size - std::streamoff(seal_length); left > 0 && in;) {
+        in.read(buffer.data(), std::min<std::streamoff>(left, std::streamoff(buffer.size())));
+        hash.add(buffer.data(), std::size_t(in.gcount()));
+        left -= in.gcount();
+    }
+    if (seal != sealed(hash)) fail(file, "", "some of its bytes are not those that were written");
 }
 
 // The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
@@ -281,7 +288,8 @@ void File::save() const {
     check(H5Fflush(id_, H5F_SCOPE_LOCAL), path_, "");
     std::vector<char> image(std::size_t(check(H5Fget_file_image(id_, nullptr, 0), path_, "")));
     check(H5Fget_file_image(id_, image.data(), image.size()), path_, "");
-    const std::string seal = seal_of(image.data(), image.size());
+    Sha256 hash;
+    const std::string seal = sealed(hash.add(image.data(), image.size()));
     image.insert(image.end(), seal.begin(), seal.end());
     const int descriptor = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor < 0) fail(path_, "", std::string("cannot be created: ") + std::strerror(errno));

@@ -26,7 +26,7 @@ template <class T> std::string json_text(const T& value) {
         return extras_json(value).dump();
 }
 
-template <class T> T from_json_text(const std::string& text) {
+template <class T> T parsed_json_text(const std::string& text) {
     const json object = json::parse(text);
     if constexpr (std::is_same_v<T, ParameterMap>) {
         ParameterMap options;
@@ -37,6 +37,16 @@ template <class T> T from_json_text(const std::string& text) {
     } else {
         return extras_of(object);
     }
+}
+
+// Files hold the same text in row after row, so the last one is remembered.
+template <class T> const T& from_json_text(const std::string& text) {
+    thread_local std::string known = "{}";
+    thread_local T value;
+    if (text == known) return value;
+    value = parsed_json_text<T>(text);
+    known = text;
+    return value;
 }
 
 template <class T> constexpr std::size_t width_of() {
@@ -149,6 +159,12 @@ const Columns<Case>& case_columns() {
                                   Identity::where_given),
         at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
+        at<Case, MEMBER(variant)>("variant",
+                                  "the parameters that the experiment sweeps, as in `samples=8, seed=1`; empty where "
+                                  "it sweeps none, and in older files"),
+        at<Case, MEMBER(profile)>("profile",
+                                  "of the experiment, that asks for the case; several are joined by commas; empty in "
+                                  "older files: that of `/meta`"),
         at<Case, MEMBER(certified)>("certified",
                                     "1: the solver's bounds hold under the rounding of its own arithmetic; 0: they "
                                     "hold in exact arithmetic, or it promises less; -1: unknown, since the solver is "
@@ -348,6 +364,7 @@ const Columns<LedgerEntry>& ledger_columns() {
         at<LedgerEntry, MEMBER(reason)>("reason", "why this was safe; of `prepared_again`, why it had to be"),
         at<LedgerEntry, MEMBER(count)>("count", "cases, structures, or poses"),
         at<LedgerEntry, MEMBER(seconds_saved)>("seconds_saved", "NaN if unknown"),
+        at<LedgerEntry, MEMBER(profile)>("profile", "in which the experiment was run"),
     };
     return columns;
 }

@@ -1,14 +1,14 @@
 #include "combine.h"
 
+#include "compare.h"
 #include "error.h"
 #include "shape_file.h"
-#include "statistics.h"
+#include "show.h"
 #include "verify.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace hausbench {
@@ -72,18 +72,14 @@ bool same_options(const Row& a, const Row& b) {
     return a.asked.options == b.asked.options;
 }
 
-bool same_answer(const Outcome& a, const Outcome& b) {
-    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-    return a.status == b.status && same(a.bounds.lower, b.bounds.lower) && same(a.bounds.upper, b.bounds.upper);
-}
-
 }  // namespace
 
 std::string describe_checks(const ResultFile& result) {
     std::map<std::string, std::map<Verdict, int>> lower, upper;
+    const SummaryNames names(result.rows);
     for (const Row& row : result.rows) {
-        ++lower[row.asked.label][row.check.lower];
-        ++upper[row.asked.label][row.check.upper];
+        ++lower[names.of(row.asked)][row.check.lower];
+        ++upper[names.of(row.asked)][row.check.upper];
     }
     std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds",
                                    "unsound", "no wit.", "not ch.", "upper ok", "unsound", "not ch.");
@@ -157,7 +153,8 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
         }
         for (const LedgerEntry& entry : next.ledger) {
             const auto same = [&](const LedgerEntry& l) {
-                return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what;
+                return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what &&
+                       l.profile == entry.profile;
             };
             const auto at = std::find_if(merged.ledger.begin(), merged.ledger.end(), same);
             if (at == merged.ledger.end())
@@ -167,72 +164,6 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
         }
     }
     return merged;
-}
-
-std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
-    std::map<std::string, const Row*> by_key;
-    for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
-    std::string differing, table;
-    std::size_t matched = 0, untimed = 0;
-    std::vector<double> all;
-    for (const Row& row : candidate.rows) {
-        const auto at = by_key.find(row.asked.identity + row.asked.scene);
-        if (at == by_key.end()) continue;
-        ++matched;
-        const Outcome &a = at->second->outcome, &b = row.outcome;
-        if (!same_answer(a, b)) {
-            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked),
-                                     to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
-                                     b.bounds.lower, b.bounds.upper);
-        }
-        if (b.from_trace) continue;                             // its times are those of the row it was read off
-        const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h
-        const auto times = [cpu](const auto& timed) {
-            std::vector<double> seconds;
-            for (const auto& t : timed) seconds.push_back(cpu ? t.cpu_seconds : t.wall_seconds);
-            return seconds;
-        };
-        const bool again = !a.repeats.empty() && !b.repeats.empty();  // else the first answers are what was timed
-        const std::vector<double> before = again ? times(a.repeats) : times(a.answers),
-                                  after = again ? times(b.repeats) : times(b.answers);
-        if (before.empty() || after.empty()) {
-            ++untimed;
-            continue;
-        }
-        const Estimate ratio = paired_ratio(before, after);
-        all.push_back(ratio.value);
-        const char* verdict = ratio.n == 1              ? "one pair"
-                              : ratio.confidence < 0.95 ? "too few pairs"
-                              : !separated(ratio)       ? "not separated"
-                              : ratio.value > 1         ? "slower"
-                                                        : "faster";
-        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {:<4}  {}\n",
-                             name_of(row.asked), ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence,
-                             cpu ? "CPU" : "wall", verdict);
-    }
-    if (matched == 0)
-        throw InputError("the two results have no case in common: compare results of the same experiment and profile");
-    std::string text;
-    for (const char* name : {"build", "machine"}) {
-        const std::string &a = base.texts.at(name), &b = candidate.texts.at(name);
-        if (a != b) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, a, b);
-    }
-    text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched,
-                        base.rows.size() - matched, candidate.rows.size() - matched);
-    text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
-    text +=
-        fmt::format(
-            "time of the second / time of the first, median of paired repeats [interval], CPU or wall time ({} cases "
-            "without times)\n",
-            untimed) +
-        table;
-    if (!all.empty()) {
-        double logs = 0;
-        for (double ratio : all) logs += std::log(ratio);
-        text +=
-            fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), std::exp(logs / double(all.size())));
-    }
-    return text;
 }
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// What is done with finished result files: verify, merge, compare.
+// What is done with finished result files: verify, merge.
 #pragma once
 
 #include "catalogue.h"
@@ -24,9 +24,5 @@ bool any_unsound(const ResultFile& result);
 // Throws InputError for different experiments, different builds or machines (unless any_build), or two rows of one case
 // whose answers differ.
 ResultFile merge_results(const std::vector<std::filesystem::path>& files, bool any_build);
-
-// Rows of the same identity side by side: differing answers first, then the ratio of times (candidate / base), which is called
-// faster or slower only at 95 % confidence. Throws InputError where no case is in both.
-std::string compare_results(const ResultFile& base, const ResultFile& candidate);
 
 }  // namespace hausbench

@@ -39,7 +39,7 @@ bool torn_header(std::string_view text) {
 
 }  // namespace
 
-Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)) {
+Journal::Journal(std::filesystem::path file, bool start_over) : file_(std::move(file)) {
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
         throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results",
@@ -51,10 +51,12 @@ Journal::Journal(std::filesystem::path file, bool fresh) : file_(std::move(file)
             fmt::format("{}: another run is writing this result: wait until it ends, or stop it", file_.string()));
     }
     try {
-        if (fresh)
-            clear();
-        else
+        try {
             read();
+        } catch (const InputError&) {
+            if (!start_over) throw;
+            clear();
+        }
     } catch (...) {
         ::close(descriptor_);
         throw;
@@ -110,6 +112,10 @@ void Journal::read() {
 bool Journal::take(int number, std::string_view text) {
     try {
         const json record = json::parse(text);
+        if (number > 1 && record.contains("forgotten")) {
+            erase(record.at("forgotten").get<std::set<std::string>>());
+            return true;
+        }
         if (number > 1) {
             outcomes_[{record.at("identity"), record.at("round")}] = outcome_from_json(record.at("outcome"));
             return true;
@@ -154,6 +160,19 @@ void Journal::write_line(const std::string& text) {
         throw InputError(fmt::format("{}: cannot write: {}; finished cases are saved: make room and run again",
                                      file_.string(), std::strerror(errno)));
     }
+}
+
+void Journal::erase(const std::set<std::string>& identities) {
+    std::erase_if(outcomes_, [&](const auto& known) { return identities.contains(known.first.first); });
+}
+
+void Journal::forget(const std::set<std::string>& identities) {
+    const auto known = outcomes_.size();
+    erase(identities);
+    if (outcomes_.empty())
+        clear();
+    else if (outcomes_.size() < known)
+        write_line(json{{"forgotten", identities}}.dump());
 }
 
 void Journal::append(const Key& key, const Outcome& outcome) {

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,8 +18,8 @@ namespace hausbench {
 class Journal {
 public:
     // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is damaged, of
-    // another schema, not a journal, or cannot be written. `fresh` (`run --fresh`): its contents are discarded unread.
-    explicit Journal(std::filesystem::path file, bool fresh = false);
+    // another schema, not a journal, or cannot be written. `start_over`: a file that cannot be read is emptied instead.
+    explicit Journal(std::filesystem::path file, bool start_over = false);
     ~Journal();
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
@@ -29,6 +30,9 @@ public:
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
     void append(const Key& key, const Outcome& outcome);
 
+    // Of these identities nothing is known any more, whatever the round.
+    void forget(const std::set<std::string>& identities);
+
     // Start of the run that created the journal, UTC.
     const std::string& started() const { return started_; }
 
@@ -37,6 +41,7 @@ private:
     void read();
     bool take(int number, std::string_view text);  // reads a line; false if it is not a record
     void clear();
+    void erase(const std::set<std::string>& identities);
     void begin();
 
     std::filesystem::path file_;

@@ -8,6 +8,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <vector>
+
 namespace hausbench {
 
 using nlohmann::json;
@@ -65,6 +71,143 @@ json solver_json(const SolverInfo& info) {
             {"parameters", parameters}};
 }
 
+json experiment_json(const std::filesystem::path& file) {
+    struct Found {
+        ScenePlan scene;
+        std::vector<std::string> profiles;
+    };
+    std::vector<Found> scenes;
+    std::string title;
+    std::set<std::string> labels;
+    for (const char* profile : {"quick", "paper"}) {
+        const Experiment experiment = read_experiment(file, profile);
+        title = experiment.title;
+        for (const SolverPlan& solver : experiment.solvers) labels.insert(solver.label);
+        for (const ScenePlan& s : experiment.scenes) {
+            const auto at = std::find_if(scenes.begin(), scenes.end(), [&](const Found& f) {
+                return f.scene.name == s.name && f.scene.source == s.source && f.scene.target == s.target;
+            });
+            if (at == scenes.end())
+                scenes.push_back({s, {profile}});
+            else
+                at->profiles.push_back(profile);
+        }
+    }
+    json out = {{"stem", file.stem().string()}, {"title", title}, {"scenes", json::array()}, {"solvers", labels}};
+    for (const auto& [s, profiles] : scenes) {
+        out["scenes"].push_back(
+            {{"name", s.name}, {"profiles", profiles}, {"source", s.source}, {"target", s.target}, {"note", s.note}});
+    }
+    return out;
+}
+
+json model_json(const ModelInfo& m) {
+    return {{"name", m.name},       {"source", m.source},   {"from", m.from},
+            {"package", m.package}, {"recipe", m.recipe},   {"path", m.path},
+            {"sha256", m.sha256},   {"licence", m.licence}, {"note", m.note}};
+}
+
+std::string text_of(const json& object, const char* key) { return object.at(key).get<std::string>(); }
+
+std::string joined(const json& list, const char* none = "") {
+    std::string out;
+    for (const json& item : list) out += (out.empty() ? "" : ", ") + item.get<std::string>();
+    return out.empty() ? none : out;
+}
+
+std::string origin(const json& model) {
+    const std::string source = text_of(model, "source");
+    return source == "derived"     ? text_of(model, "recipe") + " of " + text_of(model, "from")
+           : source == "generated" ? text_of(model, "recipe")
+           : source == "file"      ? text_of(model, "path")
+                                   : source + " " + text_of(model, "package");
+}
+
+std::string solvers_text(const json& all, const Paper& paper) {
+    TextTable table({{"solver"}, {"measures"}, {"bounds", false, 1}, {"what it is", false, 0, true}});
+    for (const json& s : all["solvers"]) {
+        const std::string source = joined(s["source"]), target = joined(s["target"]), of = text_of(s, "paper");
+        table.add({{text_of(s, "name"), source == target ? source : source + " to " + target,
+                    s["certified"].get<bool>() ? "certified" : "not certified",
+                    text_of(s, "title") + (of.empty() ? "" : " (" + of + ")")}});
+    }
+    for (const json& s : all["not_built"])
+        table.add({{text_of(s, "name"), "not built", "", text_of(s, "reason")}, "", Colour::grey});
+    return table.text(paper);
+}
+
+std::string experiments_text(const json& all, const Paper& paper) {
+    if (all["experiments"].empty())
+        return "no experiments: there is no project here, see HAUSBENCH_ROOT in the README\n";
+    TextTable table({{"experiment"}, {"scenes", true, 1}, {"what it is", false, 0, true}});
+    for (const json& e : all["experiments"])
+        table.add({{text_of(e, "stem"), std::to_string(e["scenes"].size()), text_of(e, "title")}});
+    return table.text(paper);
+}
+
+std::string models_text(const json& all, const Paper& paper) {
+    if (all["models"].empty()) return "no models: there is no project here, see HAUSBENCH_ROOT in the README\n";
+    TextTable table({{"model"}, {"made by, or from", false, 1}, {"what it is", false, 0, true}});
+    for (const json& m : all["models"]) table.add({{text_of(m, "name"), origin(m), text_of(m, "note")}});
+    return table.text(paper);
+}
+
+std::string one_solver(const json& s, const Paper& paper) {
+    const auto line = [&](const std::string& text, std::size_t indent = 2) {
+        return wrapped(text, indent, paper.width);
+    };
+    const std::string of = text_of(s, "paper"), wrong = text_of(s, "known_wrong");
+    std::string text =
+        line(fmt::format("{}: {}{}", text_of(s, "name"), text_of(s, "title"), of.empty() ? "" : " (" + of + ")"), 0);
+    text += line(fmt::format("measures {} against {}", joined(s["source"]), joined(s["target"])));
+    text +=
+        line(s["certified"].get<bool>() ? "certified: its bounds hold under rounding"
+                                        : "not certified: its bounds hold in exact arithmetic, or it promises less");
+    if (!wrong.empty()) text += line("known to be wrong: " + wrong);
+    text += line("may need " + joined(s["may_need"], "no structure"));
+    if (!s["parameters"].empty())
+        text += line("parameters (measure --set NAME=VALUE; [solver.parameters] of an experiment)", 0);
+    for (const json& p : s["parameters"]) {
+        const std::string in_paper = text_of(p, "paper_value"), unit = text_of(p, "unit");
+        text +=
+            line(fmt::format("{} = {} ({}{}{})", text_of(p, "name"),
+                             p["required"].get<bool>() ? "(required)" : p["default"].dump(), text_of(p, "type"),
+                             unit.empty() ? "" : ", in " + unit, in_paper.empty() ? "" : ", in the paper " + in_paper));
+        text += line(text_of(p, "description") + (p["choices"].empty() ? "" : ": " + joined(p["choices"])), 6);
+    }
+    return text;
+}
+
+std::string one_experiment(const json& e, const Paper& paper) {
+    std::string text = wrapped(text_of(e, "stem") + ": " + text_of(e, "title"), 0, paper.width);
+    text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
+    TextTable table(
+        {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
+    for (const json& s : e["scenes"])
+        table.add({{text_of(s, "name"), text_of(s, "source"), text_of(s, "target"), joined(s["profiles"]),
+                    text_of(s, "note")}});
+    return text + table.text(paper);
+}
+
+std::string one_model(const json& m, const Paper& paper) {
+    std::string text = wrapped(fmt::format("{}: {}", text_of(m, "name"), text_of(m, "note")), 0, paper.width);
+    text += wrapped(fmt::format("{}: {}", text_of(m, "source"), origin(m)), 2, paper.width);
+    for (const char* key : {"path", "sha256", "licence"}) {
+        if (!text_of(m, key).empty()) text += wrapped(fmt::format("{}: {}", key, text_of(m, key)), 2, paper.width);
+    }
+    return text;
+}
+
+std::string screen(const json& all, const Paper& paper) {
+    std::string text = solvers_text(all, paper);
+    text +=
+        wrapped(fmt::format("{} experiments and {} models: `hausbench list experiments`, `list models`; `list NAME` "
+                            "says all of one solver, experiment or model, `list columns` what results hold",
+                            all["experiments"].size(), all["models"].size()),
+                0, paper.width);
+    return text;
+}
+
 }  // namespace
 
 json list_as_json() {
@@ -75,78 +218,44 @@ json list_as_json() {
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
-    for (const auto& file : experiment_files(project_root() / "experiments")) {
-        json scenes = json::array();
-        std::string title;
-        for (const char* profile : {"quick", "paper"}) {
-            const Experiment experiment = read_experiment(file, profile);
-            title = experiment.title;
-            for (const ScenePlan& s : experiment.scenes) {
-                scenes.push_back({{"name", s.name},
-                                  {"profile", profile},
-                                  {"source", s.source},
-                                  {"target", s.target},
-                                  {"note", s.note}});
-            }
-        }
-        out["experiments"].push_back({{"stem", file.stem().string()}, {"title", title}, {"scenes", scenes}});
+    const auto root = find_project_root();
+    if (!root) return out;
+    if (std::filesystem::is_directory(*root / "experiments")) {
+        for (const auto& file : experiment_files(*root / "experiments"))
+            out["experiments"].push_back(experiment_json(file));
     }
-    const Catalogue catalogue(project_root() / "datasets" / "manifest.toml", cache_folder(), program_path());
-    for (const ModelInfo& m : catalogue.models()) {
-        out["models"].push_back({{"name", m.name},
-                                 {"source", m.source},
-                                 {"from", m.from},
-                                 {"package", m.package},
-                                 {"recipe", m.recipe},
-                                 {"licence", m.licence},
-                                 {"note", m.note}});
-    }
+    const Catalogue catalogue(*root / "datasets" / "manifest.toml", cache_folder(), program_path());
+    for (const ModelInfo& m : catalogue.models()) out["models"].push_back(model_json(m));
     return out;
 }
 
-std::string list_as_text() {
+std::string list_as_text(const std::string& what, const Paper& paper) {
     const json all = list_as_json();
-    std::string text = "SOLVERS\n";
-    const auto joined = [](const json& list) {
-        std::string out;
-        for (const json& item : list) out += (out.empty() ? "" : ", ") + item.get<std::string>();
-        return out.empty() ? "no structure" : out;
+    if (what.empty()) return screen(all, paper);
+    if (what == "solvers") return solvers_text(all, paper);
+    if (what == "experiments") return experiments_text(all, paper);
+    if (what == "models") return models_text(all, paper);
+    struct Kind {
+        const char *group, *key;
+        std::string (*text)(const json&, const Paper&);
     };
-    for (const json& s : all["solvers"]) {
-        const auto of = s["paper"].get<std::string>();
-        text += fmt::format("  {:<12} {}{}; {} to {}; {}; may need {}\n", s["name"].get<std::string>(),
-                            s["title"].get<std::string>(), of.empty() ? "" : " (" + of + ")", joined(s["source"]),
-                            joined(s["target"]), s["certified"].get<bool>() ? "certified" : "not certified",
-                            joined(s["may_need"]));
-        for (const json& p : s["parameters"]) {
-            const auto paper = p["paper_value"].get<std::string>(), unit = p["unit"].get<std::string>();
-            text += fmt::format("    {} = {} ({}{}{}): {}{}\n", p["name"].get<std::string>(),
-                                p["required"].get<bool>() ? "(required)" : p["default"].dump(),
-                                p["type"].get<std::string>(), unit.empty() ? "" : ", in " + unit,
-                                paper.empty() ? "" : ", in the paper " + paper, p["description"].get<std::string>(),
-                                p["choices"].empty() ? "" : ": " + joined(p["choices"]));
+    constexpr Kind kinds[] = {
+        {"solvers", "name", one_solver}, {"experiments", "stem", one_experiment}, {"models", "name", one_model}};
+    std::string text;  // a name may be that of a solver and of a model
+    std::vector<std::string> known = {"solvers", "experiments", "models", "columns"};
+    for (const Kind& kind : kinds) {
+        for (const json& one : all[kind.group]) {
+            known.push_back(text_of(one, kind.key));
+            if (known.back() == what) text += kind.text(one, paper);
         }
     }
-    for (const json& s : all["not_built"])
-        text += fmt::format("  {:<12} not built: {}\n", s["name"].get<std::string>(), s["reason"].get<std::string>());
-    text += "EXPERIMENTS\n";
-    for (const json& e : all["experiments"]) {
-        text += fmt::format("  {}: {}\n", e["stem"].get<std::string>(), e["title"].get<std::string>());
-        for (const json& s : e["scenes"]) {
-            text +=
-                fmt::format("    {:<16} {} -> {} ({})\n", s["name"].get<std::string>(), s["source"].get<std::string>(),
-                            s["target"].get<std::string>(), s["profile"].get<std::string>());
-        }
+    for (const json& absent : all["not_built"]) {
+        known.push_back(text_of(absent, "name"));
+        if (known.back() == what) text += fmt::format("{}: not built: {}\n", what, text_of(absent, "reason"));
     }
-    text += "MODELS\n";
-    for (const json& m : all["models"]) {
-        const auto source = m["source"].get<std::string>(), package = m["package"].get<std::string>(),
-                   from = m["from"].get<std::string>(), recipe = m["recipe"].get<std::string>();
-        const std::string origin = source == "derived"     ? recipe + " of " + from
-                                   : source == "generated" ? recipe
-                                                           : source + " " + package;
-        text += fmt::format("  {:<28} {:<36} {}\n", m["name"].get<std::string>(), origin, m["note"].get<std::string>());
-    }
+    if (text.empty())
+        throw InputError(
+            fmt::format("list {}: no solver, experiment or model of that name{}", what, nearest_hint(what, known)));
     return text;
 }
 

@@ -1,5 +1,7 @@
-// `hausbench list`: solvers with their parameters, experiments with their scenes, models.
+// `hausbench list`: solvers, experiments and models; one screen for people, everything as JSON for programs.
 #pragma once
+
+#include "text_table.h"
 
 #include <nlohmann/json.hpp>
 
@@ -7,7 +9,11 @@
 
 namespace hausbench {
 
+// Outside a project there are solvers, and no experiments and no models.
 nlohmann::json list_as_json();
-std::string list_as_text();
+
+// `what` is empty (a line for each solver), "solvers", "models" or "experiments", or the name of one of these: all that is known of it.
+// Throws InputError for another name.
+std::string list_as_text(const std::string& what, const Paper& paper);
 
 }  // namespace hausbench

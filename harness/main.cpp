@@ -1,13 +1,15 @@
-// The program: verbs run, explain, list, measure, export, verify, merge, compare; `hausbench VERB --help` says what each takes.
+// The program: verbs run, explain, list, measure, export, verify, show, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
 #include "columns.h"
 #include "combine.h"
+#include "compare.h"
 #include "error.h"
 #include "experiment.h"
 #include "explain.h"
 #include "export.h"
 #include "list.h"
 #include "load.h"
+#include "machine.h"
 #include "measure.h"
 #include "paths.h"
 #include "plan.h"
@@ -15,6 +17,7 @@
 #include "progress.h"
 #include "runner.h"
 #include "shape_file.h"
+#include "show.h"
 #include "worker.h"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +41,11 @@ struct RunArguments {
     bool fresh = false, any_build = false, quiet = false;
 };
 
-Catalogue catalogue() { return {project_root() / "datasets" / "manifest.toml", cache_folder(), program_path()}; }
+// Without a project there are no models by name.
+Catalogue catalogue() {
+    const auto root = find_project_root();
+    return {root ? *root / "datasets" / "manifest.toml" : fs::path(), cache_folder(), program_path()};
+}
 
 // The plan points into the catalogue, which therefore lives as long as the program.
 Plan plan_of(const RunArguments& arguments) {
@@ -49,7 +56,7 @@ Plan plan_of(const RunArguments& arguments) {
 }
 
 fs::path results_of(const RunArguments& arguments) {
-    return arguments.results.empty() ? project_root() / "results" : arguments.results;
+    return arguments.results.empty() ? results_folder() : arguments.results;
 }
 
 int run(const RunArguments& arguments) {
@@ -60,12 +67,12 @@ int run(const RunArguments& arguments) {
     if (!shard.whole()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
     const RunSummary summary =
         run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
-    std::string counts;
-    for (const auto& [status, count] : summary.statuses)
-        counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, to_string(status));
+    const Paper paper = paper_of_output();
+    std::fputs(show_summary(summary.result, paper).c_str(), stdout);
     const auto expected = summary.unsound_expected;
-    fmt::print("{}: {}{}\n", summary.file.string(), counts,
-               expected ? fmt::format(" ({} of the unsound as expected)", expected) : "");
+    fmt::print("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),
+               expected ? fmt::format(" ({} of the unsound as expected)", expected) : "",
+               summary.kept ? fmt::format("; {} rows of earlier runs are kept", summary.kept) : "");
     for (const std::string& row : summary.unsound) fmt::print(stderr, "hausbench: unsound: {}\n", row);
     if (summary.interrupted) {
         fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
@@ -128,6 +135,11 @@ int dispatch(int argc, char** argv) {
         "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
         "Pompeiu-Hausdorff).");
     app.require_subcommand(1);
+    app.set_version_flag("--version", [] {
+        const Build& build = this_build();
+        return fmt::format("hausbench {}, commit {}{}, {}, {}", build.version, build.commit.substr(0, 12),
+                           build.dirty == "yes" ? " with changes" : "", build.type, build.compiler);
+    });
     int code = 0;
 
     std::vector<fs::path> plugin_files;
@@ -154,7 +166,7 @@ int dispatch(int argc, char** argv) {
     run_verb->add_option("--scene", run_arguments.choice.scenes, "only this scene; may be repeated")
         ->allow_extra_args(false);
     run_verb->add_option("--results", run_arguments.results,
-                         "folder for the result file (default: results of the project)");
+                         "folder for the result file (default: results of the project, or of the working directory)");
     run_verb
         ->add_option("--shard", run_arguments.shard, "run only part i of n, written i/n; join the parts with `merge`")
         ->capture_default_str();
@@ -185,16 +197,18 @@ int dispatch(int argc, char** argv) {
         std::fputs(explain(plan, results_of(explain_arguments)).c_str(), stdout);
     });
 
-    bool list_json = false, list_columns = false;
-    auto* list_verb =
-        app.add_subcommand("list", "list solvers with their parameters, experiments with their scenes, and models");
-    list_verb->add_flag("--json", list_json, "print one JSON object");
-    list_verb->add_flag("--columns", list_columns, "print the columns of result files instead, as JSON");
+    bool list_json = false;
+    std::string listed;
+    auto* list_verb = app.add_subcommand("list", "list the solvers, or what is asked for; everything with --json");
+    list_verb->add_option("what", listed,
+                          "solvers, experiments, models, or columns (of result files, as JSON); or the name of one "
+                          "solver, experiment or model");
+    list_verb->add_flag("--json", list_json, "print everything as one JSON object");
     takes_plugins(list_verb);
     list_verb->callback([&] {
-        const std::string text = list_columns ? columns_json().dump(1) + "\n"
-                                 : list_json  ? list_as_json().dump(2) + "\n"
-                                              : list_as_text();
+        const std::string text = listed == "columns" ? columns_json().dump(1) + "\n"
+                                 : list_json         ? list_as_json().dump(2) + "\n"
+                                                     : list_as_text(listed, paper_of_output());
         std::fputs(text.c_str(), stdout);
     });
 
@@ -297,14 +311,61 @@ int dispatch(int argc, char** argv) {
         fmt::print("{}: {} cases of {} results\n", merged.string(), result.rows.size(), parts.size());
     });
 
-    fs::path base, candidate;
+    std::vector<fs::path> compared;
+    std::vector<std::string> two_solvers;
     auto* compare_verb = app.add_subcommand(
-        "compare", "compare two results case by case: differing answers first, then ratios of times with intervals");
-    compare_verb->add_option("first", base, "result file (.h5): the base")->required();
-    compare_verb->add_option("second", candidate, "result file (.h5): its times are divided by those of the first")
+        "compare",
+        "compare two results case by case: differing answers first, then ratios of times with intervals; or, with "
+        "--solver, two solvers of one result");
+    compare_verb->add_option("results", compared, "two result files (.h5), the base first; or one with --solver")
         ->required();
-    compare_verb->callback(
-        [&] { std::fputs(compare_results(read_result(base), read_result(candidate)).c_str(), stdout); });
+    compare_verb
+        ->add_option("--solver", two_solvers,
+                     "two solvers of one result, paired by scene, pose and tolerance: labels, or \"guthe(samples=8)\"")
+        ->expected(2);
+    compare_verb->callback([&] {
+        if (compared.size() != (two_solvers.empty() ? 2 : 1))
+            throw InputError(two_solvers.empty() ? "compare: name two results, or two solvers of one with --solver A B"
+                                                 : "compare: --solver compares two solvers of one result: name one");
+        std::fputs((two_solvers.empty()
+                        ? compare_results(read_result(compared[0]), read_result(compared[1]))
+                        : compare_solvers(read_result(compared[0]), two_solvers[0], two_solvers[1], paper_of_output()))
+                       .c_str(),
+                   stdout);
+    });
+
+    fs::path shown_file;
+    RowChoice shown_rows;
+    bool csv = false, shown_json = false, markdown = false, summary = false;
+    auto* show_verb = app.add_subcommand("show", "show the rows of a result: bounds, times, memory, status and reason");
+    show_verb->add_option("result", shown_file, "result file (.h5)")->required();
+    show_verb
+        ->add_option("--solver", shown_rows.solvers,
+                     "only this solver: its label, or \"guthe(samples=8)\"; may be repeated")
+        ->allow_extra_args(false);
+    show_verb->add_option("--scene", shown_rows.scenes, "only this scene; may be repeated")->allow_extra_args(false);
+    show_verb
+        ->add_option("--where", shown_rows.where,
+                     "only rows with COLUMN=VALUE, or COLUMN!=VALUE, such as status=failed; `hausbench list columns` "
+                     "names the columns; may be repeated")
+        ->allow_extra_args(false);
+    show_verb->add_flag("--summary", summary, "a line for each solver, then each reason that a row is not ok");
+    auto* as_csv = show_verb->add_flag("--csv", csv, "as CSV, with all digits");
+    auto* as_json = show_verb->add_flag("--json", shown_json, "as one JSON object, with all digits")->excludes(as_csv);
+    show_verb->add_flag("--md", markdown, "as a table in Markdown")->excludes(as_csv)->excludes(as_json);
+    show_verb->callback([&] {
+        const Form form = csv ? Form::csv : shown_json ? Form::json : markdown ? Form::markdown : Form::text;
+        ResultFile result = read_result(shown_file);
+        const auto rows = chosen_rows(result, shown_rows);
+        if (!summary) {
+            std::fputs(show_rows(result, rows, form, paper_of_output()).c_str(), stdout);
+            return;
+        }
+        std::vector<Row> chosen;
+        for (const std::size_t row : rows) chosen.push_back(std::move(result.rows[row]));
+        result.rows = std::move(chosen);
+        std::fputs(show_summary(result, paper_of_output()).c_str(), stdout);
+    });
 
     // Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
     fs::path load_in, load_out;

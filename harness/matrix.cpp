@@ -81,7 +81,7 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         const int most = *std::min_element(exponents.begin(), exponents.end());
         Job joined;
         joined.scene = scene;
-        joined.label = fmt::format("{} on {}", first.label, matrix);
+        joined.label = fmt::format("{} on {}", shown(first), matrix);
         joined.exponent = most;
         std::vector<Job> rest;
         std::vector<int> rest_exponents;

@@ -2,17 +2,23 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace hausbench {
 
 // The file of this program.
 std::filesystem::path program_path();
 
-// The checkout: HAUSBENCH_ROOT, else the nearest folder above the working directory, else above the program, that holds
-// datasets/manifest.toml. Throws InputError if there is none, or HAUSBENCH_ROOT holds none.
-std::filesystem::path project_root();
+// The checkout, or a folder of one's own that is made like it: HAUSBENCH_ROOT, else the nearest folder above the working
+// directory, else above the program, that holds datasets/manifest.toml. None: an installed program far from any. Throws
+// InputError if HAUSBENCH_ROOT holds none.
+std::optional<std::filesystem::path> find_project_root();
+std::filesystem::path project_root();  // throws InputError if there is none
 
-// HAUSBENCH_CACHE, else datasets/cache of the project: fetched files and shapes.
+// Of the project, else of the working directory.
+std::filesystem::path results_folder();
+
+// HAUSBENCH_CACHE, else datasets/cache of the project, else hausbench in the user's folder for caches: fetched files and shapes.
 std::filesystem::path cache_folder();
 
 }  // namespace hausbench

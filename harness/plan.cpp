@@ -73,6 +73,7 @@ public:
         }
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
         plan_.leave_nothing_out = choice.leave_nothing_out;
+        plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
         for (const ScenePlan& scene :
@@ -190,7 +191,7 @@ private:
                 }
             }
         }
-        const std::string label = fmt::format("{} on {}", solver.label, scene.name);
+        const std::string label = fmt::format("{} on {}", shown(common), scene.name);
         std::size_t run = 0;
         for (Job& job : jobs) {
             if (job.cases.empty()) continue;
@@ -227,6 +228,8 @@ private:
         Case asked;
         asked.solver = solver.name;
         asked.label = solver.label;
+        asked.variant = variant_of(given, solver.options);
+        asked.profile = experiment.profile;
         asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
         asked.scene = scene.name;
         asked.note = scene.note;
@@ -298,7 +301,7 @@ private:
             if (!fresh && at->second->scene == asked.scene) {
                 throw InputError(fmt::format(
                     "{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
-                    plan_.experiment.file.string(), at->second->label, asked.label, asked.scene, asked.pose_index,
+                    plan_.experiment.file.string(), shown(*at->second), shown(asked), asked.scene, asked.pose_index,
                     asked.tolerance));
             }
         }
@@ -327,8 +330,10 @@ void Plan::read_off(std::size_t row, const FromTrace& from) {
 bool unsound_expected(const Case& asked, const Experiment& experiment) {
     if (asked.certified == 1) return false;
     const auto& labels = experiment.expected_unsound;
-    return std::find(labels.begin(), labels.end(), asked.label) != labels.end() ||
-           !find_solver(asked.solver).info.known_wrong.empty();
+    if (std::find(labels.begin(), labels.end(), asked.label) != labels.end()) return true;
+    return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
+        return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
+    });
 }
 
 Shard parse_shard(const std::string& text) {

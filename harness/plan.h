@@ -56,6 +56,7 @@ struct Plan {
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
+    bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
 
     void read_off(std::size_t row, const FromTrace& from);
 

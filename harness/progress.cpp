@@ -17,8 +17,12 @@ std::string clock_text(double seconds) { return fmt::format("{}:{:02}", int(seco
 
 }  // namespace
 
-Progress::Progress(bool quiet)
-    : quiet_(quiet), person_(::isatty(STDERR_FILENO) && !std::getenv("CI")), begin_(Clock::now()), drawn_(begin_) {}
+Progress::Progress(bool quiet, double pause)
+    : quiet_(quiet),
+      person_(::isatty(STDERR_FILENO) && !std::getenv("CI")),
+      pause_(pause),
+      begin_(Clock::now()),
+      drawn_(begin_) {}
 
 Progress::~Progress() { erase(); }
 
@@ -51,11 +55,15 @@ void Progress::doing(const std::string& what) {
 
 void Progress::done(std::size_t cases) {
     done_ += cases;
-    if (!quiet_ && person_ && Clock::now() - drawn_ > std::chrono::milliseconds(100)) draw();
+    if (quiet_ || total_ == 0) return;
+    const std::chrono::duration<double> silent = Clock::now() - drawn_;
+    if (person_ && silent.count() > 0.1) draw();
+    if (!person_ && silent.count() > pause_) line(what_);
 }
 
 void Progress::line(const std::string& text) {
     if (quiet_) return;
+    drawn_ = Clock::now();
     erase();
     if (person_ || total_ == 0)
         fmt::print(stderr, "{}\n", text);

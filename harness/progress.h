@@ -9,7 +9,8 @@ namespace hausbench {
 
 class Progress {
 public:
-    explicit Progress(bool quiet = false);
+    // `pause`: where nobody watches, a line at least this often while cases are finished, in seconds.
+    explicit Progress(bool quiet = false, double pause = 10);
     ~Progress();
 
     void total(std::size_t cases);
@@ -23,6 +24,7 @@ private:
     std::string left() const;
 
     bool quiet_, person_;
+    double pause_;
     std::size_t total_ = 0, done_ = 0;
     std::string what_;
     std::chrono::steady_clock::time_point begin_, drawn_;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -80,8 +81,25 @@ std::string identify(const Case& asked) {
     return hash.hex();
 }
 
+std::string shown(const Case& asked) {
+    return asked.variant.empty() ? asked.label : fmt::format("{}({})", asked.label, asked.variant);
+}
+
+std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept) {
+    std::string text;
+    for (const auto& [name, value] : one) {
+        const bool same = std::all_of(swept.begin(), swept.end(), [&](const ParameterMap& other) {
+            const auto at = other.find(name);
+            return at != other.end() && at->second == value;
+        });
+        if (same) continue;
+        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", name, to_string(value));
+    }
+    return text;
+}
+
 std::string name_of(const Case& c) {
-    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", c.label, c.scene,
+    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene,
                        c.quantity == Quantity::symmetric ? ", H" : "", c.pose_index, c.tolerance, c.tolerance_of,
                        c.warm ? ", warm" : "");
 }

@@ -34,6 +34,8 @@ template <> inline constexpr int count_of<Field::Meaning> = 3;
 struct Case {
     std::string identity;  // SHA-256, see identify()
     std::string solver, label;
+    std::string profile;   // of the experiment, that asks for it; several are joined by commas
+    std::string variant;   // the parameters that the experiment sweeps: "samples=8, seed=1"; else empty
     ParameterMap options;  // every parameter of the solver
     std::string scene, note, source, target;
     std::string source_hash, target_hash;  // of the shapes; empty for a missing model
@@ -59,6 +61,12 @@ struct Case {
 };
 
 std::string identify(const Case& asked);
+
+// The solver as it is shown: "guthe", or "guthe(samples=8)" where the experiment sweeps a parameter.
+std::string shown(const Case& asked);
+
+// "samples=8, seed=1": those of `one` that are not the same in all of `swept`.
+std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
 // For people: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
 std::string name_of(const Case& asked);
@@ -161,6 +169,7 @@ struct LedgerEntry {
     std::string subject, what, reason;
     std::int64_t count = 1;
     double seconds_saved = unknown;  // known only afterwards, and not for all
+    std::string profile = {};        // of the experiment, as run
 };
 
 // The status of a row for a solver's own status: converged, below_floor and above_cutoff are `ok`.

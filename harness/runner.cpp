@@ -1,5 +1,6 @@
 #include "runner.h"
 
+#include "earlier.h"
 #include "error.h"
 #include "field_file.h"
 #include "hash.h"
@@ -66,10 +67,18 @@ public:
     Runner(const Plan& plan, const RunOptions& options)
         : plan_(plan),
           options_(options),
-          journal_(made_folder(options.results) / (plan.experiment.stem + options.suffix + ".journal"), options.fresh),
+          journal_(made_folder(options.results) / (plan.experiment.stem + options.suffix + ".journal"),
+                   options.fresh && plan.whole),
           fields_(options.results / (plan.experiment.stem + options.suffix + ".fields")),
           progress_(options.quiet) {
-        if (options.fresh) std::filesystem::remove_all(fields_);
+        if (options.fresh) {
+            std::set<std::string> asked;
+            for (const Case& one : plan.cases) asked.insert(one.identity);
+            journal_.forget(asked);
+            for (std::size_t row = 0; row < plan.cases.size(); ++row) {
+                if (const auto file = fields_file(row); !file.empty()) std::filesystem::remove(file);
+            }
+        }
         if (plan.experiment.fields) made_folder(fields_);
     }
 
@@ -259,27 +268,27 @@ private:
     }
 
     // Each row read off another run would have cost its first answer and its timed repeats.
-    void note_time_saved(ResultFile& result) const {
+    void note_time_saved(const std::vector<Row>& rows, std::vector<LedgerEntry>& ledger) const {
         const Experiment& e = plan_.experiment;
         std::map<std::string, double> saved;
-        for (const Row& row : result.rows) {
+        for (const Row& row : rows) {
             if (!row.outcome.from_trace || !std::isfinite(row.outcome.solve_seconds)) continue;
-            saved[fmt::format("{} on {}", row.asked.label, row.asked.scene)] +=
+            saved[fmt::format("{} on {}", shown(row.asked), row.asked.scene)] +=
                 row.outcome.solve_seconds * e.rounds * (1 + e.repeats);
         }
-        for (LedgerEntry& entry : result.ledger) {
+        for (LedgerEntry& entry : ledger) {
             const auto at = saved.find(entry.subject);
             if (entry.what != coarser_tolerances || at == saved.end()) continue;
             entry.seconds_saved = at->second;
-            at->second = 0;  // several options of one solver share a label: their sum stands at the first
+            at->second = 0;  // several tolerances of one subject: their sum stands at the first
         }
     }
 
     // A worker prepares once and then answers every pose: what preparing again for each of them would have cost.
-    void note_structures_reused(ResultFile& result) const {
+    void note_structures_reused(std::vector<LedgerEntry>& ledger) const {
         for (const Job& job : plan_.jobs) {
             if (job.exponent) {
-                note_shapes_shared(job, result);
+                note_shapes_shared(job, ledger);
                 continue;
             }
             const SolverInfo& info = find_solver(plan_.cases[job.cases.front()].solver).info;
@@ -295,7 +304,7 @@ private:
             if (poses.size() <= builds.size()) continue;
             const auto left_out = poses.size() - builds.size();
             const double mean = std::accumulate(builds.begin(), builds.end(), 0.0) / double(builds.size());
-            result.ledger.push_back(
+            ledger.push_back(
                 {"not_prepared", job.label, structures_for_each_pose,
                  fmt::format("built {} and used for all {} poses",
                              builds.size() == 1 ? "once" : fmt::format("{} times", builds.size()), poses.size()),
@@ -304,7 +313,7 @@ private:
     }
 
     // A worker of a matrix prepares each shape once for all its pairs.
-    void note_shapes_shared(const Job& job, ResultFile& result) const {
+    void note_shapes_shared(const Job& job, std::vector<LedgerEntry>& ledger) const {
         struct Use {
             int built = 0, shared = 0;
             double saved = 0;
@@ -333,10 +342,10 @@ private:
             const std::string again = std::size_t(use.built) == use.shapes.size()
                                           ? ""
                                           : fmt::format(", built {} times, by several workers or runs", use.built);
-            result.ledger.push_back({"not_prepared", job.label, structures_for_each_pair,
-                                     fmt::format("{}: built over {} shapes and used {} times by {} pairs{}", name,
-                                                 use.shapes.size(), use.built + use.shared, job.pairs.size(), again),
-                                     use.shared, use.saved});
+            ledger.push_back({"not_prepared", job.label, structures_for_each_pair,
+                              fmt::format("{}: built over {} shapes and used {} times by {} pairs{}", name,
+                                          use.shapes.size(), use.built + use.shared, job.pairs.size(), again),
+                              use.shared, use.saved});
         }
     }
 
@@ -354,6 +363,13 @@ private:
         if (without_fields > 0 && !interrupted)
             progress_.line(fmt::format("{} rows have an answer, but the worker ended before it wrote their fields",
                                        without_fields));
+        for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
+        result.ledger = ledger_of(result.rows);
+        const std::size_t mine = result.rows.size();
+        summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
+        std::vector<std::size_t> places;
+        keep_earlier_rows(result, summary.file, places);
+        summary.kept = result.rows.size() - mine;
         progress_.doing("verifying");
         const bool swept = !interrupted;
         interrupted = 0;  // the next Ctrl-C ends the checking, which can take long, too
@@ -369,25 +385,52 @@ private:
                 }
                 return nullptr;
             },
-            [] { return interrupted != 0; });
+            [] { return interrupted != 0; }, mine);
         for (const Row& row : result.rows) {
-            ++summary.statuses[row.outcome.status];
             if (row.outcome.status != RowStatus::unsound) continue;
             if (unsound_expected(row.asked, plan_.experiment))
                 ++summary.unsound_expected;
             else
                 summary.unsound.push_back(fmt::format("{}: {}", name_of(row.asked), row.outcome.reason));
         }
-        for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
-        result.ledger = plan_.ledger;
-        result.ledger.insert(result.ledger.end(), ledger_.begin(), ledger_.end());
-        note_time_saved(result);
-        note_structures_reused(result);
-        summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
         summary.interrupted = interrupted || !swept;
         describe_run(result, plan_.experiment, journal_.started(), utc_now());
+        summary.result = result;
+        summary.result.rows.resize(mine);
+        if (!places.empty()) put_in_order(result.rows, places);
         write_result(summary.file, result);
         return summary;
+    }
+
+    static void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places) {
+        std::vector<std::size_t> order(rows.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+        std::vector<Row> sorted;
+        for (const std::size_t i : order) sorted.push_back(std::move(rows[i]));
+        rows = std::move(sorted);
+    }
+
+    std::vector<LedgerEntry> ledger_of(const std::vector<Row>& rows) const {
+        std::vector<LedgerEntry> ledger = plan_.ledger;
+        ledger.insert(ledger.end(), ledger_.begin(), ledger_.end());
+        note_time_saved(rows, ledger);
+        note_structures_reused(ledger);
+        for (LedgerEntry& entry : ledger) entry.profile = plan_.experiment.profile;
+        return ledger;
+    }
+
+    // A file that cannot be read is put aside: whoever knows what it is may still want it.
+    void keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, std::vector<std::size_t>& places) {
+        if (!std::filesystem::exists(file)) return;
+        try {
+            for (const std::string& line : keep_earlier(result, read_result(file), plan_, places)) progress_.line(line);
+        } catch (const InputError& error) {
+            const std::filesystem::path aside = file.string() + ".unreadable";
+            std::filesystem::rename(file, aside);
+            progress_.line(fmt::format("{}; it is {} now", error.what(), aside.string()));
+        }
     }
 
     const Plan& plan_;

@@ -1,7 +1,7 @@
 // Runs a plan: one worker process a solver and scene, limits, the journal, and the result file at the end.
 #pragma once
 
-#include "plan.h"
+#include "result_file.h"
 
 #include <filesystem>
 #include <map>
@@ -12,7 +12,7 @@ namespace hausbench {
 
 struct RunOptions {
     std::filesystem::path results;  // folder
-    bool fresh = false;             // forget what an earlier run finished
+    bool fresh = false;             // forget what an earlier run finished of what this one is asked for
     bool any_build = false;         // keep rows of other builds of this program
     bool quiet = false;
     std::string suffix;  // after the stem in the names of journal and result (shards)
@@ -20,9 +20,10 @@ struct RunOptions {
 
 struct RunSummary {
     std::filesystem::path file;
-    std::map<RowStatus, std::size_t> statuses;  // how many rows of each
-    std::vector<std::string> unsound;           // a line for each row that should not be
-    std::size_t unsound_expected = 0;           // how many were, see plan.h
+    ResultFile result;                 // of its rows those that this run was asked for
+    std::size_t kept = 0;              // earlier rows that the file has besides, see earlier.h
+    std::vector<std::string> unsound;  // a line for each row that should not be
+    std::size_t unsound_expected = 0;  // how many were, see plan.h
     bool interrupted = false;
 };
 

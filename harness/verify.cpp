@@ -167,15 +167,15 @@ bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.transla
 
 }  // namespace
 
-void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
-                 const Stop& stop) {
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
+                 std::size_t checked) {
     std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
-        rows[i].check = {};
+        if (i < checked) rows[i].check = {};
         if (std::isnan(b.lower) || std::isnan(b.upper)) {
-            if (!rows[i].outcome.solver_status.empty()) {  // it did answer
+            if (i < checked && !rows[i].outcome.solver_status.empty()) {  // it did answer
                 rows[i].check = {Verdict::unsound, Verdict::unsound, "a bound is not a number"};
             }
             continue;
@@ -186,17 +186,21 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
     }
     for (const auto& [key, members] : pairs) {
+        if (members.front().row >= checked) continue;  // rows are in their order
         const Shape *first = load(key.first.first), *second = load(key.second.first);
         if (!first || !second) continue;
+        for (const Member& m : members)
+            rows[m.row].check = {Verdict::not_checked, Verdict::not_checked, "", rows[m.row].check.fields};
         if (!PairCheck(rows, members, *first, *second, stop).run()) break;
     }
-    for (Row& row : rows) {
-        if (!row.fields.empty()) check_fields_of(row, load, stop);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        Row& row = rows[i];
+        if (i < checked && !row.fields.empty()) check_fields_of(row, load, stop);
         const Check& check = row.check;
         if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
             continue;
         row.outcome.status = RowStatus::unsound;
-        row.outcome.reason = row.check.reason;
+        if (!check.reason.empty()) row.outcome.reason = check.reason;  // empty: of a row that was checked before
     }
 }
 

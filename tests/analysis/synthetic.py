@@ -30,7 +30,7 @@ META: dict[str, Any] = {
     "hausbench_version": "0.1.0"}
 
 CASE: dict[str, Any] = {
-    "identity": "", "solver": "", "label": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
+    "identity": "", "solver": "", "label": "", "variant": "", "profile": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
     "scene_note": "", "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "source_longest": 0.75, "pose_index": 0,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "target_pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0],
     "quantity": "directed", "warm": 0, "chain": "", "tolerance": 0.0, "tolerance_of": "diagonal",
@@ -50,7 +50,7 @@ REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_secon
 PREPARATION: dict[str, Any] = {"case": 0, "round": 0, "name": "", "seconds": NAN, "bytes": -1, "shared": 0}
 TRACE: dict[str, Any] = {"seconds": NAN, "lower": NAN, "upper": NAN}
 FIELD: dict[str, Any] = {"case": 0, "name": "", "of": "vertices", "meaning": "number", "begin": 0, "end": 0}
-LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN}
+LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "count": 0, "seconds_saved": NAN, "profile": ""}
 
 
 @dataclass

@@ -285,3 +285,21 @@ def test_paper_numbers_are_all_there() -> None:
         assert {"paper", "table", "section", "unit", "machine", "row"} <= set(numbers), name
         values = [value for row in numbers["row"] for value in row.values() if isinstance(value, (int, float))]
         assert values and min(values) > 0, name
+
+
+def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
+    file = ResultFile("two", meta={"profile": "paper"})
+    file.case("naive", "x", [1.0, 2.0], lower=1.0, upper=1.0, profile="quick")
+    file.case("scan", "x", [3.0, 4.0, 5.0], lower=1.0, upper=1.0, profile="paper,quick")
+    file.case("ohd", "x", [6.0], [(0.0, 0.0, np.inf), (6.0, 1.0, 1.0)], lower=1.0, upper=1.0, profile="paper", variant="seed=1")
+    file.ledger += [{"kind": "not_run", "subject": "a", "profile": "quick"}, {"kind": "not_run", "subject": "b", "profile": "paper"}]
+    path = file.write(tmp_path)
+    latest = load.load(path)  # the profile of the latest run
+    assert list(latest.cases.label) == ["scan", "ohd"] and list(latest.names) == ["scan", "ohd(seed=1)"]
+    assert list(latest.wall_seconds(0)) == list(load.load(path, "quick").wall_seconds(1)) and len(latest.repeats_of(0)) == 3
+    assert latest.trace_of(1).seconds.tolist() == [0.0, 6.0]
+    assert list(latest.ledger.subject) == ["b"]
+    assert all(len(counts) == 2 for counts in latest.cases.counters.values())
+    assert list(load.load(path, "quick").cases.label) == ["naive", "scan"]
+    with pytest.raises(load.ResultError, match="no cases"):
+        load.load(path, "none")

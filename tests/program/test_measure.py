@@ -121,7 +121,7 @@ def test_no_answer_is_no_success(hausbench: Program, tetrahedron: Path) -> None:
 def test_list_shows_what_solvers_take(hausbench: Program) -> None:
     solvers = {solver["name"]: solver for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
     assert solvers["surface_enclosure"]["source"] == ["surface"] and solvers["naive"]["target"] == ["points"]
-    assert "surface to surface" in hausbench("list").stdout
+    assert "measures surface against surface" in hausbench("list", "surface_enclosure").stdout
 
 
 def scratch_folders(folder: Path) -> list[str]:

@@ -1,0 +1,238 @@
+#include "compare.h"
+
+#include "error.h"
+#include "row_times.h"
+#include "show.h"
+#include "statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+
+namespace {
+
+const char* verdict_of(const Estimate& ratio) {
+    return ratio.n == 1              ? "one pair"
+           : ratio.confidence < 0.95 ? "too few pairs"
+           : !separated(ratio)       ? "not separated"
+           : ratio.value > 1         ? "slower"
+                                     : "faster";
+}
+
+double geometric_mean(const std::vector<double>& ratios) {
+    double logs = 0;
+    for (double ratio : ratios) logs += std::log(ratio);
+    return std::exp(logs / double(ratios.size()));
+}
+
+}  // namespace
+
+bool same_answer(const Outcome& a, const Outcome& b) {
+    const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+    return a.status == b.status && same(a.bounds.lower, b.bounds.lower) && same(a.bounds.upper, b.bounds.upper);
+}
+
+std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
+    std::map<std::string, const Row*> by_key;
+    for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
+    std::string differing, table;
+    std::size_t matched = 0, untimed = 0;
+    std::vector<double> all;
+    for (const Row& row : candidate.rows) {
+        const auto at = by_key.find(row.asked.identity + row.asked.scene);
+        if (at == by_key.end()) continue;
+        ++matched;
+        const Outcome &a = at->second->outcome, &b = row.outcome;
+        if (!same_answer(a, b)) {
+            differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked),
+                                     to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
+                                     b.bounds.lower, b.bounds.upper);
+        }
+        if (b.from_trace) continue;                             // its times are those of the row it was read off
+        const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h
+        const auto times = [cpu](const auto& timed) {
+            std::vector<double> seconds;
+            for (const auto& t : timed) seconds.push_back(cpu ? t.cpu_seconds : t.wall_seconds);
+            return seconds;
+        };
+        const bool again = !a.repeats.empty() && !b.repeats.empty();  // else the first answers are what was timed
+        const std::vector<double> before = again ? times(a.repeats) : times(a.answers),
+                                  after = again ? times(b.repeats) : times(b.answers);
+        if (before.empty() || after.empty()) {
+            ++untimed;
+            continue;
+        }
+        const Estimate ratio = paired_ratio(before, after);
+        all.push_back(ratio.value);
+        table += fmt::format("  {:<60} {:>8.4g} [{:.4g}, {:.4g}]  n = {:<3} {:>5.1f} %  {:<4}  {}\n",
+                             name_of(row.asked), ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence,
+                             cpu ? "CPU" : "wall", verdict_of(ratio));
+    }
+    if (matched == 0)
+        throw InputError("the two results have no case in common: compare results of the same experiment and profile");
+    std::string text;
+    for (const char* name : {"build", "machine"}) {
+        const std::string &a = base.texts.at(name), &b = candidate.texts.at(name);
+        if (a != b) text += fmt::format("{}s differ: {:.12} and {:.12}\n", name, a, b);
+    }
+    text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched,
+                        base.rows.size() - matched, candidate.rows.size() - matched);
+    text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
+    text +=
+        fmt::format(
+            "time of the second / time of the first, median of paired repeats [interval], CPU or wall time ({} cases "
+            "without times)\n",
+            untimed) +
+        table;
+    if (!all.empty()) text += fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), geometric_mean(all));
+    return text;
+}
+
+namespace {
+
+// Which question a row answers, whoever answers it.
+using Question =
+    std::tuple<std::string, int, std::string, std::string, std::string, double, std::string, double, double>;
+
+Question question_of(const Case& c) {
+    return {c.scene,     c.pose_index,   c.source, c.target, std::string(to_string(c.quantity)),
+            c.tolerance, c.tolerance_of, c.floor,  c.cutoff};
+}
+
+std::string place_of(const Case& c) {
+    return fmt::format("{}{}, pose {}, tolerance {:g} of {}", c.scene, c.quantity == Quantity::symmetric ? ", H" : "",
+                       c.pose_index, c.tolerance, c.tolerance_of);
+}
+
+std::string interval_text(const Outcome& o) {
+    return fmt::format("{} [{:.17g}, {:.17g}]", to_string(o.status), o.bounds.lower, o.bounds.upper);
+}
+
+bool answered(const Outcome& o) { return !std::isnan(o.bounds.lower) && !std::isnan(o.bounds.upper); }
+
+bool overlap(const Bounds& a, const Bounds& b) { return a.lower <= b.upper && b.lower <= a.upper; }
+
+std::vector<const Row*> rows_of(const ResultFile& result, const std::string& name) {
+    std::vector<const Row*> rows;
+    for (const std::size_t row : chosen_rows(result, {{name}, {}, {}})) rows.push_back(&result.rows[row]);
+    return rows;
+}
+
+using Pairs = std::vector<std::pair<const Row*, const Row*>>;
+
+Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row*>& second) {
+    std::map<Question, std::vector<const Row*>> answers;
+    for (const Row* row : second) answers[question_of(row->asked)].push_back(row);
+    Pairs pairs;
+    for (const Row* row : first) {
+        const auto at = answers.find(question_of(row->asked));
+        if (at == answers.end()) continue;
+        const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
+        const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
+        for (const Row* other : at->second) {
+            if (!both_sweep || same(other)) pairs.emplace_back(row, other);
+        }
+    }
+    return pairs;
+}
+
+// "guthe" where all rows are of it, else with the parameters of each.
+std::string names_of(const Row& a, const Row& b, bool several) {
+    return several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
+                   : place_of(a.asked);
+}
+
+std::string ratio_text(const Estimate& ratio) {
+    return ratio.n == 0 ? "" : fmt::format("{:.3g} [{:.3g}, {:.3g}]", ratio.value, ratio.low, ratio.high);
+}
+
+struct Ratios {
+    TextTable table{{{"case", false, 0, true},
+                     {"solve", true},
+                     {"rounds", true, 3},
+                     {"", false, 1},
+                     {"prepare + first", true, 2},
+                     {"", false, 2},
+                     {"clock", false, 4}}};
+    std::vector<double> again, total;
+    std::size_t untimed = 0;
+
+    void add(const Row& a, const Row& b, const std::string& name) {
+        const bool cpu = cpu_clock(a.outcome) && cpu_clock(b.outcome);
+        const Estimate once = ratio_by_round(total_by_round(a.outcome, cpu), total_by_round(b.outcome, cpu));
+        const Estimate repeated = ratio_by_round(again_by_round(a.outcome, cpu), again_by_round(b.outcome, cpu));
+        if (once.n == 0 && repeated.n == 0) {
+            ++untimed;
+            return;
+        }
+        if (once.n > 0) total.push_back(once.value);
+        if (repeated.n > 0) again.push_back(repeated.value);
+        table.add({{name, ratio_text(repeated), std::to_string(std::max(once.n, repeated.n)),
+                    repeated.n ? verdict_of(repeated) : "", ratio_text(once), once.n ? verdict_of(once) : "",
+                    cpu ? "CPU" : "wall"}});
+    }
+};
+
+}  // namespace
+
+std::string compare_solvers(const ResultFile& result, const std::string& first, const std::string& second,
+                            const Paper& paper) {
+    const auto of_first = rows_of(result, first), of_second = rows_of(result, second);
+    const Pairs pairs = pairs_of(of_first, of_second);
+    if (pairs.empty())
+        throw InputError(fmt::format("'{}' and '{}' have no scene, pose and tolerance in common", first, second));
+    std::set<const Row*> paired;
+    std::set<std::string> variants;
+    for (const auto& [a, b] : pairs) {
+        paired.insert({a, b});
+        variants.insert({"1" + a->asked.variant, "2" + b->asked.variant});
+    }
+    const auto alone = [&](const std::vector<const Row*>& rows) {
+        return std::count_if(rows.begin(), rows.end(), [&](const Row* row) { return !paired.contains(row); });
+    };
+    std::string apart, silent;
+    std::size_t overlapping = 0;
+    Ratios ratios;
+    for (const auto& [a, b] : pairs) {
+        const std::string name = names_of(*a, *b, variants.size() > 2);
+        const std::string both =
+            fmt::format("{}: {} {}, {} {}", name, first, interval_text(a->outcome), second, interval_text(b->outcome));
+        if (!answered(a->outcome) || !answered(b->outcome))
+            silent += wrapped(both, 2, paper.width);
+        else if (!overlap(a->outcome.bounds, b->outcome.bounds))
+            apart += wrapped(both, 2, paper.width);
+        else
+            ++overlapping;
+        if (answered(a->outcome) && answered(b->outcome)) ratios.add(*a, *b, name);
+    }
+    std::string text =
+        wrapped(fmt::format("{} pairs of {} and {}; rows without a partner: {} of {}, {} of {}", pairs.size(), first,
+                            second, alone(of_first), first, alone(of_second), second),
+                0, paper.width);
+    text += apart.empty() ? fmt::format("intervals: all {} overlap\n", overlapping)
+                          : coloured("INTERVALS THAT DO NOT OVERLAP", Colour::red, paper) + "\n" + apart;
+    if (!silent.empty()) text += "WITHOUT AN ANSWER\n" + silent;
+    text += wrapped(fmt::format("time of {} / time of {}, round by round: solving again, and preparing with the first "
+                                "answer ({} pairs without times)",
+                                second, first, ratios.untimed),
+                    0, paper.width);
+    text += ratios.table.text(paper);
+    for (const auto& [what, all] :
+         {std::pair("solving again", &ratios.again), std::pair("preparing and the first answer", &ratios.total)}) {
+        if (!all->empty())
+            text += wrapped(
+                fmt::format("geometric mean of {} over {} pairs: {:.4g}", what, all->size(), geometric_mean(*all)), 0,
+                paper.width);
+    }
+    return text;
+}
+
+}  // namespace hausbench

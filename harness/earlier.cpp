@@ -1,0 +1,172 @@
+#include "earlier.h"
+
+#include "error.h"
+#include "machine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+namespace hausbench {
+
+namespace {
+
+std::set<std::string> names_in(const std::string& profiles) {
+    std::set<std::string> names;
+    std::istringstream in(profiles);
+    for (std::string name; std::getline(in, name, ',');) names.insert(name);
+    return names;
+}
+
+std::string joined(const std::set<std::string>& names) { return fmt::format("{}", fmt::join(names, ",")); }
+
+// Which scenes and labels an experiment has in a profile.
+struct Asked {
+    std::set<std::string> scenes, labels;
+
+    explicit Asked(const Experiment& experiment) {
+        for (const ScenePlan& scene : experiment.scenes) scenes.insert(scene.name);
+        for (const SolverPlan& solver : experiment.solvers) labels.insert(solver.label);
+    }
+    bool has(const Case& c) const { return scenes.contains(c.scene) && labels.contains(c.label); }
+};
+
+class Keeper {
+public:
+    Keeper(ResultFile& result, const Plan& plan, std::vector<std::size_t>& places)
+        : result_(result), plan_(plan), places_(places), now_(plan.experiment.profile) {
+        std::map<std::string, std::string> matrices;
+        for (const ScenePlan& scene : plan.experiment.scenes) matrices[scene.name] = scene.matrix;
+        for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+            const Case& c = plan.cases[i];
+            rows_[key(c)] = i;
+            covered_.insert({c.scene, c.label});
+            subjects_.insert(fmt::format("{} on {}", shown(c), c.scene));
+            if (!matrices[c.scene].empty()) subjects_.insert(fmt::format("{} on {}", shown(c), matrices[c.scene]));
+        }
+        for (const ModelRecord& model : result.models) hashes_[model.name] = model.sha256;
+    }
+
+    std::vector<std::string> keep(ResultFile before) {
+        const std::size_t asked = result_.rows.size();
+        for (std::size_t i = 0; i < asked; ++i) places_.push_back(plan_.whole ? i : before.rows.size() + i);
+        for (std::size_t i = 0; i < before.rows.size(); ++i) {
+            place_ = plan_.whole ? asked + i : i;
+            keep(std::move(before.rows[i]));
+        }
+        for (ModelRecord& model : before.models) {
+            if (models_.contains(model.name) && !hashes_.contains(model.name))
+                result_.models.push_back(std::move(model));
+        }
+        for (LedgerEntry& entry : before.ledger) {
+            const bool mine = entry.profile == now_ && (plan_.whole || subjects_.contains(entry.subject));
+            if (!mine && profiles_.contains(entry.profile)) result_.ledger.push_back(std::move(entry));
+        }
+        return said();
+    }
+
+private:
+    static std::tuple<std::string, std::string, std::string> key(const Case& c) {
+        return {c.identity, c.scene, c.label};
+    }
+
+    bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
+
+    // Of the experiment as it is now; null where it can no longer be read in that profile.
+    const Asked* asked_in(const std::string& profile) {
+        auto at = asked_.find(profile);
+        if (at == asked_.end()) {
+            std::optional<Asked> asked;
+            try {
+                asked.emplace(profile == now_ ? plan_.experiment : read_experiment(plan_.experiment.file, profile));
+            } catch (const InputError&) {
+            }
+            at = asked_.emplace(profile, std::move(asked)).first;
+        }
+        return at->second ? &*at->second : nullptr;
+    }
+
+    void keep(Row row) {
+        Case& c = row.asked;
+        const auto at = rows_.find(key(c));
+        if (at != rows_.end() && !plan_.whole) places_[at->second] = place_;
+        std::set<std::string> profiles = names_in(c.profile);
+        if (covers(c)) profiles.erase(now_);
+        if (profiles.empty()) return;
+        std::erase_if(profiles, [&](const std::string& profile) {
+            const Asked* asked = asked_in(profile);
+            return !asked || !asked->has(c);
+        });
+        if (profiles.empty()) {
+            ++gone_;
+            return;
+        }
+        for (const auto& [name, hash] : {std::pair(c.source, c.source_hash), std::pair(c.target, c.target_hash)}) {
+            const auto now = hashes_.find(name);
+            if (now == hashes_.end() || hash.empty() || now->second == hash) continue;
+            ++changed_[name];
+            return;
+        }
+        if (at != rows_.end()) {
+            std::string& both = result_.rows[at->second].asked.profile;
+            both = joined_profiles(both, joined(profiles));
+            return;
+        }
+        c.profile = joined(profiles);
+        profiles_.merge(profiles);
+        models_.insert({c.source, c.target});
+        if (!row.outcome.build.empty() && row.outcome.build != build_of(c.solver)) ++other_builds_;
+        places_.push_back(place_);
+        result_.rows.push_back(std::move(row));
+    }
+
+    std::vector<std::string> said() const {
+        std::vector<std::string> lines;
+        if (gone_ > 0)
+            lines.push_back(fmt::format(
+                "{} earlier rows are left out: the experiment no longer has their scene or their solver", gone_));
+        for (const auto& [name, rows] : changed_)
+            lines.push_back(fmt::format("{} earlier rows are left out: model '{}' has other bytes now; run them again",
+                                        rows, name));
+        if (other_builds_ > 0)
+            lines.push_back(fmt::format(
+                "{} rows of an earlier run are of another build (column `build`): run them again to compare times",
+                other_builds_));
+        return lines;
+    }
+
+    ResultFile& result_;
+    const Plan& plan_;
+    std::vector<std::size_t>& places_;
+    std::size_t place_ = 0;  // of the row at hand
+    const std::string now_;
+    std::map<std::tuple<std::string, std::string, std::string>, std::size_t> rows_;
+    std::set<std::pair<std::string, std::string>> covered_;  // scene, label
+    std::set<std::string> subjects_;                         // of the ledger
+    std::map<std::string, std::string> hashes_;              // of the models of the plan
+    std::map<std::string, std::optional<Asked>> asked_;
+    std::set<std::string> profiles_, models_;  // of rows that stay
+    std::map<std::string, std::size_t> changed_;
+    std::size_t gone_ = 0, other_builds_ = 0;
+};
+
+}  // namespace
+
+bool has_profile(const std::string& profiles, const std::string& one) { return names_in(profiles).contains(one); }
+
+std::string joined_profiles(const std::string& a, const std::string& b) {
+    std::set<std::string> names = names_in(a);
+    names.merge(names_in(b));
+    return joined(names);
+}
+
+std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
+                                      std::vector<std::size_t>& places) {
+    return Keeper(result, plan, places).keep(std::move(before));
+}
+
+}  // namespace hausbench

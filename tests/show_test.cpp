@@ -1,0 +1,254 @@
+// What people see of a result: tables that fit, bounds that hold as shown, reasons, two solvers side by side, lines of progress.
+#include "show.h"
+#include "compare.h"
+#include "error.h"
+#include "progress.h"
+#include "row_times.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+#include <sstream>
+
+namespace hausbench {
+namespace {
+
+Row row(const std::string& label, const std::string& scene, double lower, double upper,
+        const std::string& variant = "") {
+    Row row;
+    row.asked.solver = row.asked.label = label;
+    row.asked.variant = variant;
+    row.asked.scene = scene;
+    row.asked.source = row.asked.target = "model";
+    row.asked.tolerance = 0.001;
+    row.asked.tolerance_of = "diagonal";
+    row.asked.profile = "quick";
+    row.outcome.status = RowStatus::ok;
+    row.outcome.bounds = {lower, upper};
+    row.outcome.clock = "cpu";
+    row.check.lower = row.check.upper = Verdict::holds;
+    return row;
+}
+
+ResultFile result_of(std::vector<Row> rows) {
+    ResultFile result;
+    result.texts = {{"stem", "test"}, {"profile", "quick"}};
+    result.rows = std::move(rows);
+    return result;
+}
+
+// Repeats of each round, and a first answer that takes twice as long as the first of them.
+void time_it(Row& row, const std::vector<std::vector<double>>& rounds) {
+    for (std::size_t r = 0; r < rounds.size(); ++r) {
+        row.outcome.answers.push_back({int(r), 4 * rounds[r].front(), 2 * rounds[r].front()});
+        for (const double s : rounds[r]) row.outcome.repeats.push_back({int(r), 2 * s, s, 1});
+        row.outcome.preparation.push_back({int(r), "target BVH", 10, 0, 0});
+    }
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+std::size_t characters(const std::string& text) {
+    return std::size_t(std::count_if(text.begin(), text.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
+}
+
+TEST(TextTable, NeverWiderThanThePaper) {
+    TextTable table(
+        {{"solver", false, 0, true}, {"scene", false, 0, true}, {"µ", true, 2}, {"memory", true, 3}, {"status"}});
+    table.add({{"surface_enclosure", "a scene with a very long name", "12 µs", "120 MB", "ok"}});
+    table.add(
+        {{"guthe", "é", "1 µs", "1 MB", "failed"}, "a reason of many words that stands below its row and is wrapped"});
+    for (std::size_t width = 20; width <= 120; ++width) {
+        const std::string text = table.text({width, false});
+        for (const std::string& line : lines_of(text)) EXPECT_LE(characters(line), width) << line;
+        EXPECT_NE(text.find("failed"), std::string::npos) << "a column of rank 0 is never left out";
+        EXPECT_NE(text.find("wrapped"), std::string::npos);
+    }
+    std::vector<std::string> left;
+    table.text({60, false}, &left);
+    EXPECT_EQ(left, (std::vector<std::string>{"µ", "memory"}));
+    left.clear();
+    table.text({0, false}, &left);
+    EXPECT_TRUE(left.empty());
+    const auto wide = lines_of(table.text({0, false}));
+    ASSERT_EQ(wide.size(), 4u);
+    EXPECT_EQ(wide[0], "solver             scene                              µ  memory  status");
+    EXPECT_EQ(wide[1], "surface_enclosure  a scene with a very long name  12 µs  120 MB  ok");
+}
+
+TEST(TextTable, ColourOnlyWhereThePaperHasIt) {
+    TextTable table({{"solver"}});
+    table.add({{"guthe"}, "", Colour::red});
+    EXPECT_EQ(table.text({0, false}).find('\033'), std::string::npos);
+    EXPECT_NE(table.text({0, true}).find("\033[31mguthe\033[0m"), std::string::npos);
+}
+
+TEST(Times, TheRoundIsTheUnit) {
+    Row one = row("guthe", "a", 1, 2);
+    time_it(one, {{1, 2, 100}, {5, 6, 7}, {3, 3, 3}});
+    EXPECT_EQ(again_by_round(one.outcome, true), (ByRound{{0, 2}, {1, 6}, {2, 3}}));
+    EXPECT_EQ(again_by_round(one.outcome, false), (ByRound{{0, 4}, {1, 12}, {2, 6}}));
+    EXPECT_EQ(total_by_round(one.outcome, true), (ByRound{{0, 12}, {1, 20}, {2, 16}}));
+    const Estimate time = time_of(one.outcome);
+    EXPECT_EQ(time.n, 3u);
+    EXPECT_EQ(time.value, 3);
+    EXPECT_EQ(time.low, 2);
+    EXPECT_EQ(time.high, 6);
+    one.outcome.repeats.resize(3);  // a single round: its repeats
+    EXPECT_EQ(time_of(one.outcome).value, 2);
+    EXPECT_EQ(time_of(one.outcome).low, 1);
+    EXPECT_EQ(time_of(one.outcome).high, 100);
+    EXPECT_EQ(time_of(one.outcome).confidence, 0) << "they are no independent measurements";
+    one.outcome.repeats.clear();
+    EXPECT_EQ(time_of(one.outcome).value, 6) << "first answers";
+    EXPECT_EQ(time_of(row("guthe", "a", 1, 2).outcome).n, 0u);
+    const Estimate ratio = ratio_by_round({{0, 1}, {2, 4}}, {{0, 2}, {1, 9}, {2, 8}});
+    EXPECT_EQ(ratio.n, 2u);
+    EXPECT_DOUBLE_EQ(ratio.value, 2);
+    EXPECT_EQ(ratio_by_round({{0, 1}}, {{1, 1}}).n, 0u);
+}
+
+TEST(Show, BoundsHoldAsShown) {
+    std::vector<Row> rows;
+    for (double scale : {1.0, 1e-300, 1e-7, 12345.0, 1e300}) {
+        for (double x : {1.0 / 3, 2.0 / 3, 0.9999999999, 0.1, 1.00000049, 0.100000051})
+            rows.push_back(row("guthe", "a", x * scale, x * scale));
+    }
+    const ResultFile result = result_of(rows);
+    std::vector<std::size_t> all(rows.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    const auto lines = lines_of(show_rows(result, all, Form::text, {}));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        std::istringstream in(lines[i + 1]);
+        std::string solver, scene;
+        double lower = 0, upper = 0;
+        in >> solver >> scene >> lower >> upper;
+        const double h = rows[i].outcome.bounds.lower;
+        EXPECT_LE(lower, h) << lines[i + 1];
+        EXPECT_GE(upper, h) << lines[i + 1];
+        EXPECT_LE(upper - lower, 3e-5 * h) << lines[i + 1];
+    }
+}
+
+TEST(Show, ChoosesBySolverSceneAndColumn) {
+    Row late = row("guthe", "b", 1, 2, "samples=8");
+    late.outcome.status = RowStatus::timeout;
+    const ResultFile result = result_of({row("guthe", "a", 1, 2, "samples=4"), late, row("cgal", "a", 1, 1.5)});
+    using Rows = std::vector<std::size_t>;
+    EXPECT_EQ(chosen_rows(result, {}), (Rows{0, 1, 2}));
+    EXPECT_EQ(chosen_rows(result, {{"guthe"}, {}, {}}), (Rows{0, 1}));
+    EXPECT_EQ(chosen_rows(result, {{"guthe(samples=8)"}, {}, {}}), (Rows{1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {"a"}, {}}), (Rows{0, 2}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"status=timeout"}}), (Rows{1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"status!=timeout", "upper=1.5"}}), (Rows{2}));
+    for (const RowChoice& wrong :
+         {RowChoice{{"gute"}, {}, {}}, RowChoice{{}, {"c"}, {}}, RowChoice{{}, {}, {"stat=ok"}},
+          RowChoice{{}, {}, {"upper=big"}}, RowChoice{{}, {}, {"pose=1"}}, RowChoice{{}, {}, {"ok"}}})
+        EXPECT_THROW(chosen_rows(result, wrong), InputError);
+}
+
+TEST(Show, ARowThatNobodyCheckedDoesNotHold) {
+    Row without = row("cgal", "a", 1, 2);
+    without.check.lower = Verdict::no_witness;
+    Row refuted = row("cgal", "a", 1, 2);
+    refuted.check.upper = Verdict::unsound;
+    const ResultFile result = result_of({row("guthe", "a", 1, 2), without, refuted});
+    const auto lines = lines_of(show_rows(result, {0, 1, 2}, Form::csv, {}));
+    EXPECT_NE(lines[1].find(",holds,"), std::string::npos);
+    EXPECT_NE(lines[2].find(",not checked,"), std::string::npos);
+    EXPECT_NE(lines[3].find(",unsound,"), std::string::npos);
+}
+
+TEST(Show, TheSummaryNamesEveryReasonOnce) {
+    std::vector<Row> rows;
+    for (int i = 0; i < 12; ++i) {
+        rows.push_back(row("ohd", "a", 1, 2, fmt::format("seed={}", i)));
+        rows.push_back(row("guthe", fmt::format("s{}", i), 1, 2));
+        if (i % 4 != 0) continue;
+        rows.back().outcome.status = RowStatus::unsound;
+        rows.back().outcome.reason = fmt::format("lower 0.{}e-5 is above {}", i + 1, i);
+    }
+    rows.push_back(row("guthe", "last", unknown, unknown));
+    rows.back().outcome.status = RowStatus::failed;
+    rows.back().outcome.reason = "it crashed";
+    const std::string text = show_summary(result_of(rows), {});
+    const auto lines = lines_of(text);
+    ASSERT_EQ(lines.size(), 5u) << text;
+    EXPECT_EQ(lines[1].substr(0, 16), "ohd(12 variants)");
+    EXPECT_NE(lines[2].find("9 ok, 1 failed, 3 unsound"), std::string::npos) << text;
+    EXPECT_EQ(lines[3],
+              "guthe: unsound: lower 0.1e-5 is above 0 (3 rows like this; the first: s0, pose 0, tolerance 0.001)");
+    EXPECT_EQ(lines[4], "guthe: failed: it crashed (last, pose 0, tolerance 0.001)");
+}
+
+TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
+    std::vector<Row> rows;
+    for (int i = 0; i < 3; ++i) {
+        rows.push_back(row("guthe", fmt::format("s{}", i), 1, 2));
+        rows.push_back(row("cgal", fmt::format("s{}", i), i == 1 ? 2.5 : 1.5, 3));
+        time_it(rows[rows.size() - 2], {{1}, {2}, {1}, {3}, {1}, {1}});
+        time_it(rows.back(), {{2}, {4}, {2}, {6}, {2}, {2}});
+    }
+    rows.push_back(row("guthe", "alone", 1, 2));
+    const std::string text = compare_solvers(result_of(rows), "guthe", "cgal", {});
+    const auto lines = lines_of(text);
+    EXPECT_EQ(lines[0], "3 pairs of guthe and cgal; rows without a partner: 1 of guthe, 0 of cgal");
+    EXPECT_EQ(lines[1], "INTERVALS THAT DO NOT OVERLAP");
+    EXPECT_NE(lines[2].find("s1, pose 0"), std::string::npos);
+    EXPECT_TRUE(std::regex_search(text, std::regex("s0, pose 0, tolerance 0.001 of diagonal +2 \\[2, 2\\] +6 +slower")))
+        << text;
+    EXPECT_NE(text.find("geometric mean of solving again over 3 pairs: 2\n"), std::string::npos) << text;
+    EXPECT_NE(compare_solvers(result_of(rows), "cgal", "guthe", {}).find("faster"), std::string::npos);
+    EXPECT_THROW(compare_solvers(result_of(rows), "guthe", "gcal", {}), InputError);
+    EXPECT_THROW(compare_solvers(result_of({row("a", "s", 1, 2), row("b", "t", 1, 2)}), "a", "b", {}), InputError);
+}
+
+TEST(Compare, SweepsArePairedByTheirParameters) {
+    std::vector<Row> rows;
+    for (const char* label : {"ohd", "scan"}) {
+        for (int seed : {1, 2, 3}) rows.push_back(row(label, "a", 1, 2, fmt::format("seed={}", seed)));
+    }
+    rows.push_back(row("naive", "a", 1, 2));
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "3 pairs");
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "naive", {}))[0].substr(0, 7), "3 pairs");
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd(seed=1)", "ohd(seed=2)", {}))[0].substr(0, 7), "1 pairs");
+}
+
+TEST(Sweeps, OnlyParametersThatDifferAreNamed) {
+    const std::vector<ParameterMap> swept = {{{"seed", std::int64_t(1)}, {"split", std::string("x")}},
+                                             {{"seed", std::int64_t(2)}, {"split", std::string("x")}}};
+    EXPECT_EQ(variant_of(swept[1], swept), "seed=2");
+    EXPECT_EQ(variant_of(swept[1], {swept[1]}), "");
+}
+
+TEST(Progress, SaysWhatIsFinishedWhileAWorkerGoesOn) {
+    testing::internal::CaptureStderr();
+    {
+        Progress progress(false, 0);
+        progress.total(12);
+        progress.doing("guthe on bunny");
+        for (int i = 0; i < 12; ++i) progress.done(1);
+    }
+    const auto lines = lines_of(testing::internal::GetCapturedStderr());
+    ASSERT_EQ(lines.size(), 12u);
+    EXPECT_EQ(lines[4].substr(0, 7), "[5/12] ");
+    EXPECT_NE(lines[4].find("guthe on bunny"), std::string::npos);
+    testing::internal::CaptureStderr();
+    {
+        Progress progress(false, 3600);
+        progress.total(12);
+        progress.done(1);
+        Progress(true, 0).done(1);
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "not at every case, and never where it is to be quiet";
+}
+
+}  // namespace
+}  // namespace hausbench
