@@ -1,0 +1,104 @@
+"""The picture of the README: how far each triangle of a coarse mesh is from a fine one, the witness, and bounds over time."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import numpy.typing as npt
+from matplotlib.collections import PolyCollection
+
+from analysis import command, style
+from analysis.load import ResultError, Results
+from analysis.program import program
+
+STEM = "overview"
+FROM = np.array([-0.5, 0.3, -1.0])  # where the eye is
+Values = npt.NDArray[np.float64]
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    answered = [case for case in range(len(results.cases)) if results.is_bounded(case)]
+    shown = next((case for case in answered if "distance" in results.fields_of(case)), None)
+    if shown is None:
+        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 3.0), width_ratios=(1, 1.15))
+    draw_distances(results, shown, left, figure)
+    draw_bounds(results, answered, float(results.fields_of(shown)["distance"].max()), right)
+    return style.save(figure, out, STEM, str(results.meta.get("title", "")))
+
+
+def mesh(name: str) -> tuple[Values, npt.NDArray[np.int64]]:
+    """Corners and triangles of a model, in the order in which its fields are."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "mesh.off"
+        done = subprocess.run([program(), "export", name, file], capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise ResultError(f"model '{name}' cannot be drawn: {done.stderr.strip()}")
+        lines = file.read_text(encoding="ascii").split("\n")
+    count, faces = map(int, lines[1].split()[:2])
+    corners = np.array([line.split() for line in lines[2:2 + count]], dtype=float)
+    return corners, np.array([line.split()[1:4] for line in lines[2 + count:2 + count + faces]], dtype=np.int64)
+
+
+def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
+    corners, triangles = mesh(str(results.cases.source[case]))
+    distance = results.fields_of(case)["distance"][triangles].mean(axis=1) / results.cases.source_diagonal[case]
+    eye = FROM / np.linalg.norm(FROM)
+    right = np.cross([0.0, 1.0, 0.0], eye)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(eye, right), eye])
+    seen = corners @ axes.T
+    sides = seen[triangles]
+    normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
+    facing = normal[:, 2] > 0
+    order = np.flatnonzero(facing)[np.argsort(sides[facing, :, 2].mean(axis=1))]
+    light = 0.6 + 0.4 * normal[order, 2] / np.maximum(np.linalg.norm(normal[order], axis=1), 1e-300)
+    scale = plt.Normalize(0, float(distance.max()))
+    colours = plt.get_cmap("viridis")(scale(distance[order]))
+    colours[:, :3] *= light[:, None]
+    ax.add_collection(PolyCollection(sides[order][:, :, :2], facecolors=colours, edgecolors=colours, linewidths=0.1, rasterized=True))
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[])
+    ax.spines[:].set_visible(False)
+    witness = results.cases.witness_source[case] @ axes.T
+    ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="#D55E00", markeredgewidth=1.6)
+    ax.annotate("witness", witness[:2], xytext=(8, 8), textcoords="offset points", color="#D55E00")
+    ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each is\nfrom B, "
+                 f"{results.cases.target_elements[case]:,} triangles (not shown)")
+    bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02)
+    bar.set_label("mean over its vertices / diagonal of A")
+
+
+def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any) -> None:
+    diagonal, titled, top = float(results.cases.source_diagonal[cases[0]]), set[str](), 2.5 * at_vertices
+    for case in (case for case in cases if not results.cases.from_trace[case]):
+        looks = style.look(str(results.cases.solver[case]), str(results.names[case]))
+        trace, first = results.trace_of(case), results.first_by_round(case)
+        if len(trace.seconds) > 1:
+            keep = np.isfinite(trace.upper) & (trace.seconds > 0)
+            top = max(top, 1.2 * float(trace.upper[keep].max()))
+            ax.fill_between(1000 * trace.seconds[keep], trace.lower[keep] / diagonal, trace.upper[keep] / diagonal, step="post", color=looks.colour,
+                            alpha=0.35, linewidth=0, label=f"{looks.title}: interval over time")
+            ax.step(1000 * trace.seconds[keep], trace.lower[keep] / diagonal, where="post", color=looks.colour)
+            ax.step(1000 * trace.seconds[keep], trace.upper[keep] / diagonal, where="post", color=looks.colour)
+        elif first:
+            end, middle = 1000 * min(first.values()), 0.5 * (results.cases.lower[case] + results.cases.upper[case]) / diagonal
+            ax.errorbar([end], [middle], yerr=[0.5 * results.gap(case) / diagonal], color=looks.colour, marker=looks.marker,
+                        capsize=3, linestyle="none", label=f"{looks.title}: its answers" if looks.title not in titled else None)
+            titled.add(looks.title)
+    short = 1 - at_vertices / max(float(results.cases.lower[case]) for case in cases)
+    ax.axhline(at_vertices / diagonal, color=style.GREY, linestyle=":", label=f"farthest vertex of A, {short:.0%} too small")
+    ax.set_xscale("log")
+    ax.set(xlabel="time (ms)", ylabel="h(A,B) / diagonal of A", ylim=(0, top / diagonal))
+    ax.set_title("h(A,B) is in the interval at every moment")
+    ax.legend(loc="lower center")
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))
