@@ -16,7 +16,7 @@ import numpy as np
 
 from analysis import command, style, tables, verdicts
 from analysis.cells import takes_seed
-from analysis.load import ResultError, Results, machine_line
+from analysis.load import ResultError, Results, machine_line, unchecked_line
 from analysis.statistics import median
 from analysis.verdicts import Verdict
 
@@ -207,7 +207,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "of a needle; degree of a surface, from 4 on; 1 / tolerance, from 10 on. A case may take "
         f"{tables.number(float(results.cases.case_seconds_limit[0]))} s.",
         f"Measured on {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(curves, labels), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(curves, labels), out, STEM, table.caption, unchecked_line(results))
 
 
 def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:

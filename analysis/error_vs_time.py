@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis import command, style, tables
 from analysis.cells import clock_note
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import Estimate, median
 
 STEM = "error_vs_time"
@@ -42,7 +42,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
     figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
 
 
 def run_rows(results: Results, panel: Panel) -> list[int]:

@@ -231,6 +231,11 @@ class Results:
         value = float(self.cases.lower[case]) if lower is None else lower
         return max(abs(value - low), abs(value - high))
 
+    def check_of(self, case: int) -> str:
+        """What the harness found of the lower bound, in words: a bound without a witness is not checked."""
+        check = str(self.cases.lower_check[case])
+        return "not checked (no witness)" if check == "no witness" else check
+
     def gap(self, case: int) -> float:
         return float(self.cases.upper[case] - self.cases.lower[case])
 
@@ -352,8 +357,23 @@ def paper_numbers(name: str) -> dict[str, Any]:
         return tomllib.load(file)
 
 
+def unchecked_line(results: Results) -> str:
+    """For a table or figure: whose lower bounds the harness could not check; empty where it checked all that there are."""
+    cases, found = results.cases, dict[str, set[str]]()
+    for case in range(len(cases)):
+        if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
+            found.setdefault(results.check_of(case), set()).add(cases.label[case])
+    return "; ".join(f"Lower bounds {check}: {', '.join(sorted(labels))}" for check, labels in sorted(found.items()))
+
+
 def machine_line(results: Results) -> str:
-    """Where and with what the rows were measured, for a caption."""
+    """Where and with what the rows were measured, and which bounds were not checked, for the end of a note."""
+    unchecked = unchecked_line(results)
+    return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
+
+
+def measured_on(results: Results) -> str:
+    """The machine, the build and the profile."""
     meta = results.meta
     gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
     dirty = " with changes" if meta.get("dirty") in (1, True, "true", "yes") else ""

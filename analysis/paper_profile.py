@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis import winners
-from analysis.load import REFERENCE, ResultError, Results, load, machine_line
+from analysis.load import REFERENCE, ResultError, Results, load, measured_on
 
 
 def stems_of(group: str, folder: Path) -> list[str]:
@@ -43,7 +43,7 @@ def text_of(group: str, folder: Path) -> str:
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE=paper'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
-    machines = sorted({machine_line(results) for results in all_results})
+    machines = sorted({measured_on(results) for results in all_results})
     parts = [f"# {group}, profile `paper`", "",
              f"Measured here, and written by `make {group} PROFILE=paper && python3 -m analysis.paper_profile {group}`. "
              "Nothing below is edited by hand.", "", *[f"- {line}" for line in machines], "",

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 
 from analysis import command, style, tables
 from analysis.cells import Cell, compare
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import NO_DATA, Estimate
 from analysis.verdicts import everywhere
 
@@ -46,7 +46,7 @@ def make(results: Results, out: Path) -> list[Path]:
     verdict = everywhere("scan is faster than the k-d tree on every one", ratios, "workloads")
     table.notes += ["Ratio: time of the k-d tree over that of scan.", verdict.line(),
                     tables.coverage_note(ratios), f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, ratios), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(scenes, ratios), out, STEM, table.caption, unchecked_line(results))
 
 
 def draw(scenes: list[str], ratios: list[Estimate]) -> Any:

@@ -13,7 +13,7 @@ import scipy.stats
 
 from analysis import command, style, tables
 from analysis.cells import clock_note
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
 STEM = "points_speed"
@@ -94,7 +94,7 @@ def make(results: Results, out: Path) -> list[Path]:
         + " SciPy: by its own clock, without starting Python and reading files; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption, unchecked_line(results))
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:

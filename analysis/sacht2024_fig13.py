@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 from analysis.statistics import median
 
 STEM = "sacht2024_fig13"
@@ -88,7 +88,7 @@ def make(results: Results, out: Path) -> list[Path]:
          "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
         for solver, label in labels for scene in scenes for t in TOLERANCES]
     figure = draw(labels, len(scenes), average, reached, paper)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: dict[tuple[str, str, float], Reach]) -> str:

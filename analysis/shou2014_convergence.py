@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 
 from analysis import command, style, tables
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 from analysis.shou2014_example import Joined, join
 
 STEM = "shou2014_convergence"
@@ -84,7 +84,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "The forms give different intervals at " + ", ".join(f"{2**d}^3" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(published, ours, exact, depths), out, STEM,
-                                                               table.caption)
+                                                               table.caption, unchecked_line(results))
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:

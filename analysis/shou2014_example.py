@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import command, style, tables
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 
 STEM = "shou2014_example"
 
@@ -87,7 +87,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
     figure = draw(methods, found, paper, exact)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:

@@ -8,6 +8,7 @@ sets or meshes) and with another marker.
 from __future__ import annotations
 
 import os
+import textwrap
 import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -200,8 +201,13 @@ def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3) -> None:
     figure.get_layout_engine().set(rect=(0, 0, 1, 1 - 0.155 * rows / figure.get_size_inches()[1]))
 
 
-def save(figure: Any, out: Path, stem: str, caption: str = "") -> list[Path]:
-    """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes."""
+def save(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:
+    """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes. A footnote stands
+    below all else, and makes the figure higher.
+    """
+    if footnote:
+        figure.text(0.5, -0.01, "\n".join(textwrap.wrap(footnote, int(20 * figure.get_figwidth()))), ha="center", va="top",
+                    fontsize=6.5, color=GREY)
     folder = out / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{stem}.pdf", folder / f"{stem}.png"]
@@ -213,7 +219,8 @@ def save(figure: Any, out: Path, stem: str, caption: str = "") -> list[Path]:
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
             temporary = path.with_name(path.name + ".part")
-            figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]])
+            figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]],
+                           bbox_inches="tight" if footnote else None)
             temporary.replace(path)
     finally:
         if before is None:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis import command, style, tables
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import median
 
 STEM = "surfaces_gallery"
@@ -100,7 +100,7 @@ def make(results: Results, out: Path) -> list[Path]:
                 cells += [f"[{low:.6f}, {high:.6f}]{said}",
                           tables.number(median(results.total_seconds(row)).value)]
                 if cases.certified[row] == 1:
-                    checks.add(str(cases.lower_check[row]))
+                    checks.add(results.check_of(row))
             else:
                 cells += [word, tables.NOTHING]
             extras = results.extras(row)
@@ -109,7 +109,7 @@ def make(results: Results, out: Path) -> list[Path]:
                        for m in "ab"]
             records.append({"scene": scene, "solver": solver, "label": label, "status": status, "solver_status": solved,
                             "h": exact, "lower": low, "upper": high, "holds": int(holds),
-                            "lower_check": str(cases.lower_check[row]),
+                            "lower_check": results.check_of(row),
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
         table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
@@ -125,7 +125,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "They take the text as it stands; the false piece of 'ghost' comes with multiplying its product out.",
         "Of a distance that is constant over A (concentric spheres) a tolerance e needs O(1/e) boxes.",
         f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
 
 
 def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Values]:

@@ -15,7 +15,7 @@ import scipy.stats
 
 from analysis import command, style, tables
 from analysis.columns import Floats
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.verdicts import RARE, Verdict, never
 
 STEM = "zhang2017_as_printed"
@@ -148,7 +148,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
                    "Seeds: of the sample that OHD begins with. NOHD leaves nothing to chance; its trials are the poses.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
 
 
 def draw(results: Results, scenes: list[str]) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis import command, style, tables
 from analysis.columns import Floats
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 from analysis.points import points_of, posed
 from analysis.verdicts import all_of
 
@@ -65,7 +65,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
                    "set are drawn.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
 
 
 def view(points: Floats, along: Floats) -> Floats:

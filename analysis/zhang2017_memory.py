@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis import command, style, tables
 from analysis.cells import Cell
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 STEM = "zhang2017_memory"
@@ -133,7 +133,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
                    "no memory: the claim is what INC's queue for every entry of its heap suggests.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption, unchecked_line(results))
 
 
 def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:

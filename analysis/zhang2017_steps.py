@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis import command, style, tables
 from analysis.columns import Floats
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.points import points_of, posed
 from analysis.statistics import Estimate, median
 from analysis.verdicts import Verdict, constant, rising_by_run
@@ -115,7 +115,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the program that "
                    "writes out the points was not there.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption, unchecked_line(results))
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis import command, style, tables
 from analysis.cells import DISTANCES, MEASURES, WORK, Cell, clock_note, clock_title, clock_word, compare, compare_work
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 from analysis.statistics import NO_DATA, Estimate
 from analysis.verdicts import Verdict, everywhere
 
@@ -136,7 +136,7 @@ def make(results: Results, out: Path) -> list[Path]:
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
     figure = draw(scenes, labels, cells, papers, f"here, {results.meta.get('profile', '')} sizes", clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
 
 
 def count_text(cell: Cell | None, names: tuple[str, ...]) -> str:

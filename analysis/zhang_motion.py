@@ -18,7 +18,7 @@ import numpy as np
 
 from analysis import style, tables
 from analysis.cells import MEASURES, clock_note, clock_title, clock_word, takes_seed
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.verdicts import UNTESTED, Verdict, above_one, greatest
 
@@ -221,7 +221,7 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
     figure = draw(motions, labels, reused, clock)
-    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption)
+    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption, unchecked_line(results))
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:

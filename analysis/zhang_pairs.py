@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis import style, tables
 from analysis.cells import MEASURES, WORK, Cell, clock_note, clock_word, compare, compare_work
-from analysis.load import Results, machine_line, paper_numbers
+from analysis.load import Results, machine_line, paper_numbers, unchecked_line
 from analysis.statistics import NO_DATA, Estimate
 from analysis.verdicts import Verdict, everywhere, rising
 
@@ -101,7 +101,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    clock_note(results), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
     return tables.save(table, records, out, spec.stem) + style.save(
-        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption)
+        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption, unchecked_line(results))
 
 
 def has_seeds(pairs: list[Pair]) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis import style, tables
 from analysis.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
-from analysis.load import Results, machine_line
+from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import NO_DATA, Estimate
 from analysis.verdicts import Verdict, everywhere, least_among
 
@@ -116,7 +116,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
                    + " " + clock_note(results),
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption)
+    return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption, unchecked_line(results))
 
 
 def draw(sweep: Sweep) -> Any:

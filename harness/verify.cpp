@@ -7,12 +7,39 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 namespace hausbench {
 namespace {
+
+// No |coordinate| of the shape as posed, and no product or partial sum of R v + t, is above it.
+double largest_within(const Shape& shape, const Pose& pose) {
+    const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
+    return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
+}
+
+// What honest bounds lose that are not certified: right in exact arithmetic, and evaluated in doubles. u = 2^-53, M as above, of
+// both shapes. To first order in u, by coordinate:
+// - A vertex that is posed in another order than its definition: 4 roundings of at most uM here and there, 8uM.
+// - A point a + s (b - a) + t (c - a) of a triangle: 2uM for each difference and each product, uM for each sum, and 2uM where
+//   s + t is rounded to above 1: 12uM. Other s and t stand for another point of the triangle.
+// So a point of A or of B is off by at most 20uM in each coordinate, sqrt(3) 20uM < 35uM in all. A lower bound loses that twice:
+// the witness on A, which is held against A, and its nearest point on B. A distance d is at most 2 sqrt(3) M; its differences,
+// squares, sum and root lose less than 4ud < 14uM. An upper bound loses no more. 35 + 35 + 14 = 84.
+double slack_for_rounding(double largest) {
+    const double slack = 84 * 0x1p-53 * largest;
+    return std::isfinite(slack) ? slack : 0;
+}
+
+std::string excess(double high, double low) {
+    const auto ulps = std::bit_cast<std::int64_t>(high) - std::bit_cast<std::int64_t>(low + 0.0);  // -0 is 0
+    return ulps < 1'000'000 ? fmt::format("by {:.3g} ({} ulp{})", high - low, ulps, ulps == 1 ? "" : "s")
+                            : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
+}
 
 // A row of a pair of shapes; `turned` where its source is the second of them.
 struct Member {
@@ -30,6 +57,8 @@ public:
           shapes_{&first, &second},
           checkers_{Checker(first, second, stop), Checker(second, first, stop)},
           stop_(stop),
+          slack_(slack_for_rounding(
+              std::max(largest_within(first, poses().first), largest_within(second, poses().second)))),
           surfaces_(kind_of(first) == ShapeKind::surface && kind_of(second) == ShapeKind::surface) {}
 
     // False where it was stopped.
@@ -56,6 +85,15 @@ private:
         return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
     }
 
+    // Of the first shape and of the second; all members have the same.
+    std::pair<Pose, Pose> poses() const {
+        const Case& asked = rows_[members_.front().row].asked;
+        return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
+                                       : std::pair(asked.pose, asked.target_pose);
+    }
+
+    double slack(const Row& row) const { return row.asked.certified == 0 ? slack_ : 0; }
+
     void check_lower(const Member& m) {
         Row& row = rows_[m.row];
         const double lower = row.outcome.bounds.lower;
@@ -79,6 +117,33 @@ private:
             row.check.lower = Verdict::no_witness;
             return;
         }
+        double shown = 0, proven = lower;
+        Verdict verdict = by_witness(m, lower, shown);
+        if (verdict == Verdict::unsound && slack(row) > 0 && lower - slack(row) <= shown) {
+            double less = 0;
+            proven = std::max(0.0, lower - slack(row));
+            verdict = by_witness(m, proven, less);
+        }
+        row.check.lower = verdict;
+        if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);
+        if (verdict != Verdict::unsound) return;
+        row.check.reason = surfaces_
+                               ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
+                                             forward ? "target" : "source", shown)
+                               : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
+    }
+
+    std::string beyond_slack(const Row& row) const {
+        return slack(row) > 0 ? fmt::format("; rounding explains {:.3g}", slack(row)) : "";
+    }
+
+    // Many rows share a witness and a bound.
+    Verdict by_witness(const Member& m, double lower, double& shown) {
+        const Row& row = rows_[m.row];
+        const Witness& witness = row.outcome.witness;
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
         const bool from_second = forward == m.turned;
         const Index element = forward ? witness.source_element : witness.target_element;
         const std::vector<double> same{double(from_second), p[0], p[1], p[2], double(element), lower};
@@ -94,14 +159,8 @@ private:
                     checkers_[m.turned].lower(lower, witness, row.asked.pose, row.asked.target_pose, found.shown);
             at = known_.emplace(same, found).first;
         }
-        const auto& [verdict, shown] = at->second;
-        row.check.lower = verdict;
-        if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], lower);
-        if (verdict != Verdict::unsound) return;
-        row.check.reason = surfaces_
-                               ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
-                                             forward ? "target" : "source", shown)
-                               : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        shown = at->second.shown;
+        return at->second.verdict;
     }
 
     // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified. One of H is one of h.
@@ -118,10 +177,11 @@ private:
         for (const Member& m : members_) {
             Row& row = rows_[m.row];
             const double lower = row.outcome.bounds.lower;
-            if (row.check.lower != Verdict::no_witness || !(lower > least[distance(m)])) continue;
+            if (row.check.lower != Verdict::no_witness || !(lower > least[distance(m)] + slack(row))) continue;
             row.check.lower = Verdict::unsound;
-            row.check.reason = fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row",
-                                           lower, least[distance(m)]);
+            row.check.reason =
+                fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row, {}{}", lower,
+                            least[distance(m)], excess(lower, least[distance(m)]), beyond_slack(row));
         }
     }
 
@@ -129,12 +189,15 @@ private:
         Row& row = rows_[m.row];
         const Bounds& b = row.outcome.bounds;
         const double best = best_[distance(m)];
-        row.check.upper = b.upper >= best && b.upper >= b.lower ? Verdict::holds : Verdict::unsound;
+        const double upper = b.upper + slack(row);
+        row.check.upper = upper >= best && upper >= b.lower ? Verdict::holds : Verdict::unsound;
         if (row.check.upper == Verdict::holds) return;
         if (!row.check.reason.empty()) row.check.reason += "; ";
-        row.check.reason += b.upper < b.lower
+        const bool crossed = upper < b.lower;
+        row.check.reason += crossed
                                 ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
                                 : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best);
+        if (b.upper >= 0) row.check.reason += ", " + excess(crossed ? b.lower : best, b.upper) + beyond_slack(row);
     }
 
     std::vector<Row>& rows_;
@@ -142,6 +205,7 @@ private:
     std::array<const Shape*, 2> shapes_;
     std::array<Checker, 2> checkers_;  // of the two orders
     const Stop& stop_;
+    double slack_;  // for rows that are not certified
     bool surfaces_;
     std::array<double, 3> best_{};                // the largest verified lower bounds; 0 always holds
     std::map<std::vector<double>, Found> known_;  // many rows share a witness and a bound

@@ -1,4 +1,5 @@
 // The off-clock check on small shapes: what it proves, what it refutes, and that it can be stopped.
+#include "random.h"
 #include "verify.h"
 
 #include <gtest/gtest.h>
@@ -257,6 +258,143 @@ TEST_F(VerifyBothDirections, OfSurfacesToo) {
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(lower(1), Verdict::unsound);
     EXPECT_EQ(lower(2), Verdict::holds);
+}
+
+// Bounds as an honest solver computes them that certifies nothing: the square root of the largest of the least squared distances,
+// with a true witness. What it poses it poses in an order of its own.
+class VerifyUncertified : public testing::Test {
+protected:
+    struct Scene {
+        PointSet source, target;
+        Pose source_pose, target_pose;
+        double largest;  // |coordinate| or partial sum while posing
+    };
+
+    static Points posed_in_another_order(const Points& points, const Pose& pose) {
+        Points out = points;
+        for (Index i = 0; i < points.rows(); ++i) {
+            for (int k = 0; k < 3; ++k) {
+                const Vec3 r = pose.rotation.row(k).transpose();
+                out(i, k) = r[0] * points(i, 0) + (r[1] * points(i, 1) + (r[2] * points(i, 2) + pose.translation[k]));
+            }
+        }
+        return out;
+    }
+
+    static PointSet cloud(Random& random, Index count, const Vec3& at, double size) {
+        PointSet set{Points(count, 3)};
+        for (Index i = 0; i < count; ++i) set.points.row(i) = (at + random.vector(size)).transpose();
+        return set;
+    }
+
+    static Row honest_answer(const Scene& s) {
+        const Points a = posed_in_another_order(s.source.points, s.source_pose),
+                     b = posed_in_another_order(s.target.points, s.target_pose);
+        Row row = answer(0, 0, Vec3::Zero());
+        double largest = -1;
+        for (Index i = 0; i < a.rows(); ++i) {
+            double least = std::numeric_limits<double>::infinity();
+            for (Index j = 0; j < b.rows(); ++j) least = std::min(least, (a.row(i) - b.row(j)).squaredNorm());
+            if (least <= largest) continue;
+            largest = least;
+            row.outcome.witness.source_point = a.row(i).transpose();
+            row.outcome.witness.source_element = i;
+        }
+        row.outcome.bounds.lower = row.outcome.bounds.upper = std::sqrt(largest);
+        row.asked.pose = s.source_pose;
+        row.asked.target_pose = s.target_pose;
+        row.asked.certified = 0;
+        return row;
+    }
+
+    static std::vector<Row> verified(const Scene& s, std::vector<Row> rows) {
+        const Shape a = s.source, b = s.target;
+        verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
+        return rows;
+    }
+
+    // The honest answer; as one that is certified; with an error of a hundred times the slack in either bound.
+    static std::vector<Row> rows_of(const Scene& s) {
+        std::vector<Row> rows(4, honest_answer(s));
+        const double error = 100 * 84 * 0x1p-53 * s.largest;
+        rows[1].asked.certified = 1;
+        rows[2].outcome.bounds.lower += error, rows[2].outcome.bounds.upper += 2 * error;
+        rows[3].outcome.bounds.upper -= error;
+        rows[3].outcome.bounds.lower = 0;
+        return rows;
+    }
+
+    // The share of scenes in which the honest bounds are off.
+    static double share_off(const std::vector<Scene>& scenes) {
+        int off = 0;
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            const std::vector<Row> rows = verified(scenes[i], rows_of(scenes[i]));
+            EXPECT_EQ(rows[0].check.lower, Verdict::holds) << i << ": " << rows[0].check.reason;
+            EXPECT_EQ(rows[0].check.upper, Verdict::holds) << i << ": " << rows[0].check.reason;
+            off += rows[1].check.lower == Verdict::unsound;
+            EXPECT_EQ(rows[2].check.lower, Verdict::unsound) << i;
+            EXPECT_NE(rows[2].check.reason.find("ulps); rounding explains"), std::string::npos) << rows[2].check.reason;
+            EXPECT_EQ(rows[3].check.upper, Verdict::unsound) << i;
+        }
+        return double(off) / double(scenes.size());
+    }
+};
+
+// One shape is at the origin and far smaller than it is away, by where it is or by its pose, so that the other's size counts alone.
+TEST_F(VerifyUncertified, HonestBoundsHoldWhicheverShapeIsLarge) {
+    for (int kind = 0; kind < 6; ++kind) {
+        Random random(std::uint64_t(kind) + 1);
+        std::vector<Scene> scenes;
+        for (int i = 0; i < 60; ++i) {
+            const double far = std::exp2(random.real(10, 12));
+            const Vec3 away = far * random.vector();
+            Scene s{cloud(random, 3, Vec3::Zero(), 1), cloud(random, 4, Vec3::Zero(), 1), {}, {}, 0};
+            PointSet& moved = kind % 2 ? s.source : s.target;
+            Pose& pose = kind % 2 ? s.source_pose : s.target_pose;
+            if (kind < 2) moved = cloud(random, 3, away, 1);
+            if (kind == 2 || kind == 3) pose.translation = away;
+            if (kind >= 4) pose.rotation *= far;
+            s.largest = far;
+            scenes.push_back(std::move(s));
+        }
+        EXPECT_GT(share_off(scenes), 0.1) << kind;
+    }
+}
+
+// What posing cancels is lost: vertices a thousand away that the pose brings back.
+TEST_F(VerifyUncertified, HonestBoundsHoldWherePosesCancel) {
+    Random random(7);
+    std::vector<Scene> scenes;
+    for (int i = 0; i < 60; ++i) {
+        const Vec3 away = 1000 * random.vector();
+        const double angle = random.real(0, 6);
+        Scene s{cloud(random, 5, away, 1), cloud(random, 5, Vec3::Zero(), 1), {}, {}, 3000};
+        s.source_pose.rotation << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+        s.source_pose.translation = -(s.source_pose.rotation * away);
+        scenes.push_back(std::move(s));
+    }
+    EXPECT_GT(share_off(scenes), 0.5);
+}
+
+TEST_F(VerifyUncertified, AnExcessIsSaidInUlps) {
+    const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
+    Row row = honest_answer(s);
+    row.asked.certified = 1;
+    row.outcome.bounds = {std::nextafter(2.0, 3.0), 3};
+    EXPECT_NE(verified(s, {row})[0].check.reason.find("(1 ulp)"), std::string::npos);
+    row.outcome.bounds.lower = 2.5;
+    EXPECT_NE(verified(s, {row})[0].check.reason.find("by 0.5 (1.1e+15 ulps)"), std::string::npos);
+}
+
+TEST_F(VerifyUncertified, WithoutAWitnessToo) {
+    const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
+    Row proven = honest_answer(s), without = proven;
+    proven.asked.certified = 1;
+    without.outcome.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
+    without.outcome.bounds.lower = without.outcome.bounds.upper = std::nextafter(2.0, 3.0);
+    EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::no_witness);
+    without.outcome.bounds.lower += 1e-12;
+    EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::unsound);
 }
 
 }  // namespace

@@ -175,6 +175,19 @@ def test_reference_of_bounds_that_contradict_each_other(tmp_path: Path) -> None:
     assert results.reference("x") == (1.0, 1.25) and results.error(0) == 0.25 == results.error(1)
 
 
+def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
+    file = ResultFile("unchecked")
+    file.case("guthe", "x", [1.0], lower=0.5, upper=0.6)
+    file.case("cgal", "x", [1.0], lower=0.5, upper=0.6, lower_check="no witness")
+    file.case("external", "x", [1.0], label="peer", lower=0.5, upper=np.inf, lower_check="no witness")
+    file.case("external", "x", label="gone", status="failed", lower_check="not checked")
+    results = load.load(file.write(tmp_path))
+    assert load.unchecked_line(results) == "Lower bounds not checked (no witness): cgal, peer"
+    assert load.machine_line(results).endswith(". Lower bounds not checked (no witness): cgal, peer")
+    assert load.machine_line(results).startswith(load.measured_on(results) + ". ")
+    assert [results.check_of(case) for case in range(2)] == ["holds", "not checked (no witness)"]
+
+
 def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(load.ResultError, match=r"none\.h5: no such file.*make none"):
         load.load(tmp_path / "none.h5")

@@ -28,6 +28,16 @@ def test_variants_keep_the_colour() -> None:
     assert style.look("somebody", "somebody").title == "somebody"
 
 
+def test_a_footnote_stands_below_the_figure(tmp_path: Path) -> None:
+    heights = []
+    for stem, footnote in (("without", ""), ("with", "Lower bounds not checked (no witness): cgal")):
+        figure, _ = plt.subplots(figsize=(style.SINGLE_COLUMN, 2))
+        _, png = style.save(figure, tmp_path, stem, "a figure", footnote)
+        heights.append(plt.imread(png).shape[0])
+        assert (footnote in [text.get_text() for text in figure.texts]) == bool(footnote)
+    assert heights[1] > heights[0]
+
+
 def test_order_and_titles() -> None:
     assert style.order([("new", "new"), ("cover", "cover"), ("naive", "naive"), ("cover", "cover")]) == [
         ("naive", "naive"), ("cover", "cover"), ("new", "new")]
