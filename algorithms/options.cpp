@@ -63,8 +63,9 @@ bool ParameterSpec::required() const {
     return text && problem && !problem(*text).empty();
 }
 
-Options::Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given)
-    : solver_(solver) {
+Options::Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given,
+                 std::filesystem::path folder)
+    : solver_(solver), folder_(std::move(folder)) {
     std::vector<std::string> known;
     for (const ParameterSpec& spec : specs) {
         known.push_back(spec.name);

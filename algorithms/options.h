@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -26,6 +27,8 @@ struct ParameterSpec {
     // For texts: what is wrong with a value and how to fix it; empty if it is valid. A parameter with an invalid default is
     // required.
     std::string (*problem)(const std::string& value) = nullptr;
+    // A text that is a command line of the shell: the programs and files that it names are part of a case's identity.
+    bool command = false;
 
     bool required() const;
 };
@@ -36,8 +39,10 @@ using ParameterMap = std::map<std::string, ParameterValue>;
 class Options {
 public:
     // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, a value for which
-    // `problem` returns a text, or a missing required parameter.
-    Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given);
+    // `problem` returns a text, or a missing required parameter. Relative paths in the values count from `folder`, which is
+    // absolute; empty: from the current folder.
+    Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given,
+            std::filesystem::path folder = {});
 
     // Throws std::logic_error for a name that was not declared or is of another type.
     bool flag(const std::string& name) const;
@@ -46,6 +51,7 @@ public:
     std::string text(const std::string& name) const;
 
     const ParameterMap& values() const { return values_; }
+    const std::filesystem::path& folder() const { return folder_; }
 
     // Declared parameters that have not been read yet; a solver's constructor must read all.
     std::vector<std::string> unread() const;
@@ -55,6 +61,7 @@ private:
 
     std::string solver_;
     ParameterMap values_;
+    std::filesystem::path folder_;
     mutable std::set<std::string> read_;
 };
 

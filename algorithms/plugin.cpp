@@ -1,5 +1,6 @@
 #include "plugin.h"
 
+#include "contract.h"
 #include "error.h"
 #include "registry.h"
 
@@ -7,6 +8,7 @@
 #include <elf.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
@@ -115,9 +117,30 @@ void load_plugin(const fs::path& named) {
         throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
     check_structures(entries, file);
     add_solvers(entries, file.string());
-    Plugin plugin{file, {}};
+    Plugin plugin{file, {}, symbol<const char*()>(library, "hausbench_plugin_compiled", file)()};
     for (const SolverEntry& entry : entries) plugin.solvers.push_back(entry.info.name);
     list_of_plugins().push_back(std::move(plugin));
+    for (const SolverEntry& entry : entries) check_contract(entry);
+}
+
+const Plugin* plugin_of(std::string_view solver) {
+    for (const Plugin& plugin : plugins()) {
+        if (std::find(plugin.solvers.begin(), plugin.solvers.end(), solver) != plugin.solvers.end()) return &plugin;
+    }
+    return nullptr;
+}
+
+std::vector<std::string> slow_plugins() {
+    constexpr std::string_view slow = "not optimized";
+    std::vector<std::string> lines;
+    for (const Plugin& plugin : plugins()) {
+        if (!plugin.compiled.starts_with(slow) || std::string_view(HAUSBENCH_COMPILED).starts_with(slow)) continue;
+        lines.push_back(
+            fmt::format("{}: is not optimized, as this program is: its times do not compare; build it with "
+                        "-DCMAKE_BUILD_TYPE=Release",
+                        plugin.file.string()));
+    }
+    return lines;
 }
 
 }  // namespace hausbench

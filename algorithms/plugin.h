@@ -18,7 +18,7 @@
 
 namespace hausbench {
 
-inline constexpr int plugin_interface = 5;
+inline constexpr int plugin_interface = 6;
 
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
@@ -36,8 +36,36 @@ inline std::string plugin_layout() {
     return text;
 }
 
+// How the file that this stands in is compiled, as far as the compiler tells: GCC says nothing of -fsanitize=undefined.
+#ifdef __OPTIMIZE__
+#define HAUSBENCH_OPTIMIZED "optimized"
+#else
+#define HAUSBENCH_OPTIMIZED "not optimized"
+#endif
+#ifdef NDEBUG
+#define HAUSBENCH_ASSERTIONS "no assertions"
+#else
+#define HAUSBENCH_ASSERTIONS "assertions"
+#endif
+#ifdef __clang__
+#define HAUSBENCH_COMPILED_BY __VERSION__
+#else
+#define HAUSBENCH_COMPILED_BY "GCC " __VERSION__
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define HAUSBENCH_SANITIZERS ", address sanitizer"
+#elif defined(__SANITIZE_THREAD__)
+#define HAUSBENCH_SANITIZERS ", thread sanitizer"
+#else
+#define HAUSBENCH_SANITIZERS ""
+#endif
+#define HAUSBENCH_COMPILED HAUSBENCH_OPTIMIZED ", " HAUSBENCH_ASSERTIONS ", " HAUSBENCH_COMPILED_BY HAUSBENCH_SANITIZERS
+
 // Functions that a plug-in exports, with C linkage so that their names are known.
 #define HAUSBENCH_PLUGIN(...)                                                                                        \
+    extern "C" __attribute__((visibility("default"))) const char* hausbench_plugin_compiled() {                      \
+        return HAUSBENCH_COMPILED;                                                                                   \
+    }                                                                                                                \
     extern "C" __attribute__((visibility("default"))) int hausbench_plugin_interface() {                             \
         return ::hausbench::plugin_interface;                                                                        \
     }                                                                                                                \
@@ -51,13 +79,21 @@ inline std::string plugin_layout() {
 
 // Adds a plug-in's solvers to the registry; it stays loaded. Call it before anything else: see add_solvers() in registry.h.
 // Throws InputError with the file and the remedy: missing, not a library, not a plug-in, built for another interface or
-// with other libraries, or a solver name that is already in use.
+// with other libraries, a solver name that is already in use, or a solver that breaks its contract (contract.h); the program
+// should then end.
 void load_plugin(const std::filesystem::path& file);
 
 struct Plugin {
     std::filesystem::path file;  // absolute
     std::vector<std::string> solvers;
+    std::string compiled;  // "optimized, no assertions, GCC 12.2.0": of the file with HAUSBENCH_PLUGIN
 };
 const std::vector<Plugin>& plugins();  // in the order of loading
+
+// Null for a solver of the program itself.
+const Plugin* plugin_of(std::string_view solver);
+
+// A line for each plug-in that is not optimized, where this program is: its times would not compare.
+std::vector<std::string> slow_plugins();
 
 }  // namespace hausbench

@@ -94,7 +94,8 @@ const SolverEntry& find_solver(std::string_view name) {
             throw InputError("solver '" + missing.name + "' is not built into this program: " + missing.reason);
         }
     }
-    throw InputError("unknown solver '" + std::string(name) + "'" + nearest_hint(name, names));
+    throw InputError("unknown solver '" + std::string(name) + "'" + nearest_hint(name, names) +
+                     "; one of a plug-in needs --plugin FILE");
 }
 
 }  // namespace hausbench

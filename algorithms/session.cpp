@@ -1,5 +1,6 @@
 #include "session_parts.h"
 
+#include "contract.h"
 #include "error.h"
 #include "kernel/rounding.h"
 
@@ -130,7 +131,7 @@ void Session::expect_both_directions() const {
 }
 
 Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
-    if (leave_ == Leave::out_what_is_not_needed) return solver.needs(scene, queries);
+    if (leave_ == Leave::out_what_is_not_needed) return checked_needs(entry_, solver, scene, queries);
     // Of all a solver may ever need, what these shapes have no use for is left out all the same.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {
@@ -140,24 +141,19 @@ Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet
     return needs;
 }
 
+// Unread as yet, for one more solver.
+Options Session::own_options() const {
+    return {entry_.info.name, entry_.info.parameters, options_.values(), options_.folder()};
+}
+
 std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Shapes& target,
                                                   const QuerySet& queries) const {
     auto part = std::make_unique<Part>(Part{{source->shape(), target->shape()}, {}, {}, {}});
-    const SolverInfo& info = entry_.info;
-    const Options own(info.name, info.parameters, options_.values());
-    part->solver = entry_.make(own);
-    if (const auto unread = own.unread(); !unread.empty())
-        throw std::logic_error("solver '" + info.name + "' does not read its parameter '" + unread.front() + "'");
-
+    part->solver = make_solver(entry_, own_options());
     part->needs = needs_of(*part->solver, part->scene, queries);
-    for (const Need& need : part->needs) {
-        if (std::find(info.may_need.begin(), info.may_need.end(), need) == info.may_need.end())
-            throw std::logic_error("solver '" + info.name + "' needs a " + to_string(need) +
-                                   " that is not in may_need");
-    }
     part->prepared.emplace(source, target, part->needs);
     const auto begin = std::chrono::steady_clock::now();
-    part->solver->prepare(part->scene, *part->prepared);
+    held_to_contract(entry_.info.name, "prepare()", [&] { part->solver->prepare(part->scene, *part->prepared); });
     part->solver_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return part;
 }
@@ -169,8 +165,7 @@ void Session::prepare(const std::string& suffix, const Shapes& source, const Sha
     std::vector<PreparationTime> times;
     Needs needs;
     if (queries.target_moves && !entry_.info.moving_target) {
-        const Options own(entry_.info.name, entry_.info.parameters, options_.values());
-        needs = needs_of(*entry_.make(own), {source->shape(), target->shape()}, queries);
+        needs = needs_of(*make_solver(entry_, own_options()), {source->shape(), target->shape()}, queries);
         std::erase_if(needs, [](const Need& need) { return need.side == Side::target; });
         times = Prepared(source, target, needs).times();
     } else {

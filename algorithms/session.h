@@ -81,6 +81,7 @@ private:
     using Shapes = std::shared_ptr<PreparedShape>;
 
     void expect_both_directions() const;
+    Options own_options() const;
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
     bool built_for_the_first_direction(const std::string& name) const;
     std::unique_ptr<Part> make_part(const Shapes& source, const Shapes& target, const QuerySet& queries) const;

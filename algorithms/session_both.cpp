@@ -39,7 +39,7 @@ Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) co
     Opening opening;
     const std::uint64_t most = query.budget;
     const auto more = [most](std::uint64_t spent) { return spent > most / 16 ? most : 16 * spent; };
-    if (query.tolerance.of != Tolerance::Of::lower || entry_.info.exact) return opening;
+    if (query.tolerance.of != Tolerance::Of::lower || entry_.info.ignores_tolerance) return opening;
     for (query.budget = 64; query.budget < most; query.budget = more(query.budget)) {
         const double limit = query.time_limit;
         Query asked = query;

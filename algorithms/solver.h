@@ -199,8 +199,9 @@ struct SolverInfo {
     bool certified =
         false;  // the bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified
     std::string known_wrong =
-        {};               // a published error that is kept to show it: why bounds may not hold; never certified
-    bool exact = false;   // the gap does not depend on the tolerance
+        {};  // a published error that is kept to show it: why bounds may not hold; never certified
+    bool ignores_tolerance =
+        false;  // the answer is the same whatever the tolerance: the true distance, or bounds that are as wide as they are
     bool traces = false;  // offers samples to Trace
     // What Session does where a solver does not offer it, and what nobody does otherwise:
     std::vector<Quantity> quantities = {Quantity::directed};

@@ -43,6 +43,7 @@ class Cases:
     warm: Ints
     chain: Texts
     threads: Ints
+    program_sha256: Texts
     identity: Texts
     label: Texts
     variant: Texts
@@ -183,6 +184,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/warm": 0,
     "cases/chain": "",
     "cases/threads": 1,
+    "cases/program_sha256": "",
     "cases/identity": "",
     "cases/label": "",
     "cases/variant": "",

@@ -157,6 +157,10 @@ const Columns<Case>& case_columns() {
             Identity::where_given),
         at<Case, MEMBER(threads)>("threads", "that the solver may use; 1 for a solver that offers no more",
                                   Identity::where_given),
+        at<Case, MEMBER(program_sha256)>("program_sha256",
+                                         "of the programs and files that the command line of `external` names; empty: "
+                                         "there is none",
+                                         Identity::where_given),
         at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
         at<Case, MEMBER(variant)>("variant",
@@ -262,7 +266,7 @@ const Columns<Outcome>& outcome_columns() {
 const Columns<Check>& check_columns() {
     static const Columns<Check> columns = {
         at<Check, MEMBER(lower)>("lower_check",
-                                 "the harness's own check, not timed: `holds`, `unsound`, `no witness`, `not checked`"),
+                                 "the harness's own check, not timed: `holds`, `unsound`, `no witness` (so not checked), `not checked`"),
         at<Check, MEMBER(upper)>("upper_check", "likewise"),
         at<Check, MEMBER(fields)>("fields_check", "likewise, on 100 vertices and 100 elements of A"),
     };

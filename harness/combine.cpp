@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <sstream>
 
 namespace hausbench {
 
@@ -72,6 +74,31 @@ bool same_options(const Row& a, const Row& b) {
     return a.asked.options == b.asked.options;
 }
 
+// Of a result's text `shard`, "1/3, 2/3": none of a whole one, and of an older one that does not say.
+std::set<std::pair<int, int>> shards_in(const std::string& text) {
+    std::set<std::pair<int, int>> shards;
+    std::istringstream in(text);
+    for (std::string one; std::getline(in >> std::ws, one, ',');) {
+        const Shard shard = parse_shard(one);
+        shards.insert({shard.of, shard.number});
+    }
+    return shards;
+}
+
+// Of the two together: none where one is whole, or where no shard is missing.
+std::string both_shards(const std::string& one, const std::string& other) {
+    std::set<std::pair<int, int>> shards = shards_in(one), more = shards_in(other);
+    if (shards.empty() || more.empty()) return "";
+    shards.insert(more.begin(), more.end());
+    std::map<int, int> counts;
+    std::string text;
+    for (const auto& [of, number] : shards) {
+        text += fmt::format("{}{}/{}", text.empty() ? "" : ", ", number, of);
+        if (++counts[of] == of) return "";
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string describe_checks(const ResultFile& result) {
@@ -81,13 +108,14 @@ std::string describe_checks(const ResultFile& result) {
         ++lower[names.of(row.asked)][row.check.lower];
         ++upper[names.of(row.asked)][row.check.upper];
     }
-    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds",
-                                   "unsound", "no wit.", "not ch.", "upper ok", "unsound", "not ch.");
+    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds",
+                                   "unsound", "not ch.", "(no witn.)", "upper ok", "unsound", "not ch.");
     for (auto& [label, l] : lower) {
         auto& u = upper[label];
-        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds],
-                            l[Verdict::unsound], l[Verdict::no_witness], l[Verdict::not_checked], u[Verdict::holds],
-                            u[Verdict::unsound], u[Verdict::not_checked]);
+        const int unchecked = l[Verdict::not_checked] + l[Verdict::no_witness];
+        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds],
+                            l[Verdict::unsound], unchecked, fmt::format("({})", l[Verdict::no_witness]),
+                            u[Verdict::holds], u[Verdict::unsound], u[Verdict::not_checked]);
     }
     std::map<Verdict, int> fields;
     for (const Row& row : result.rows) {
@@ -121,6 +149,7 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
                     "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
             }
         }
+        merged.texts["shard"] = both_shards(merged.texts["shard"], next.texts.at("shard"));
         merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
         merged.texts["finished"] = std::max(merged.texts["finished"], next.texts.at("finished"));
         for (const Row& row : next.rows) {
@@ -134,7 +163,7 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
                 if (!was_run(mine.outcome)) {
                     mine = row;
                 } else if (mine.asked.identity != row.asked.identity) {
-                    refuse(fmt::format("they asked for different things at {}: another model or limit",
+                    refuse(fmt::format("they asked for different things at {}: another model, program or limit",
                                        name_of(row.asked)));
                 } else if (!same_answer(mine.outcome, row.outcome)) {
                     refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
@@ -164,6 +193,25 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
         }
     }
     return merged;
+}
+
+std::string missing_shards(const ResultFile& merged) {
+    const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
+        return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;
+    });
+    const auto shards = shards_in(merged.texts.at("shard"));
+    if (elsewhere == 0) return "";
+    std::string missing, remedy = "run the others and merge again";
+    if (!shards.empty() && shards.begin()->first == shards.rbegin()->first) {
+        const int of = shards.begin()->first;
+        for (int number = 1; number <= of; ++number) {
+            if (!shards.contains({of, number}))
+                missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", number, of);
+        }
+        remedy = fmt::format("run them with --shard and merge again");
+    }
+    return fmt::format("{} of {} cases are in shards that are missing{}: {}", elsewhere, merged.rows.size(),
+                       missing.empty() ? "" : ", " + missing, remedy);
 }
 
 }  // namespace hausbench

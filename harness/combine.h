@@ -25,4 +25,7 @@ bool any_unsound(const ResultFile& result);
 // whose answers differ.
 ResultFile merge_results(const std::vector<std::filesystem::path>& files, bool any_build);
 
+// A line that names the shards that a result lacks; empty where no case is left to another shard.
+std::string missing_shards(const ResultFile& merged);
+
 }  // namespace hausbench

@@ -48,6 +48,7 @@ struct Experiment {
     std::string stem, title, paper, profile;
     std::string toml;  // verbatim
     std::filesystem::path file;
+    std::filesystem::path folder() const { return std::filesystem::absolute(file).parent_path(); }
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;

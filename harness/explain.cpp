@@ -1,5 +1,6 @@
 #include "explain.h"
 
+#include "contract.h"
 #include "error.h"
 #include "lookup.h"
 #include "machine.h"
@@ -120,11 +121,11 @@ std::size_t shapes_of(const Job& job) {
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
-    if (entry.info.may_need.empty()) return;
+    if (entry.info.may_need.empty() && !is_of_plugin(first.solver)) return;
     const Job::Pair& pair = job.pairs.front();
     const Scene scene{read_shape(pair.source_file).shape, read_shape(pair.target_file).shape};
     const Options options(first.solver, entry.info.parameters, first.options);
-    const Needs needs = entry.make(options)->needs(scene, pair.queries);
+    const Needs needs = checked_needs(entry, *make_solver(entry, options), scene, pair.queries);
     for (const Need& need : entry.info.may_need) {
         const bool wanted = std::find(needs.begin(), needs.end(), need) != needs.end();
         text += fmt::format("      {} {}\n", wanted ? "prepares" : "leaves out", to_string(need));

@@ -65,7 +65,7 @@ json solver_json(const SolverInfo& info) {
             {"target", shapes_json(info.target)},
             {"certified", info.certified},
             {"known_wrong", info.known_wrong},
-            {"exact", info.exact},
+            {"ignores_tolerance", info.ignores_tolerance},
             {"traces", info.traces},
             {"may_need", may_need},
             {"parameters", parameters}};

@@ -76,7 +76,10 @@ Build read_build() {
     libraries["assimp"] = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
     build.libraries = libraries.dump();
     // The commit is in a file beside the program, so that a commit without a change of code keeps the build's id.
-    std::ifstream in(program_path().parent_path() / "commit.json");
+    // Installed, the file is with the data.
+    const fs::path folder = program_path().parent_path();
+    std::ifstream in(folder / "commit.json");
+    if (!in) in.open(folder / HAUSBENCH_COMMIT_FILE);
     const json commit = in ? json::parse(in, nullptr, false) : json();
     build.commit = commit.is_object() ? commit.value("commit", "unknown") : "unknown";
     build.dirty = commit.is_object() ? commit.value("dirty", "unknown") : "unknown";
@@ -110,6 +113,14 @@ const Build& this_build() {
     return build;
 }
 
+std::string version_text() {
+    const Build& b = this_build();
+    const bool known = b.commit != "unknown";
+    return fmt::format("hausbench {} ({}{}, {}, {}, plug-in interface {})", b.version,
+                       known ? "commit " + b.commit.substr(0, 10) : "commit unknown",
+                       known && b.dirty == "yes" ? " with changes" : "", b.type, b.compiler, plugin_interface);
+}
+
 const Machine& this_machine() {
     static const Machine machine = read_machine();
     return machine;
@@ -122,6 +133,17 @@ const std::map<fs::path, std::string>& plugin_hashes() {
         return all;
     }();
     return hashes;
+}
+
+std::string plugins_json() {
+    json all = json::array();
+    for (const Plugin& plugin : plugins()) {
+        all.push_back({{"file", plugin.file.filename().string()},
+                       {"sha256", plugin_hashes().at(plugin.file)},
+                       {"compiled", plugin.compiled},
+                       {"solvers", plugin.solvers}});
+    }
+    return all.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 const std::string& build_of(const std::string& solver) {

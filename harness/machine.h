@@ -23,6 +23,7 @@ struct Machine {
 };
 
 const Build& this_build();
+std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
 // The build of this solver: that of the program, or of program and plug-in together if a plug-in contains it. Resuming and
@@ -31,6 +32,9 @@ const std::string& build_of(const std::string& solver);
 
 // SHA-256 of each plug-in, by file, computed at the first call.
 const std::map<std::filesystem::path, std::string>& plugin_hashes();
+
+// JSON: of each plug-in its file's name, its SHA-256, how it was compiled, and its solvers.
+std::string plugins_json();
 
 std::string utc_now();  // "2026-11-21T03:29:32Z"
 

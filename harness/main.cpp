@@ -148,6 +148,7 @@ int dispatch(int argc, char** argv) {
             ->allow_extra_args(false);
         verb->parse_complete_callback([&] {
             for (const fs::path& file : plugin_files) load_plugin(file);
+            say(slow_plugins());
         });
     };
 
@@ -290,7 +291,8 @@ int dispatch(int argc, char** argv) {
     fs::path merged;
     std::vector<fs::path> parts;
     bool any_build = false;
-    auto* merge_verb = app.add_subcommand("merge", "join several results of one experiment, such as shards");
+    auto* merge_verb = app.add_subcommand(
+        "merge", "join several results of one experiment, such as shards; exit code 1 if a shard is missing");
     merge_verb->add_option("out", merged, "result file to write (.h5)")->required();
     merge_verb->add_option("results", parts, "result files (.h5)")->required();
     merge_verb->add_flag("--any-build", any_build, "merge even if builds or machines differ");
@@ -309,6 +311,7 @@ int dispatch(int argc, char** argv) {
         say(verify_result(result, catalogue()));  // a lower bound in one part may refute an upper bound in another
         write_result(merged, result);
         fmt::print("{}: {} cases of {} results\n", merged.string(), result.rows.size(), parts.size());
+        if (const std::string missing = missing_shards(result); !missing.empty()) say({missing}), code = 1;
     });
 
     std::vector<fs::path> compared;

@@ -1,5 +1,6 @@
 #include "measure.h"
 
+#include "contract.h"
 #include "error.h"
 #include "field_file.h"
 #include "isolated.h"
@@ -43,7 +44,7 @@ void solve(const SolverEntry& entry, const MeasureRequest& request, Shape source
     memory.next_answer();
     Trace untraced;
     const auto begin = std::chrono::steady_clock::now();
-    measured.result = session.solve(query, untraced);
+    held_to_contract(entry.info.name, "solve()", [&] { measured.result = session.solve(query, untraced); });
     measured.solve_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     measured.result.note = one_line(measured.result.note);
     measured.prepare_seconds = session.prepare_seconds();

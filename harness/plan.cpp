@@ -1,6 +1,9 @@
 #include "plan.h"
 
+#include "command_files.h"
+#include "contract.h"
 #include "error.h"
+#include "hash.h"
 #include "matrix.h"
 #include "registry.h"
 #include "session.h"
@@ -51,7 +54,8 @@ bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
 
 // Whether the solver's bounds hold under rounding with these options.
 bool promises(const SolverEntry& entry, const ParameterMap& given) {
-    return entry.info.certified && entry.make(Options(entry.info.name, entry.info.parameters, given))->certified();
+    return entry.info.certified &&
+           make_solver(entry, Options(entry.info.name, entry.info.parameters, given))->certified();
 }
 
 class Planner {
@@ -161,11 +165,15 @@ private:
             }
             if (!no.empty()) decide(RowStatus::skipped, no);
         }
+        // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
+        const CommandFiles files = entry ? files_of(*entry, given) : CommandFiles{};
+        if (!decided && !files.missing.empty()) decide(RowStatus::skipped, files.missing);
 
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
         const bool reads_trace = entry && reads_finer(*entry, solver);
-        const Case common = without_pose(scene, models, solver, entry, given);
+        Case common = without_pose(scene, models, solver, entry, given);
+        common.program_sha256 = files.sha256;
         // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses.
         std::vector<Job> jobs(solver.warm ? tolerances.size() : 1);
         std::vector<std::string> before(tolerances.size());  // of warm cases: the identity of the last pose
@@ -184,7 +192,7 @@ private:
                 if (decided) {
                     plan_.decided[row] = *decided;
                 } else if (t > 0 && reads_trace) {
-                    plan_.read_off(row, {finest, entry->info.exact});
+                    plan_.read_off(row, {finest, entry->info.ignores_tolerance});
                 } else {
                     if (t == 0) finest = row;
                     jobs[solver.warm ? t : 0].cases.push_back(row);
@@ -212,12 +220,29 @@ private:
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);
     }
 
+    // Of all its command lines together.
+    CommandFiles files_of(const SolverEntry& entry, const ParameterMap& given) {
+        CommandFiles all;
+        for (const ParameterSpec& spec : entry.info.parameters) {
+            if (!spec.command) continue;
+            const auto value = given.find(spec.name);
+            const std::string line = std::get<std::string>(value == given.end() ? spec.default_value : value->second);
+            const auto known = commands_.find(line);
+            const CommandFiles one =
+                known != commands_.end() ? known->second : files_of_command(line, plan_.experiment.folder());
+            commands_[line] = one;
+            all.sha256 = all.sha256.empty() ? one.sha256 : Sha256().add(all.sha256).add(one.sha256).hex();
+            if (all.missing.empty()) all.missing = one.missing;
+        }
+        return all;
+    }
+
     // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
         const Experiment& e = plan_.experiment;
         const bool traced = e.trace && entry.info.traces && e.of != "lower" &&
                             solver.quantity == Quantity::directed;  // H has no trace of its own
-        return (entry.info.exact || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
+        return (entry.info.ignores_tolerance || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
                std::isinf(e.cutoff) && e.budget < 0;
     }
 
@@ -266,8 +291,9 @@ private:
                               decided->reason, std::int64_t(asked)});
         } else if (asked > run) {
             ledger.push_back({"not_run", label, coarser_tolerances,
-                              entry->info.exact ? "the solver is exact: its answer does not depend on the tolerance"
-                                                : "the trace of the finest tolerance holds their answers",
+                              entry->info.ignores_tolerance
+                                  ? "the solver ignores the tolerance: its answer is the same for each"
+                                  : "the trace of the finest tolerance holds their answers",
                               std::int64_t(asked - run)});
         }
     }
@@ -310,6 +336,7 @@ private:
     const Catalogue& catalogue_;
     const std::function<void(const std::string&)>& say_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
+    std::map<std::string, CommandFiles> commands_;  // by line
     Plan plan_;
 };
 
@@ -324,7 +351,7 @@ std::vector<double> Plan::marks(std::size_t row) const {
 
 void Plan::read_off(std::size_t row, const FromTrace& from) {
     traced[row] = from;
-    if (!from.exact) readers_.add(from.of, row);
+    if (!from.ignores_tolerance) readers_.add(from.of, row);
 }
 
 bool unsound_expected(const Case& asked, const Experiment& experiment) {
@@ -346,7 +373,10 @@ Shard parse_shard(const std::string& text) {
     return shard;
 }
 
+std::string to_string(const Shard& shard) { return fmt::format("{}/{}", shard.number, shard.of); }
+
 void take_shard(Plan& plan, const Shard& shard) {
+    plan.shard = shard;
     if (shard.whole()) return;
     std::vector<Job> mine;
     for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
@@ -355,7 +385,7 @@ void take_shard(Plan& plan, const Shard& shard) {
             continue;
         }
         Outcome elsewhere;
-        elsewhere.reason = "in another shard";
+        elsewhere.reason = in_another_shard;
         for (std::size_t row : plan.jobs[i].cases) plan.decided[row] = elsewhere;
     }
     plan.jobs = std::move(mine);

@@ -34,8 +34,8 @@ struct Job {
 
 // A case that is not run because the run of another holds its answer.
 struct FromTrace {
-    std::size_t of;  // row of the case that is run
-    bool exact;      // the solver's answer does not depend on the tolerance at all
+    std::size_t of;          // row of the case that is run
+    bool ignores_tolerance;  // of the solver: the answer is that of the finer run; else a sample of its trace
 };
 
 inline constexpr const char* coarser_tolerances = "coarser tolerances";
@@ -47,6 +47,13 @@ struct ModelRow {
     ResolvedModel resolved;
 };
 
+struct Shard {  // --shard 2/3: every third worker, from the second on
+    int number = 1, of = 1;
+    bool whole() const { return of == 1; }
+};
+std::string to_string(const Shard& shard);                           // "2/3"
+inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
+
 struct Plan {
     Experiment experiment;
     std::vector<Case> cases;                  // every case asked for
@@ -57,6 +64,7 @@ struct Plan {
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
     bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
+    Shard shard = {};
 
     void read_off(std::size_t row, const FromTrace& from);
 
@@ -75,11 +83,6 @@ struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
     bool leave_nothing_out =
         false;  // run every tolerance, build every structure: to test that leaving out changes nothing
-};
-
-struct Shard {  // --shard 2/3: every third worker, from the second on
-    int number = 1, of = 1;
-    bool whole() const { return of == 1; }
 };
 
 // Throws InputError for anything but "i/n" with 1 <= i <= n.

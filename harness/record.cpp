@@ -122,6 +122,10 @@ RowStatus row_status(Status status) {
     throw std::logic_error("row_status: not a status");
 }
 
+bool is_timed(RowStatus status) {
+    return status == RowStatus::ok || status == RowStatus::floor || status == RowStatus::budget;
+}
+
 std::string_view to_string(RowStatus status) {
     constexpr std::string_view names[] = {"ok",     "timeout", "out_of_memory", "signal", "skipped",
                                           "failed", "unsound", "not_built",     "floor",  "budget"};

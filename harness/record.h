@@ -49,6 +49,7 @@ struct Case {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // likewise; -1: none
     int threads = 1;                                                     // that the solver may use
+    std::string program_sha256;  // see command_files.h; empty: the solver runs no command, or nothing of it was found
     Limits limits;
     // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head.
     bool warm = false;
@@ -174,6 +175,9 @@ struct LedgerEntry {
 
 // The status of a row for a solver's own status: converged, below_floor and above_cutoff are `ok`.
 RowStatus row_status(Status status);
+
+// The solver ended by itself and would end so again: its answer is timed, and may have fields.
+bool is_timed(RowStatus status);
 
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);

@@ -4,8 +4,8 @@
 
 namespace hausbench {
 
-void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started,
-                  const std::string& finished) {
+void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished) {
+    const Experiment& experiment = plan.experiment;
     const Build& build = this_build();
     const Machine& machine = this_machine();
     result.texts = {{"stem", experiment.stem},
@@ -23,6 +23,8 @@ void describe_run(ResultFile& result, const Experiment& experiment, const std::s
                     {"build_type", build.type},
                     {"libraries", build.libraries},
                     {"hausbench_version", build.version},
+                    {"plugins", plugins_json()},
+                    {"shard", plan.shard.whole() ? "" : to_string(plan.shard)},
                     {"machine", machine.id},
                     {"cpu", machine.cpu},
                     {"caches", machine.caches},

@@ -22,9 +22,8 @@ struct ResultFile {
     std::vector<LedgerEntry> ledger;
 };
 
-// What is known before any case ran: the experiment, the build, the machine.
-void describe_run(ResultFile& result, const Experiment& experiment, const std::string& started,
-                  const std::string& finished);
+// What is known before any case ran: the plan, the build, the machine.
+void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
 ModelRecord record_of(const ModelRow& model);
 

@@ -156,6 +156,7 @@ constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "pro
                                       "started",  "finished", "commit",     "dirty",     "build",
                                       "compiler", "flags",    "build_type", "libraries", "machine",
                                       "cpu",      "caches",   "kernel",     "system",    "hausbench_version"};
+constexpr const char* later_texts[] = {"plugins", "shard"};  // older files have none
 constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
 
 ResultFile read_trusting(const fs::path& file) {
@@ -173,6 +174,8 @@ ResultFile read_trusting(const fs::path& file) {
     }
     ResultFile result;
     for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);
+    for (const char* name : later_texts)
+        result.texts[name] = in.has_attribute("meta", name) ? in.text_attribute("meta", name) : "";
     for (const char* name : meta_integers) result.integers[name] = in.integer_attribute("meta", name);
     result.models = read_group(in, "models", model_columns(), "name");
     result.rows = read_cases(in);

@@ -69,10 +69,10 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds) {
     return outcome;
 }
 
-Outcome read_off_exact(const Outcome& fine, double gap) {
+Outcome read_off_answer(const Outcome& fine, double gap) {
     Outcome outcome = fine;
     outcome.from_trace = true;
-    if (outcome.status == RowStatus::floor && outcome.bounds.gap() <= gap) {
+    if (is_timed(outcome.status) && outcome.bounds.gap() <= gap) {
         outcome.status = RowStatus::ok;
         outcome.reason.clear();
         outcome.solver_status = to_string(Status::converged);

@@ -15,9 +15,9 @@ namespace hausbench {
 // round 0, which hold all the same.
 Outcome gather_rounds(const std::map<int, const Outcome*>& rounds);
 
-// The outcome of a case with a coarser tolerance: `fine` itself where the solver is exact, else the first sample of its
+// The outcome of a case with a coarser tolerance: `fine` itself where the solver ignores the tolerance, else the first sample of its
 // trace whose gap is at most `gap`. A run that was not deterministic holds no answer for any tolerance: it stays `failed`.
-Outcome read_off_exact(const Outcome& fine, double gap);
+Outcome read_off_answer(const Outcome& fine, double gap);
 Outcome read_off_trace(const Outcome& fine, double gap);
 
 }  // namespace hausbench

@@ -113,8 +113,7 @@ private:
             (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id))
             return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
-        const bool timed = outcome.status == RowStatus::ok || outcome.status == RowStatus::floor;
-        if (timed && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
+        if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
         const bool traced = !plan_.marks(row).empty() || traces_chain(row);
         if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && traced) return nullptr;
         return &outcome;
@@ -141,7 +140,7 @@ private:
     // Asked for, and their file is missing or another one than the row names.
     bool lacks_fields(std::size_t row, const Outcome& outcome) const {
         const auto file = fields_file(row);
-        if (file.empty() || !(outcome.status == RowStatus::ok || outcome.status == RowStatus::floor)) return false;
+        if (file.empty() || !is_timed(outcome.status)) return false;
         return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
     }
 
@@ -173,7 +172,7 @@ private:
         if (const Outcome* outcome = kept(row, round)) return round == 0 && lacks_fields(row, *outcome);
         if (round == 0) return true;
         const Outcome* first = kept(row, 0);
-        return first && (first->status == RowStatus::ok || first->status == RowStatus::floor);  // else nothing to time
+        return first && is_timed(first->status);  // else nothing to time
     }
 
     void run_job(const Job& job, int round) {
@@ -210,6 +209,7 @@ private:
         WorkOrder order;
         order.solver = first.solver;
         order.options = first.options;
+        order.folder = plan_.experiment.folder();
         for (const Job::Pair& pair : job.pairs)
             order.pairs.push_back({pair.source_file, pair.target_file, pair.queries});
         order.exponent = job.exponent;
@@ -264,7 +264,7 @@ private:
     Outcome read_off(std::size_t row, const FromTrace& from) const {
         const Outcome fine = gather(from.of);
         const double gap = plan_.cases[row].resolved_tolerance().gap(fine.bounds.lower);
-        return from.exact ? read_off_exact(fine, gap) : read_off_trace(fine, gap);
+        return from.ignores_tolerance ? read_off_answer(fine, gap) : read_off_trace(fine, gap);
     }
 
     // Each row read off another run would have cost its first answer and its timed repeats.
@@ -394,7 +394,7 @@ private:
                 summary.unsound.push_back(fmt::format("{}: {}", name_of(row.asked), row.outcome.reason));
         }
         summary.interrupted = interrupted || !swept;
-        describe_run(result, plan_.experiment, journal_.started(), utc_now());
+        describe_run(result, plan_, journal_.started(), utc_now());
         summary.result = result;
         summary.result.rows.resize(mine);
         if (!places.empty()) put_in_order(result.rows, places);

@@ -188,7 +188,7 @@ private:
 
     Outcome cut_short(Outcome answered, const Outcome& how) const {
         const bool untimed = answered.repeats.empty() && order_.repeats > 0;
-        if (answered.status == RowStatus::ok && (untimed || how.status == RowStatus::out_of_memory)) {
+        if (is_timed(answered.status) && (untimed || how.status == RowStatus::out_of_memory)) {
             answered.status = how.status;
             answered.reason =
                 (untimed ? "answered, but not while it was timed: " : "answered, but was killed while it was timed: ") +

@@ -85,6 +85,7 @@ json to_json(const WorkOrder& o) {
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
+            {"folder", o.folder.string()},
             {"pairs", pairs},
             {"exponent", o.exponent ? json(*o.exponent) : json()},
             {"limits", {o.limits.case_seconds, o.limits.prepare_seconds, o.limits.memory_bytes}},
@@ -99,6 +100,7 @@ WorkOrder work_order_from_json(const json& j) {
     WorkOrder o;
     o.solver = j.at("solver");
     o.options = parameters_of(j.at("options"));
+    o.folder = j.at("folder").get<std::string>();
     for (const json& p : j.at("pairs")) {
         const json& q = p.at("queries");
         o.pairs.push_back({p.at("source").get<std::string>(),

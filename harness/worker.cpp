@@ -63,7 +63,7 @@ private:
     void open(std::size_t number, std::size_t first) {
         const WorkOrder::Pair& pair = order_.pairs.at(number);
         const SolverEntry& entry = find_solver(order_.solver);
-        const Options options(order_.solver, entry.info.parameters, order_.options);
+        const Options options(order_.solver, entry.info.parameters, order_.options, order_.folder);
         session_.reset();
         shapes_ = {};
         if (order_.exponent) {
@@ -167,11 +167,9 @@ private:
         return Answer{std::move(result), spent, outcome.status};
     }
 
-    static bool timed(RowStatus status) { return status == RowStatus::ok || status == RowStatus::floor; }
-
     void answer_cold(const WorkOrder::Item& item) {
         if (const auto first = answer(item, nullptr)) {
-            if (timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
+            if (is_timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
             fields(item, nullptr);
         }
@@ -206,7 +204,7 @@ private:
                 (void)session_->solve(query_of(item), state.get(), untraced);
                 const Spent once = watch.spent();
                 spent += once.wall_seconds;
-                if (timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
+                if (is_timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
             });
         }
         if (order_.items[begin].trace)

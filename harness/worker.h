@@ -14,6 +14,7 @@ namespace hausbench {
 struct WorkOrder {
     std::string solver;
     ParameterMap options;
+    std::filesystem::path folder;  // that relative paths in the options count from
     struct Pair {
         std::filesystem::path source_file, target_file;
         QuerySet queries;

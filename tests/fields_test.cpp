@@ -177,7 +177,7 @@ TEST_F(FieldFile, OfAResultIsInItsRow) {
     for (Row& row : result.rows) row.outcome.solver_status = "converged";
     result.rows[0].fields = fields;
     result.rows[2].fields = {fields[1]};
-    describe_run(result, {}, "", "");
+    describe_run(result, Plan{}, "", "");
     const auto file = folder.path() / "r.h5";
     write_result(file, result);
     const ResultFile back = read_result(file);

@@ -25,7 +25,7 @@ SolverEntry idle(const char* name, bool exact, bool points = true) {
     SolverInfo info{
         .name = name, .title = name, .paper = "", .source = {true, true, true}, .target = {true, true, true}};
     info.warm = info.traces = true;
-    info.exact = exact;
+    info.ignores_tolerance = exact;
     info.source.points = points;
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); }};
 }

@@ -62,7 +62,10 @@ TEST(Record, WhatCameLaterIsPartOfTheIdentityOnlyWhereGiven) {
     asked = a_case();
     asked.quantity = Quantity::symmetric;
     all.insert(identify(asked));
-    EXPECT_EQ(all.size(), 6u);
+    asked = a_case();
+    asked.program_sha256 = "dd";
+    all.insert(identify(asked));
+    EXPECT_EQ(all.size(), 7u);
 }
 
 }  // namespace

@@ -112,6 +112,21 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(read_off_trace(stalled, 0.25).status, RowStatus::ok);
 }
 
+// A sampler ignores the tolerance: its bounds are as wide as they are, and wide enough for a coarser one.
+TEST(Rounds, AnAnswerThatIgnoresTheToleranceMayDoForACoarserOne) {
+    Outcome fine = traced();
+    fine.bounds = {1, 1.125};
+    for (const auto& [status, solver_status] :
+         {std::pair(RowStatus::budget, "budget"), std::pair(RowStatus::floor, "precision_floor")}) {
+        fine.status = status, fine.solver_status = solver_status, fine.reason = "spent";
+        const Outcome coarse = read_off_answer(fine, 0.125), finer = read_off_answer(fine, 0.0625);
+        EXPECT_TRUE(coarse.status == RowStatus::ok && coarse.reason.empty() && coarse.solver_status == "converged");
+        EXPECT_TRUE(finer.status == status && finer.reason == "spent");
+    }
+    fine.status = RowStatus::timeout;
+    EXPECT_EQ(read_off_answer(fine, 0.125).status, RowStatus::timeout);
+}
+
 TEST(Rounds, WhatIsNotDeterministicHoldsNoAnswerAtAnyTolerance) {
     Outcome other = traced();
     other.bounds.upper = 1.02;
@@ -123,7 +138,7 @@ TEST(Rounds, WhatIsNotDeterministicHoldsNoAnswerAtAnyTolerance) {
     Outcome differs = traced();  // as the traced run found it
     differs.status = RowStatus::failed, differs.reason = "the traced run ended with other bounds";
     EXPECT_EQ(read_off_trace(differs, 0.25).status, RowStatus::failed);
-    EXPECT_EQ(read_off_exact(fine, 0.25).status, RowStatus::failed);
+    EXPECT_EQ(read_off_answer(fine, 0.25).status, RowStatus::failed);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ SolverEntry scripted() {
     entry.info.name = "scripted";
     entry.info.source.points = entry.info.target.points = true;
     entry.info.traces = entry.info.fields = true;
-    entry.info.exact = script.exact;
+    entry.info.ignores_tolerance = script.exact;
     entry.info.may_need = {need<CountedStructure>(Side::source), need<CountedStructure>(Side::target)};
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scripted>(options); };
     return entry;

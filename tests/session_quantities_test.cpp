@@ -399,7 +399,7 @@ std::vector<Query> some_queries(const Case& c, const SolverInfo& info) {
             Query query = query_of(i, quantity == Quantity::directed ? c.directed[i] : c.symmetric[i], quantity);
             all.push_back(query);
             query.tolerance.value *= 1000;
-            if (!info.exact) all.push_back(query);
+            if (!info.ignores_tolerance) all.push_back(query);
         }
     }
     return all;

@@ -73,7 +73,7 @@ void tell(int watch, const std::string& group) {
 
 }  // namespace
 
-CommandRun run_command(const std::string& line, double seconds) {
+CommandRun run_command(const std::string& line, double seconds, const std::filesystem::path& folder) {
     int output[2];
     if (::pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
     static const int watch = start_watch();
@@ -90,7 +90,7 @@ CommandRun run_command(const std::string& line, double seconds) {
     if (child == 0) {
         ::setpgid(0, 0);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        if (::getppid() != parent) ::_exit(127);
+        if (::getppid() != parent || (!folder.empty() && ::chdir(folder.c_str()) != 0)) ::_exit(127);
         ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
         ::dup2(output[1], STDOUT_FILENO);
         ::dup2(output[1], STDERR_FILENO);

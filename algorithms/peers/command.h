@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace hausbench {
@@ -15,9 +16,9 @@ struct CommandRun {
     std::int64_t peak_bytes = -1;
 };
 
-// Runs `/bin/sh -c line` in a process group of its own, with no input. It is killed after `seconds`, or at a deferred
+// Runs `/bin/sh -c line` in `folder` (empty: the current one) and in a process group of its own, with no input. It is killed after `seconds`, or at a deferred
 // interrupt (scratch.h). When it ends, all processes that it started are killed, even those that left the group. The group
 // also ends with this process, which becomes a subreaper. Throws std::runtime_error if the command cannot be started.
-CommandRun run_command(const std::string& line, double seconds);
+CommandRun run_command(const std::string& line, double seconds, const std::filesystem::path& folder = {});
 
 }  // namespace hausbench

@@ -3,7 +3,8 @@
 // The program gets A posed and B as files with 17 digits (B once, before the clock starts), and the tolerance on the command
 // line. Regular expressions find the bounds in its output. They are not certified. A bound that the program does not print
 // is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
-// `seconds` finds the time that the program itself reports.
+// `seconds` finds the time that the program itself reports. Relative paths in the command line count from the folder of the experiment
+// (`run`), or the current one (`measure`).
 #include "error.h"
 #include "mesh_file.h"
 #include "peers/command.h"
@@ -99,7 +100,8 @@ public:
           lower_(options.text("lower")),
           upper_(options.text("upper")),
           seconds_(options.text("seconds")),
-          seconds_unit_(options.real("seconds_unit")) {
+          seconds_unit_(options.real("seconds_unit")),
+          folder_of_command_(options.folder()) {
         if (!lower_.told() && !upper_.told()) {
             throw InputError(
                 "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
@@ -131,7 +133,7 @@ public:
         replace(line, "{B}", quoted(file("B")));
         replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
         replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
-        const CommandRun run = run_command(line, query.time_limit);
+        const CommandRun run = run_command(line, query.time_limit, folder_of_command_);
         result.outside_bytes = run.peak_bytes;
         fs::remove(file("A"));
         read(run, query, result);
@@ -139,7 +141,10 @@ public:
     }
 
 private:
-    fs::path file(const char* name) const { return folder_->path() / (std::string(name) + "." + extension_); }
+    // Absolute, since the program runs in another folder.
+    fs::path file(const char* name) const {
+        return fs::absolute(folder_->path() / (std::string(name) + "." + extension_));
+    }
 
     void read(const CommandRun& run, const Query& query, Result& result) const {
         if (run.timed_out) {
@@ -181,6 +186,7 @@ private:
     std::string command_, extension_;
     Place lower_, upper_, seconds_;
     double seconds_unit_;
+    fs::path folder_of_command_;
     const Scene* scene_ = nullptr;
     HoldInterrupts hold_;  // destroyed after the folder
     std::optional<ScratchFolder> folder_;
@@ -212,7 +218,8 @@ SolverEntry external_solver() {
              "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
              "{relative_tolerance} as a fraction of the diagonal of A as handed over",
          .choices = {},
-         .problem = command_problem},
+         .problem = command_problem,
+         .command = true},
         {.name = "format",
          .default_value = std::string("off"),
          .unit = "",

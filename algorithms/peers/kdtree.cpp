@@ -144,7 +144,7 @@ SolverEntry kdtree_solver() {
     info.paper = "nanoflann";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.parameters = {
         {.name = "leaf_size",
          .default_value = std::int64_t{10},

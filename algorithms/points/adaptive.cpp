@@ -120,7 +120,7 @@ SolverEntry adaptive_solver() {
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
     info.parameters = {{.name = "theta",
                         .default_value = 0.33,

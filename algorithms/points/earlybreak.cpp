@@ -94,7 +94,7 @@ SolverEntry earlybreak_solver() {
     info.paper = "taha2015";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.parameters = {
         {.name = "seed",
          .default_value = std::int64_t{1},

@@ -221,7 +221,7 @@ SolverEntry inc_solver() {
     info.paper = "nutanong2011";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.may_need = {need<RTree>(Side::source), need<RTree>(Side::target)};
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Inc>(options); }};
 }

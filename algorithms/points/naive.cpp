@@ -62,7 +62,7 @@ SolverEntry naive_solver() {
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Naive>(options); }};
 }
 

@@ -156,7 +156,7 @@ SolverEntry nohd_solver() {
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {
         nohd_depth_parameter(),

@@ -101,7 +101,7 @@ SolverEntry nohd_as_printed_solver() {
     info.title = "NOHD, as printed";
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
     info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {

@@ -185,7 +185,7 @@ SolverEntry ohd_solver() {
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::target)};
     info.parameters = ohd_parameters();
     info.parameters.push_back({.name = "culling",

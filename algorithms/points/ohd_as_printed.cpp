@@ -169,7 +169,7 @@ SolverEntry ohd_as_printed_solver() {
     info.title = "OHD, as printed";
     info.paper = "zhang2017";
     info.source.points = info.target.points = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.known_wrong = "the paper culls by cells of side AHD, whose points may be sqrt(3) AHD apart: answers too small";
     info.parameters = ohd_parameters();
     return {info,

@@ -236,7 +236,7 @@ SolverEntry scan_solver() {
     info.title = "scan (ours)";
     info.source.points = info.target.points = true;
     info.certified = true;
-    info.exact = true;
+    info.ignores_tolerance = true;
     info.may_need = {need<PointBlocks>(Side::target)};
     info.parameters = {
         {.name = "tree_from",

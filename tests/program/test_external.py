@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
+import shutil
 import signal
 import struct
 import subprocess
@@ -121,11 +123,54 @@ def test_a_program_that_fails(sweep: Sweep) -> None:
     rows = sweep(deed="fail")
     assert rows["status"] == ["failed", "failed"]
     assert "exit code 3" in rows["reason"][0] and "the queue ran empty" in rows["reason"][0]
-    rows = sweep(python="no_such_program")
-    assert rows["status"] == ["failed", "failed"] and "exit code 127" in rows["reason"][0]
     rows = sweep(lower="the distance is (.*)")
     assert rows["status"] == ["failed", "failed"] and "'lower'" in rows["reason"][0]
     assert rows["good status"] == ["ok", "ok"]
+
+
+def test_a_program_that_is_missing_is_found_before_anything_runs(sweep: Sweep, hausbench: Program) -> None:
+    for python, said in (("no_such_program", "'no_such_program' is not in PATH"), ("./absent", "'./absent' does not exist")):
+        rows = sweep(python=python)
+        assert rows["status"] == ["skipped", "skipped"] and said in rows["reason"][0], rows["reason"]
+        assert rows["good status"] == ["ok", "ok"]  # as with a missing model
+        assert said in hausbench("explain", sweep.file).stdout
+
+
+def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
+    """The script counts from the experiment, wherever that is and wherever the program is called."""
+    home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
+    (home / "tools").mkdir(parents=True)
+    script = home / "tools" / "peer.py"
+    script.write_text(PEER.read_text())
+    sweep.file = home / "outside.toml"
+    changes = {"python": f"env {sys.executable}", "peer": "./tools/peer.py"}
+
+    def again() -> dict[str, list[Any]]:
+        assert hausbench("run", sweep.write(**changes), "--results", tmp_path).returncode == 0
+        with h5py.File(tmp_path / "outside.h5") as f:
+            assert set(f["cases/status"].asstr()[:]) == {"ok"}, f["cases/reason"].asstr()[:]
+            return {name: list(f[f"cases/{name}"].asstr()[:] if name != "solve_seconds" else f["cases/solve_seconds"][:])
+                    for name in ("label", "identity", "program_sha256", "solve_seconds")}
+
+    first, second = again(), again()
+    assert first == second
+    peers = [label == "peer" for label in first["label"]]
+    assert [len(hash) for hash in first["program_sha256"]] == [64 * peer for peer in peers]
+    shutil.copytree(home, elsewhere)
+    sweep.file = elsewhere / "outside.toml"
+    assert again()["identity"] == first["identity"]  # no path of the machine is in it
+    sweep.file = home / "outside.toml"
+    script.write_text(script.read_text() + "# changed\n")
+    third = again()
+    assert [a != b for a, b in zip(first["identity"], third["identity"])] == peers
+    assert [a != b for a, b in zip(first["solve_seconds"], third["solve_seconds"])] == peers
+
+
+def test_measure_counts_from_the_current_folder(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    (tmp_path / "peer.py").write_text(PEER.read_text())
+    done = hausbench("measure", tetrahedron.name, raised.name, "--solver", "external", "--set", "lower=^h = ([-+0-9.eE]+)",
+                     "--set", f"command={sys.executable} ./peer.py {{A}} {{B}} 1", "--json")
+    assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stdout
 
 
 def test_bounds_of_no_distance_are_no_answer(sweep: Sweep) -> None:

@@ -18,9 +18,13 @@ from conftest import ROOT, Program
 SOURCES = ROOT / "tests" / "outside_plugin"
 
 
-def built(command: list[str | Path], folder: Path) -> None:
+def built(command: list[str | Path], folder: Path) -> str:
     done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+RECIPE = ["cmake", "-S", "sources", "-B", "build", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
 
 
 @pytest.fixture(scope="session")
@@ -29,7 +33,8 @@ def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path
     folder = tmp_path_factory.mktemp("outside")
     shutil.copytree(SOURCES, folder / "sources")
     built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
-    built(["cmake", "-S", "sources", "-B", "build", f"-DCMAKE_PREFIX_PATH={folder / 'installed'}", "-DCMAKE_BUILD_TYPE=Release"], folder)
+    said = built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
+    assert said.count("CMAKE_BUILD_TYPE is not set: building Release") == 1
     built(["cmake", "--build", "build", "--parallel", "2"], folder)
     return folder / "build"
 
@@ -37,6 +42,120 @@ def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path
 @pytest.fixture(scope="session")
 def plugin(outside: Path) -> Path:
     return outside / "libmisbehaving.so"
+
+
+def compiled(results: Path) -> dict[str, str]:
+    """How each plug-in of a result was compiled, by file name."""
+    with h5py.File(results) as f:
+        return {plugin["file"]: plugin["compiled"] for plugin in json.loads(f["meta"].attrs["plugins"])}
+
+
+def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
+    commands = [entry["command"].split() for entry in json.loads((outside / "compile_commands.json").read_text())]
+    with_hausbench = [words for words in commands if not words[-1].endswith("of_another_time.cpp")]
+    assert len(with_hausbench) == 5
+    for words in with_hausbench:
+        assert "-O3" in words and "-DNDEBUG" in words and "-ffp-contract=off" in words
+    experiment = tmp_path / "quick.toml"
+    experiment.write_text(head() + '[[solver]]\nname = "vertex_only"\n')
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin, "--quiet")
+    assert done.returncode == 0 and done.stderr == ""
+    how = compiled(tmp_path / "quick.h5")
+    assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith("optimized, no assertions, GCC ")
+
+
+def test_a_plugin_that_is_not_optimized_is_said_to_be_so(
+    hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, experiment: Path, tmp_path: Path
+) -> None:
+    # What the author chose stays.
+    said = built([*RECIPE, f"-DCMAKE_PREFIX_PATH={outside.parent / 'installed'}", "-DCMAKE_BUILD_TYPE=Debug",
+                  "-S", str(SOURCES), "-B", str(tmp_path / "debug")], tmp_path)
+    assert "building Release" not in said
+    built(["cmake", "--build", "debug", "--target", "with_octree"], tmp_path)
+    slow = tmp_path / "debug" / "libwith_octree.so"
+    experiment.write_text(experiment.read_text().replace("guthe", "with_octree"))
+    every_verb: list[list[str | Path]] = [["list"], ["explain", experiment], ["measure", tetrahedron, raised, "--solver", "with_octree"],
+                                          ["run", experiment, "--results", tmp_path, "--quiet"]]
+    for arguments in every_verb:
+        done = hausbench(*arguments, "--plugin", slow)
+        assert done.returncode == 0, done.stderr
+        (line,) = done.stderr.splitlines()
+        assert "libwith_octree.so: is not optimized" in line and "-DCMAKE_BUILD_TYPE=Release" in line
+    assert compiled(tmp_path / "tiny.h5")["libwith_octree.so"].startswith("not optimized, assertions, GCC ")
+
+
+def test_an_installed_program_knows_its_commit(program_file: str, outside: Path, experiment: Path, tmp_path: Path) -> None:
+    built_from = json.loads((Path(program_file).parent / "commit.json").read_text())
+    assert len(built_from["commit"]) == 40 or built_from["commit"] == "unknown"
+    installed = Program(str(outside.parent / "installed" / "bin" / "hausbench"), tmp_path)
+    assert installed("run", experiment, "--results", tmp_path).returncode == 0
+    with h5py.File(tmp_path / "tiny.h5") as f:
+        assert (f["meta"].attrs["commit"], f["meta"].attrs["dirty"]) == (built_from["commit"], built_from["dirty"])
+
+
+# What the solver `broken` does -> what is said of it, wherever it is loaded.
+DECLARED = {
+    "no name": "without a name",
+    "known name": "'guthe' already",
+    "no title": "title is empty",
+    "no target": "no shape as target",
+    "unknown paper": "'zhang2071' is no key of papers.bib (did you mean 'zhang2017'?)",
+    "wrong and certified": "never certified",
+    "parameter twice": "parameter 'how' twice",
+    "default is no choice": "'well' is not one of its choices",
+    "default outside": "the default 9 is outside",
+    "reads what is not declared": "reads undeclared parameter 'hidden'",
+    "reads another type": "reads parameter 'how' as another type",
+    "leaves unread": "does not read its parameter 'how'",
+    "throws at once": "its constructor throws something that is not a std::exception",
+    "returns nothing": "returns no solver",
+}
+
+
+@pytest.mark.parametrize("how", DECLARED)
+def test_a_plugin_that_breaks_its_contract_is_found_by_every_verb(
+    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    plugin = outside / "libbroken.so"
+    experiment.write_text(experiment.read_text().replace("guthe", "broken"))
+    assert hausbench("explain", experiment, "--plugin", plugin).returncode == 0
+    monkeypatch.setenv("BROKEN", how)
+    every_verb: list[list[str | Path]] = [["list"], ["explain", experiment], ["run", experiment], ["measure", tetrahedron, tetrahedron]]
+    for arguments in every_verb:
+        line = hausbench.fails(*arguments, "--plugin", plugin)
+        assert "libbroken.so: " in line and DECLARED[how] in line and "internal error" not in line
+        assert "solver 'broken'" in line or "name" in how
+
+
+def test_what_a_plugin_must_not_do_with_a_scene_is_its_own_error(
+    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plugin = outside / "libbroken.so"
+    experiment.write_text(experiment.read_text().replace("guthe", "broken"))
+    for how, said in (("needs more", "needs a target octree that is not in may_need"), ("uses more", "prepare() throws: "),
+                      ("throws", "solve() throws: too hard")):
+        monkeypatch.setenv("BROKEN", how)
+        line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", plugin)
+        assert "libbroken.so: solver 'broken' " + said in line and "internal error" not in line
+        if how == "needs more":
+            line = hausbench.fails("explain", experiment, "--plugin", plugin)
+            assert "libbroken.so: solver 'broken' " + said in line
+        assert hausbench("run", experiment, "--results", tmp_path, "--fresh", "--plugin", plugin).returncode == 0
+        (row,) = rows_of(tmp_path / "tiny.h5")["broken"]
+        assert row["status"] == "failed" and "internal error" not in row["reason"]
+        assert "too hard" in row["reason"] if how == "throws" else said in row["reason"]
+
+
+def test_rows_that_end_at_the_budget_are_timed(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "wide.toml"
+    text = (head().replace("[2.0]", "[1e-9]").replace("guthe", "vertex_only").replace('source = "sphere1"', 'source = "sphere0"')
+            .replace("to = [3, 0, 0], steps = 4", "to = [1, 0, 0], steps = 2"))
+    for repeats in (2, 3):  # more than are there are measured
+        experiment.write_text(text.replace("repeats = 1", f"repeats = {repeats}\nrounds = 2"))
+        assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
+        with h5py.File(tmp_path / "wide.h5") as f:
+            assert set(f["cases/status"].asstr()[:]) == {"budget"}
+            assert sorted(f["repeats/case"][:]) == sorted(2 * repeats * [0, 1])
 
 
 def test_list_shows_the_plugins_solvers(hausbench: Program, plugin: Path) -> None:
@@ -57,7 +176,8 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
     guthe = json.loads(hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout)
     assert answer["lower"] <= guthe["upper"] and guthe["lower"] <= answer["upper"]
     # Without the plug-in there is no such solver.
-    assert "vertex_only" in hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
+    line = hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
+    assert "'vertex_only'" in line and "--plugin" in line
 
 
 def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
@@ -411,4 +531,4 @@ def test_an_experiment_that_needs_the_plugin_says_so(hausbench: Program, tmp_pat
     experiment = tmp_path / "resumed.toml"
     experiment.write_text(RESUMED)
     line = hausbench.fails("run", experiment, "--results", tmp_path)
-    assert "resumed.toml" in line and "vertex_only" in line
+    assert "resumed.toml" in line and "vertex_only" in line and "--plugin" in line

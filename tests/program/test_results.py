@@ -194,7 +194,7 @@ def test_verify_without_the_models_says_so(hausbench: Program, scaled: Callable[
     without_the_models(root)
     done = run_in(hausbench, root, "verify", bad)
     assert done.returncode == 1
-    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "0", "1"]  # not checked, whatever the file says
+    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "1", "(0)"]  # not checked, whatever the file says
     assert "'one_raised' is not here" in done.stderr and "absent" in done.stderr
 
 
@@ -264,6 +264,31 @@ def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Pat
     assert one.read_bytes() == before
     done = hausbench("merge", one, one, two)  # that is meant
     assert done.returncode == 0 and str(one) in done.stdout and "1 cases of 2 results" in done.stdout
+
+
+def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    scene = '[[scene]]\nname = "{}"\nsource = "sphere2"\ntarget = "sphere1"\n'
+    experiment.write_text(experiment.read_text() +
+                          "".join(scene.format(name) for name in ("back", "again", "last")))
+    parts = []
+    for i in (1, 2, 3):
+        assert hausbench("run", experiment, "--results", tmp_path, "--shard", f"{i}/3").returncode == 0
+        parts.append(tmp_path / f"tiny.shard-{i}-of-3.h5")
+    twice = hausbench("merge", tmp_path / "twice.h5", parts[0], parts[0])
+    assert twice.returncode == 1 and "2 of 4 cases" in twice.stderr and "missing, 2/3, 3/3: run them with --shard" in twice.stderr
+    assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # it is written all the same
+    two = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])
+    assert two.returncode == 1 and "missing, 2/3: run" in two.stderr
+    done = hausbench("merge", tmp_path / "three.h5", tmp_path / "two.h5", parts[1])
+    assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
+    with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:
+        assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("2/3", "")
+    # A result that does not say which shard it is, as an older one.
+    for part in parts:
+        with h5py.File(part, "r+") as f:
+            del f["meta"].attrs["shard"]
+    done = hausbench("merge", tmp_path / "older.h5", parts[0], parts[1])
+    assert done.returncode == 1 and "1 of 4 cases" in done.stderr and "run the others" in done.stderr
 
 
 def test_merge_keeps_the_time_saved(hausbench: Program, experiment: Path, tmp_path: Path) -> None:

@@ -1,0 +1,19 @@
+// What a command line of the shell names: its programs, and other files such as the script that an interpreter runs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace hausbench {
+
+struct CommandFiles {
+    std::string sha256;   // of the contents of all of them, in order; empty where none is found
+    std::string missing;  // a program that is nowhere, with the remedy; empty where there is none
+};
+
+// The first word of each command is a program, looked up as the shell does: in PATH, or where it has a slash, from `folder`
+// (absolute). Any other word, and the part of a word after "=", counts where it is the name of a file. Passed over
+// are words with placeholders such as {A}, variables or wildcards, what ">" writes, and programs that a program starts itself.
+CommandFiles files_of_command(const std::string& line, const std::filesystem::path& folder);
+
+}  // namespace hausbench

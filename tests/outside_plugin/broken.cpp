@@ -1,0 +1,64 @@
+// A solver that breaks its contract as the environment variable BROKEN says; without it, it keeps it.
+#include <hausbench/plugin.h>
+#include <hausbench/structures/octree.h>
+
+#include <cstdlib>
+
+using namespace hausbench;
+
+namespace {
+
+bool broken(const std::string& how) {
+    const char* chosen = std::getenv("BROKEN");
+    return chosen && how == chosen;
+}
+
+class Broken final : public Solver {
+public:
+    explicit Broken(const Options& options) {
+        if (broken("reads what is not declared")) (void)options.real("hidden");
+        if (broken("reads another type")) (void)options.integer("how");
+        if (broken("throws at once")) throw 3;
+        if (!broken("leaves unread")) (void)options.text("how");
+    }
+
+    Needs needs(const Scene&, const QuerySet&) const override {
+        if (broken("needs more")) return {need<TriangleOctree>(Side::target)};
+        return {};
+    }
+
+    void prepare(const Scene&, const Prepared& prepared) override {
+        if (broken("uses more")) (void)prepared.get<TriangleOctree>(Side::target);
+    }
+
+    Result solve(const Query&, State*, Trace&) const override {
+        if (broken("throws")) throw std::runtime_error("too hard");
+        return {};
+    }
+};
+
+ParameterSpec parameter(const char* name, ParameterValue value) {
+    return {.name = name, .default_value = std::move(value), .unit = "", .paper_value = "", .description = "how"};
+}
+
+SolverEntry broken_solver() {
+    SolverInfo info;
+    info.name = broken("no name") ? "" : broken("known name") ? "guthe" : "broken";
+    info.title = broken("no title") ? "" : "Broken";
+    info.source.mesh = true;
+    info.target.mesh = !broken("no target");
+    if (broken("unknown paper")) info.paper = "zhang2071";
+    if (broken("wrong and certified")) info.certified = true, info.known_wrong = "as printed";
+    info.parameters = {parameter("how", std::string("well"))};
+    info.parameters[0].choices = {"well", "badly"};
+    if (broken("parameter twice")) info.parameters.push_back(info.parameters[0]);
+    if (broken("default is no choice")) info.parameters[0].choices = {"badly"};
+    if (broken("default outside"))
+        info.parameters.push_back(parameter("depth", std::int64_t(9))), info.parameters[1].most = 8;
+    if (broken("returns nothing")) return {info, [](const Options&) -> std::unique_ptr<Solver> { return nullptr; }};
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Broken>(options); }};
+}
+
+}  // namespace
+
+HAUSBENCH_PLUGIN(broken_solver())
