@@ -265,8 +265,9 @@ const Columns<Outcome>& outcome_columns() {
 
 const Columns<Check>& check_columns() {
     static const Columns<Check> columns = {
-        at<Check, MEMBER(lower)>("lower_check",
-                                 "the harness's own check, not timed: `holds`, `unsound`, `no witness` (so not checked), `not checked`"),
+        at<Check, MEMBER(lower)>(
+            "lower_check",
+            "the harness's own check, not timed: `holds`, `unsound`, `no witness` (so not checked), `not checked`"),
         at<Check, MEMBER(upper)>("upper_check", "likewise"),
         at<Check, MEMBER(fields)>("fields_check", "likewise, on 100 vertices and 100 elements of A"),
     };

@@ -1,4 +1,5 @@
 #include "options.h"
+#include "contract.h"
 #include "error.h"
 #include "registry.h"
 
@@ -102,11 +103,66 @@ TEST(Registry, NamesAreUniqueAndParametersReadable) {
         }
         // Our own solvers come from no paper, and say so.
         EXPECT_EQ(entry.info.paper.empty(), entry.info.title.ends_with("(ours)")) << entry.info.name;
-        const Options options(entry.info.name, entry.info.parameters, {});
-        (void)entry.make(options);
-        EXPECT_TRUE(options.unread().empty()) << entry.info.name;
+        EXPECT_NO_THROW(check_contract(entry)) << entry.info.name;
     }
     for (const NotBuilt& missing : solvers_not_built()) EXPECT_FALSE(names.contains(missing.name));
+}
+
+TEST(Contract, NoDeclarationOfOursIsWrong) {
+    for (const SolverEntry& entry : solvers()) EXPECT_EQ(declaration_error(entry.info), "") << entry.info.name;
+}
+
+TEST(Contract, WhatIsDeclaredWrongIsSaid) {
+    const auto says = [](const char* what, auto change) {
+        SolverInfo info;
+        info.name = info.title = "wrong";
+        info.source.points = info.target.mesh = true;
+        info.parameters = {{"how", std::string("well"), "", "", "", {"well", "badly"}},
+                           {"depth", std::int64_t(3), "", "", ""}};
+        info.parameters[1].least = 1, info.parameters[1].most = 8;
+        ASSERT_EQ(declaration_error(info), "");
+        change(info);
+        EXPECT_NE(declaration_error(info).find(what), std::string::npos) << what << ": " << declaration_error(info);
+    };
+    says("name is empty", [](SolverInfo& info) { info.name.clear(); });
+    says("title is empty", [](SolverInfo& info) { info.title.clear(); });
+    says("no shape as source", [](SolverInfo& info) { info.source = {}; });
+    says("no shape as target", [](SolverInfo& info) { info.target = {}; });
+    says("never certified", [](SolverInfo& info) { info.certified = true, info.known_wrong = "as printed"; });
+    says("did you mean 'guthe2005'", [](SolverInfo& info) { info.paper = "guthe2006"; });
+    says("without a name", [](SolverInfo& info) { info.parameters[1].name.clear(); });
+    says("'how' twice", [](SolverInfo& info) { info.parameters[1].name = "how"; });
+    says("'worse' is not one of its choices",
+         [](SolverInfo& info) { info.parameters[0].default_value = std::string("worse"); });
+    says("is no text", [](SolverInfo& info) { info.parameters[1].choices = {"3"}; });
+    says("is no text", [](SolverInfo& info) { info.parameters[1].command = true; });
+    says("outside [1, 2]", [](SolverInfo& info) { info.parameters[1].most = 2; });
+    says("outside", [](SolverInfo& info) { info.parameters[1].default_value = std::nan(""); });
+}
+
+class Idle final : public Solver {
+public:
+    void prepare(const Scene&, const Prepared&) override {}
+    Result solve(const Query&, State*, Trace&) const override { return {}; }
+};
+
+TEST(Contract, AConstructorReadsWhatIsDeclaredAndNothingElse) {
+    SolverEntry entry;
+    entry.info.name = "idle";
+    entry.info.parameters = {{"how", std::string("well"), "", "", ""}};
+    const auto make = [&] { return make_solver(entry, Options("idle", entry.info.parameters, {})); };
+    entry.make = [](const Options& options) -> std::unique_ptr<Solver> {
+        (void)options.text("how");
+        return std::make_unique<Idle>();
+    };
+    EXPECT_NE(make(), nullptr);
+    entry.make = [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); };
+    EXPECT_THROW(make(), std::logic_error);
+    entry.make = [](const Options& options) -> std::unique_ptr<Solver> {
+        (void)options.text("how");
+        return nullptr;
+    };
+    EXPECT_THROW(make(), std::logic_error);
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ Result answer(const SolverEntry& entry, const SmallScene& small, const Parameter
 TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
     std::vector<const SolverEntry*> exact_solvers;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.ignores_tolerance && entry.info.certified && entry.info.source.points && entry.info.target.points)
+        if (entry.info.ignores_tolerance && entry.info.certified && entry.info.source.points &&
+            entry.info.target.points)
             exact_solvers.push_back(&entry);
     }
     ASSERT_GE(exact_solvers.size(), 6u);

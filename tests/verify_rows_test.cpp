@@ -376,6 +376,21 @@ TEST_F(VerifyUncertified, HonestBoundsHoldWherePosesCancel) {
     EXPECT_GT(share_off(scenes), 0.5);
 }
 
+// Only what is shown refutes another row.
+TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
+    const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
+    Row off = honest_answer(s), proven = off;
+    off.outcome.bounds.lower = off.outcome.bounds.upper = std::nextafter(2.0, 3.0);
+    proven.asked.certified = 1;
+    const std::vector<Row> rows = verified(s, {off, proven});
+    EXPECT_EQ(rows[0].check.lower, Verdict::holds);
+    EXPECT_EQ(rows[1].check.upper, Verdict::holds) << rows[1].check.reason;
+    // What holds as it is refutes as it is.
+    off.outcome.bounds.lower = 2;
+    proven.outcome.bounds = {0, std::nextafter(2.0, 1.0)};
+    EXPECT_EQ(verified(s, {off, proven})[1].check.upper, Verdict::unsound);
+}
+
 TEST_F(VerifyUncertified, AnExcessIsSaidInUlps) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row row = honest_answer(s);
