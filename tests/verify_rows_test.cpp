@@ -391,6 +391,16 @@ TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     EXPECT_EQ(verified(s, {off, proven})[1].check.upper, Verdict::unsound);
 }
 
+TEST_F(VerifyUncertified, AnUpperBoundMayBeRoundedDown) {
+    const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
+    Row off = honest_answer(s), proven = off;
+    proven.asked.certified = 1;
+    off.outcome.bounds.upper = std::nextafter(2.0, 1.0);  // below its own lower bound, too
+    EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::holds);
+    off.asked.certified = 1;
+    EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::unsound);
+}
+
 TEST_F(VerifyUncertified, AnExcessIsSaidInUlps) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row row = honest_answer(s);
