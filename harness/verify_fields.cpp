@@ -29,8 +29,8 @@ struct Stopped {};
 
 class FieldCheck {
 public:
-    FieldCheck(const Standing& source, const Standing& target, const Stop& stop)
-        : source_(source), target_(target), stop_(stop) {}
+    FieldCheck(const Standing& source, const Standing& target, double slack, const Stop& stop)
+        : source_(source), target_(target), slack_(slack), stop_(stop) {}
 
     void all(const Fields& fields) const {
         const Field *distance = nullptr, *nearest = nullptr;
@@ -84,13 +84,13 @@ private:
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
     }
 
-    static void in_order(const Fields& fields) {
+    void in_order(const Fields& fields) const {
         for (const Field& low : fields) {
             for (const Field& high : fields) {
                 if (low.meaning != Field::Meaning::lower || high.meaning != Field::Meaning::upper || low.of != high.of)
                     continue;
                 for (std::size_t i = 0; i < low.values.size(); ++i) {
-                    if (low.values[i] <= high.values[i]) continue;
+                    if (low.values[i] <= high.values[i] + slack_) continue;
                     throw Unsound{fmt::format("{} {}: {} {:.17g} is not at most {} {:.17g}", to_string(low.of), i,
                                               low.name, low.values[i], high.name, high.values[i])};
                 }
@@ -123,15 +123,16 @@ private:
             go_on();
             const Element b = target_[about_nearest(p)];
             if (field.meaning == Field::Meaning::upper) {
-                if (!covers(value, p, corners, b)) refuse("below the distance of one of its points");
+                if (!covers(value + slack_, p, corners, b)) refuse("below the distance of one of its points");
                 continue;
             }
             Rational most = 0;
             for (const Vec3& corner : corners) most = std::max(most, squared_distance(corner, b));
             if (!farthest || most < *farthest) farthest = most;
         }
-        if (!farthest || value <= 0) return;
-        if (std::isinf(value) || Rational(value) * Rational(value) > *farthest)
+        const double least = value - slack_;
+        if (!farthest || least <= 0) return;
+        if (std::isinf(least) || Rational(least) * Rational(least) > *farthest)
             refuse("above the distance of all its points");
     }
 
@@ -146,17 +147,18 @@ private:
     }
 
     const Standing &source_, &target_;
+    double slack_;  // of each bound
     const Stop& stop_;
 };
 
 }  // namespace
 
 Verdict check_fields(const Fields& fields, const Shape& source, const Pose& source_pose, const Shape& target,
-                     const Pose& target_pose, const Stop& stop, std::string& reason) {
+                     const Pose& target_pose, double slack, const Stop& stop, std::string& reason) {
     const Standing a(source, source_pose), b(target, target_pose);
     if (!a.finite() || !b.finite()) return Verdict::not_checked;
     try {
-        FieldCheck(a, b, stop).all(fields);
+        FieldCheck(a, b, slack, stop).all(fields);
         return Verdict::holds;
     } catch (const Unsound& found) {
         reason = found.reason;

@@ -15,8 +15,8 @@
 
 namespace hausbench {
 
-// `not_checked` where a pose takes a shape out of the range of doubles, or where it was stopped; `reason` says what is unsound.
+// `slack`: how far the solver's bounds may be off, see slack_for_rounding(). `not_checked` where a pose takes a shape out of the range of doubles, or where it was stopped; `reason` says what is unsound.
 Verdict check_fields(const Fields& fields, const Shape& source, const Pose& source_pose, const Shape& target,
-                     const Pose& target_pose, const Stop& stop, std::string& reason);
+                     const Pose& target_pose, double slack, const Stop& stop, std::string& reason);
 
 }  // namespace hausbench

@@ -255,7 +255,7 @@ class CheckFields : public testing::Test {
 protected:
     void expect(Verdict verdict, const char* why = "") {
         std::string reason;
-        EXPECT_EQ(check_fields(fields, a, pose, b, target_pose, {}, reason), verdict) << reason;
+        EXPECT_EQ(check_fields(fields, a, pose, b, target_pose, slack, {}, reason), verdict) << reason;
         EXPECT_NE(reason.find(why), std::string::npos) << reason;
         EXPECT_EQ(reason.empty(), verdict != Verdict::unsound);
     }
@@ -266,6 +266,7 @@ protected:
     Pose pose = moved({1, -1, 3}), target_pose = moved({0, 0, -4});
     Fields fields = fields_of(a, pose, b, target_pose);
     const double error = field_error(4);
+    double slack = 0;
 };
 
 TEST_F(CheckFields, TheTruthHolds) {
@@ -353,6 +354,25 @@ TEST_F(CheckFields, BoundsOfElements) {
     expect(Verdict::unsound, "is not at most upper");
 }
 
+TEST_F(CheckFields, BoundsOfElementsMayBeOffByTheSlack) {
+    fields.push_back(bounds("lower", Field::Meaning::lower, {7, 8, 8, 8}));
+    fields.push_back(bounds("upper", Field::Meaning::upper, {7, 8, 8, 8}));
+    const Fields good = fields;
+    for (double off : {0.9, 1.1}) {
+        const Verdict verdict = off < 1 ? Verdict::holds : Verdict::unsound;
+        slack = 1e-12;
+        fields = good;
+        fields[3].values[0] -= off * slack, fields[2].values[0] = 0;
+        expect(verdict, off < 1 ? "" : "elements 0: upper 6.99");
+        fields = good;
+        fields[2].values[2] += off * slack, fields[3].values[2] = infinity;
+        expect(verdict, off < 1 ? "" : "elements 2: lower 8.00");
+        fields = good;
+        fields[2].values[0] = 6, fields[3].values[0] = 7, fields[2].values[0] = 7 + off * slack;
+        expect(verdict, off < 1 ? "" : "is not at most upper");
+    }
+}
+
 // The farthest point of a triangle is its centroid, where its corners are on B.
 TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     TriangleMesh one{Points(3, 3), Triangles(1, 3)};
@@ -402,12 +422,12 @@ TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
         Fields wrong = fields;
         wrong[1].values[i] = -1;
         std::string why;
-        looked_at += check_fields(wrong, a, pose, b, target_pose, {}, why) == Verdict::unsound;
+        looked_at += check_fields(wrong, a, pose, b, target_pose, slack, {}, why) == Verdict::unsound;
     }
     EXPECT_EQ(looked_at, 5);  // every tenth
     std::string reason;
     EXPECT_EQ(check_fields(
-                  fields, a, pose, b, target_pose, [] { return true; }, reason),
+                  fields, a, pose, b, target_pose, slack, [] { return true; }, reason),
               Verdict::not_checked);
 }
 
@@ -420,14 +440,21 @@ TEST_F(CheckFields, AnUnsoundFieldMakesItsRowUnsound) {
     row.outcome.status = RowStatus::ok;
     row.outcome.bounds = {0, infinity};
     row.fields = fields;
-    std::vector<Row> rows = {row, row};
+    Fields rounded = fields;
+    rounded.push_back(bounds("upper", Field::Meaning::upper, {std::nextafter(7.0, 0.0), 8, 8, 8}));
+    std::vector<Row> rows = {row, row, row, row};
     rows[1].fields[0].values[0] = 6;
+    rows[2].fields = rows[3].fields = rounded;
+    rows[2].asked.certified = 0;
+    rows[3].asked.certified = 1;
     verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
     EXPECT_EQ(rows[0].check.fields, Verdict::holds);
     EXPECT_EQ(rows[0].outcome.status, RowStatus::ok);
     EXPECT_EQ(rows[1].check.fields, Verdict::unsound);
     EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound);
     EXPECT_NE(rows[1].outcome.reason.find("vertex 0"), std::string::npos);
+    EXPECT_EQ(rows[2].check.fields, Verdict::holds);  // rounding explains it
+    EXPECT_EQ(rows[3].check.fields, Verdict::unsound);
 }
 
 }  // namespace
