@@ -1,5 +1,6 @@
 // What a row says of its case: the tolerance as a length, and the identity.
 #include "record.h"
+#include "machine.h"
 
 #include <gtest/gtest.h>
 
@@ -66,6 +67,14 @@ TEST(Record, WhatCameLaterIsPartOfTheIdentityOnlyWhereGiven) {
     asked.program_sha256 = "dd";
     all.insert(identify(asked));
     EXPECT_EQ(all.size(), 7u);
+}
+
+TEST(Record, TheVersionIsOneLine) {
+    const std::string text = version_text();
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    for (const std::string& part :
+         {this_build().version, this_build().type, this_build().compiler, std::string("commit ")})
+        EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
 }  // namespace
