@@ -79,8 +79,12 @@ std::set<std::pair<int, int>> shards_in(const std::string& text) {
     std::set<std::pair<int, int>> shards;
     std::istringstream in(text);
     for (std::string one; std::getline(in >> std::ws, one, ',');) {
-        const Shard shard = parse_shard(one);
-        shards.insert({shard.of, shard.number});
+        try {
+            const Shard shard = parse_shard(one);
+            shards.insert({shard.of, shard.number});
+        } catch (const InputError&) {  // of a damaged file
+            return {};
+        }
     }
     return shards;
 }
@@ -202,13 +206,14 @@ std::string missing_shards(const ResultFile& merged) {
     const auto shards = shards_in(merged.texts.at("shard"));
     if (elsewhere == 0) return "";
     std::string missing, remedy = "run the others and merge again";
-    if (!shards.empty() && shards.begin()->first == shards.rbegin()->first) {
+    constexpr int most_named = 100;
+    if (!shards.empty() && shards.begin()->first == shards.rbegin()->first && shards.begin()->first <= most_named) {
         const int of = shards.begin()->first;
         for (int number = 1; number <= of; ++number) {
             if (!shards.contains({of, number}))
                 missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", number, of);
         }
-        remedy = fmt::format("run them with --shard and merge again");
+        remedy = "run them with --shard and merge again";
     }
     return fmt::format("{} of {} cases are in shards that are missing{}: {}", elsewhere, merged.rows.size(),
                        missing.empty() ? "" : ", " + missing, remedy);

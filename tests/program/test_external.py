@@ -166,6 +166,15 @@ def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Progr
     assert [a != b for a, b in zip(first["solve_seconds"], third["solve_seconds"])] == peers
 
 
+def test_the_peers_of_this_project_run_wherever_it_is_called_from(hausbench: Program, tmp_path: Path) -> None:
+    experiment = ROOT / "experiments" / "points" / "points_speed.toml"
+    done = hausbench("run", experiment, "--scene", "overlapping_100K", "--solver", "scipy_ckdtree", "--results", tmp_path)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "points_speed.h5") as f:
+        assert list(f["cases/status"].asstr()[:]) == ["ok"], f["cases/reason"].asstr()[:]
+        assert len(f["cases/program_sha256"].asstr()[0]) == 64
+
+
 def test_measure_counts_from_the_current_folder(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     (tmp_path / "peer.py").write_text(PEER.read_text())
     done = hausbench("measure", tetrahedron.name, raised.name, "--solver", "external", "--set", "lower=^h = ([-+0-9.eE]+)",

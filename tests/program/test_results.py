@@ -283,6 +283,13 @@ def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment:
     assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
     with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:
         assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("2/3", "")
+    # A result that says nonsense, or more than can be listed.
+    for text in ("0/3", "1/2000000000", "a, b", ",", "1/2, 1/3"):
+        with h5py.File(parts[0], "r+") as f:
+            f["meta"].attrs["shard"] = text
+        done = hausbench("merge", tmp_path / "odd.h5", parts[0], parts[0])
+        assert done.returncode == 1 and "2 of 4 cases" in done.stderr and "run the others" in done.stderr
+        (tmp_path / "odd.h5").unlink()
     # A result that does not say which shard it is, as an older one.
     for part in parts:
         with h5py.File(part, "r+") as f:
