@@ -206,6 +206,8 @@ def save(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "
     below all else, and makes the figure higher.
     """
     if footnote:
+        figure.draw_without_rendering()  # so that the layout is settled before the text, which it must not make room for
+        figure.set_layout_engine("none")
         figure.text(0.5, -0.01, "\n".join(textwrap.wrap(footnote, int(20 * figure.get_figwidth()))), ha="center", va="top",
                     fontsize=6.5, color=GREY)
     folder = out / "figures"
