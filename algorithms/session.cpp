@@ -31,17 +31,25 @@ void check(const Query& query) {
     }
 }
 
-// A solver's word is not enough: its status has to follow from its bounds.
-void hold_to_its_status(const Query& query, Result& result) {
+// A solver's word is not enough: its status has to follow from its bounds. All lengths are scaled by 2^exponent; the note has those of
+// the input.
+void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
-    if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+    const auto [lower, upper] = result.bounds;
+    if (const auto answer = query.answer(lower, upper)) {
         result.status = *answer;
         return;
     }
-    result.note = fmt::format("the solver reports {}, but {}", to_string(result.status),
-                              result.status == Status::converged     ? "its gap is above the tolerance"
-                              : result.status == Status::below_floor ? "its upper bound is above the floor"
-                                                                     : "its lower bound is not above the cutoff");
+    const auto length = [&](double scaled) { return std::ldexp(scaled, -exponent); };
+    std::string why;
+    if (result.status == Status::below_floor)
+        why = fmt::format("its upper bound {:.6g} is above the floor {:.6g}", length(upper), length(query.floor));
+    else if (result.status == Status::above_cutoff)
+        why = fmt::format("its lower bound {:.6g} is not above the cutoff {:.6g}", length(lower), length(query.cutoff));
+    else
+        why = fmt::format("its gap {:.6g} is above the tolerance {:.6g}", length(upper - std::max(lower, query.floor)),
+                          length(query.tolerance.gap(lower)));
+    result.note = fmt::format("the solver reports {}, but {}", to_string(result.status), why);
     result.status = Status::stalled;
 }
 
@@ -235,7 +243,7 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
         state = own.get();
     }
     Result result = part.solver->solve(asked, state, trace);
-    hold_to_its_status(asked, result);
+    hold_to_its_status(asked, exponent_, result);
     return result;
 }
 

@@ -66,10 +66,11 @@ struct Bounds {
 };
 
 // A pair that shows the lower bound. Whatever the direction, source_point lies on A posed and target_point on B posed; the
-// direction says which of the two is far from the other shape: the other point is its closest point there.
+// direction says which of the two is far from the other shape: the other point is its closest point there. NaN: a point that is
+// unknown, or that was not computed.
 struct Witness {
     enum class Direction { source_to_target, target_to_source };
-    Vec3 source_point = Vec3::Zero(), target_point = Vec3::Zero();
+    Vec3 source_point = Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), target_point = source_point;
     Index source_element = -1, target_element = -1;  // -1: unknown (peers that do not tell)
     Direction direction = Direction::source_to_target;
 };

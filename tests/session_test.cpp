@@ -125,6 +125,11 @@ TEST(SessionStatus, NothingIsPassedWhereNothingWasAsked) {
     EXPECT_EQ(to_string(wide.status), to_string(Status::stalled));
     EXPECT_NE(wide.note.find("not above the cutoff"), std::string::npos);
     EXPECT_EQ(wide.bounds.upper, 4e9);
+    // The note has the lengths of the input, whatever the scene is scaled by.
+    EXPECT_EQ(after(Status::converged, {0, 0.25}, 0, infinity, 1024).note,
+              "the solver reports converged, but its gap 512 is above the tolerance 0.02048");
+    EXPECT_EQ(after(Status::below_floor, {0, 0.25}, 16, infinity, 1024).note,
+              "the solver reports below_floor, but its upper bound 512 is above the floor 16");
     EXPECT_EQ(to_string(after(Status::below_floor, {0, infinity}).status), to_string(Status::stalled));
     EXPECT_EQ(to_string(after(Status::below_floor, {0, 0}).status), to_string(Status::converged));
     EXPECT_EQ(to_string(after(Status::above_cutoff, {1, 1}).status), to_string(Status::converged));

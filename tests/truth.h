@@ -145,7 +145,10 @@ inline void meshes(const TriangleMesh& source, const TriangleMesh& target, const
 // bound away from the other shape, and its near point is nearest there.
 inline void check_witness(const Scene& scene, const Result& result, const std::string& where) {
     const Witness& w = result.witness;
-    if (w.source_element < 0) return;
+    if (w.source_element < 0) {  // none, or points that nobody computed would pass for one
+        EXPECT_FALSE(w.source_point.allFinite() || w.target_point.allFinite()) << where;
+        return;
+    }
     ASSERT_LT(w.source_element, element_count(scene.source)) << where;
     ASSERT_GE(w.target_element, 0) << where;
     ASSERT_LT(w.target_element, element_count(scene.target)) << where;

@@ -78,8 +78,6 @@ public:
 
     Result solve(const Query& query, State*, Trace&) const override {
         Result result;
-        result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
-        result.witness.target_point = result.witness.source_point;
         try {
             const SurfaceMesh source =
                 surface_mesh(posed(source_->vertices, query.source_pose), source_faces_, source_shared_);

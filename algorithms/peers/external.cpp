@@ -117,8 +117,6 @@ public:
 
     Result solve(const Query& query, State*, Trace&) const override {
         Result result;
-        result.witness.source_point.setConstant(std::numeric_limits<double>::quiet_NaN());
-        result.witness.target_point = result.witness.source_point;
         Shape a = scene_->source;
         points_of(a) = posed(points_of(scene_->source), query.source_pose);
         const bool needs_length = command_.find("tolerance}") != std::string::npos;

@@ -188,8 +188,6 @@ public:
             large = squared_distance<true>(box_of(source_.grid, {0, 0, 0}, 1 << depth_),
                                            box_of(target_.grid, {0, 0, 0}, 1 << depth_));
         result.bounds = {distance_at_least(g, true), distance_at_most(large, true)};
-        result.witness.source_point = result.witness.target_point =
-            Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
         trace.record(result.bounds.lower, result.bounds.upper);
         if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
             result.status = *answer;

@@ -42,7 +42,6 @@ public:
     Search(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
            Trace& trace)
         : a_(source), b_(target), most_cells_(most_cells), query_(query), trace_(trace), deadline_(query.time_limit) {
-        result_.witness.source_point = result_.witness.target_point = nowhere();
         result_.bounds = {0, fallback()};
     }
 
