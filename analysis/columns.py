@@ -127,6 +127,8 @@ class Models:
     precision: Texts
     unreferenced: Ints
     source: Texts
+    path: Texts
+    file_sha256: Texts
     licence: Texts
     note: Texts
 
@@ -252,6 +254,8 @@ DEFAULTS: dict[str, Any] = {
     "models/precision": "",
     "models/unreferenced": -1,
     "models/source": "",
+    "models/path": "",
+    "models/file_sha256": "",
     "models/licence": "",
     "models/note": "",
     "preparation/case": 0,

@@ -4,6 +4,7 @@
 #include "error.h"
 #include "hash.h"
 #include "isolated.h"
+#include "model_table.h"
 #include "shape_file.h"
 #include "surface_file.h"
 
@@ -24,121 +25,6 @@ template <class List> std::vector<std::string> names_of(const List& list) {
     std::vector<std::string> names;
     for (const auto& one : list) names.push_back(one.name);
     return names;
-}
-
-const Recipe& recipe_named(const std::vector<Recipe>& list, const std::string& name, const std::string& where) {
-    for (const Recipe& recipe : list)
-        if (recipe.name == name) return recipe;
-    throw InputError(fmt::format("{}: unknown '{}'{}", where, name, nearest_hint(name, names_of(list))));
-}
-
-// One [model.NAME] table. A key that no member function has read is an error.
-class ModelTable {
-public:
-    ModelTable(const std::filesystem::path& manifest, std::string name, const toml::table& table)
-        : manifest_(manifest), name_(std::move(name)), table_(table) {}
-
-    std::string where(const toml::source_region& region) const {
-        return fmt::format("{}: line {}: model '{}'", manifest_.string(), region.begin.line, name_);
-    }
-    std::string where(const std::string& key = "") const {
-        const toml::node* node = key.empty() ? nullptr : table_.get(key);
-        return where(node ? node->source() : table_.source());
-    }
-
-    std::string text(const std::string& key, bool required = true) {
-        known_.push_back(key);
-        const toml::node* node = table_.get(key);
-        if (!node) {
-            if (required) throw InputError(fmt::format("{}: has no '{}'", where(), key));
-            return "";
-        }
-        const auto value = node->value_exact<std::string>();
-        if (!value || (required && value->empty()))
-            throw InputError(fmt::format("{}: '{}' must be a text", where(key), key));
-        return *value;
-    }
-
-    Numbers numbers(const Recipe& recipe) {
-        Numbers values;
-        for (const NumberSpec& spec : recipe.numbers) {
-            known_.push_back(spec.name);
-            const toml::node* node = table_.get(spec.name);
-            if (!node) continue;
-            if (!node->is_number())
-                throw InputError(fmt::format("{}: '{}' must be a number", where(spec.name), spec.name));
-            values[spec.name] = *node->value<double>();
-        }
-        return values;
-    }
-
-    void allow(const std::string& key) { known_.push_back(key); }
-
-    void refuse_other_keys() const {
-        for (const auto& [key, node] : table_) {
-            const std::string name(key.str());
-            if (std::find(known_.begin(), known_.end(), name) == known_.end())
-                throw InputError(
-                    fmt::format("{}: unknown key '{}'{}", where(node.source()), name, nearest_hint(name, known_)));
-        }
-    }
-
-private:
-    const std::filesystem::path& manifest_;
-    std::string name_;
-    const toml::table& table_;
-    std::vector<std::string> known_;
-};
-
-ModelInfo read_model(const std::filesystem::path& manifest, const std::string& name, const toml::table& content) {
-    ModelTable table(manifest, name, content);
-    constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
-    if (name.empty() || name.find_first_not_of(allowed) != std::string::npos)
-        throw InputError(table.where() + ": a name is made of letters, digits, '_', '.' and '-'");
-    ModelInfo model;
-    model.name = name;
-    model.source = table.text("source");
-    model.note = table.text("note", false);
-    model.licence = table.text("licence", false);
-    const bool package = model.source == "debian" || model.source == "npm";
-    if (package || model.source == "file") {
-        if (package) {
-            model.package = table.text("package");
-            model.version = table.text("version");
-        }
-        model.path = table.text("path");
-        model.sha256 = table.text("sha256", package);
-        model.format = table.text("format", false);
-        table.allow("triangles");  // for people who read the manifest
-        if (!model.sha256.empty() &&
-            (model.sha256.size() != 64 || model.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
-            throw InputError(table.where("sha256") + ": sha256 must be 64 digits of 0-9 and a-f");
-    } else if (model.source == "generated") {
-        model.recipe = table.text("recipe");
-        if (model.recipe == "surface") {
-            table.allow("polynomial");
-            table.allow("box");
-            model.surface = surface_of(content, table.where("polynomial"));
-            table.refuse_other_keys();
-            return model;
-        }
-        const Recipe& recipe = recipe_named(recipes(), model.recipe, table.where("recipe") + ": recipe");
-        model.numbers = table.numbers(recipe);
-        table.refuse_other_keys();
-        check_numbers(table.where(), recipe, model.numbers);
-    } else if (model.source == "derived") {
-        model.from = table.text("from");
-        model.recipe = table.text("operation");
-        const Recipe& operation = recipe_named(operations(), model.recipe, table.where("operation") + ": operation");
-        model.numbers = table.numbers(operation);
-        table.refuse_other_keys();
-        check_operation(table.where(), operation, model.numbers);
-    } else {
-        throw InputError(fmt::format("{}: unknown source '{}'{}", table.where("source"), model.source,
-                                     nearest_hint(model.source, {"debian", "npm", "file", "generated", "derived"})));
-    }
-    table.refuse_other_keys();
-    return model;
 }
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
@@ -168,29 +54,34 @@ Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::pat
         if (key.str() != "model" || !node.is_table())
             throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
                                          node.source().begin.line, key.str()));
-    if (const toml::table* tables = root["model"].as_table())
-        for (const auto& [key, node] : *tables) {
-            if (!node.is_table())
-                throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
-                                             node.source().begin.line, key.str()));
-            models_.push_back(read_model(manifest, std::string(key.str()), *node.as_table()));
-            ModelInfo& model = models_.back();
-            if (model.source == "file") model.path = (manifest.parent_path() / model.path).string();
-        }
+    add(manifest, read_models(manifest, root, ModelsOf::manifest));
+}
+
+void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> models) {
+    for (ModelInfo& model : models) {
+        if (has(model.name))
+            throw InputError(fmt::format("{}: model '{}' is one of datasets/manifest.toml too: give it another name",
+                                         file.string(), model.name));
+        models_.push_back(std::move(model));
+    }
     for (const ModelInfo& model : models_) {
         std::set<std::string> seen;
         for (const ModelInfo* at = &model; at->source == "derived";) {
             if (!seen.insert(at->name).second)
-                throw InputError(fmt::format("{}: model '{}' is derived from itself", manifest.string(), at->name));
+                throw InputError(fmt::format("{}: model '{}' is derived from itself", file.string(), at->name));
             const auto origin =
                 std::find_if(models_.begin(), models_.end(), [&](const ModelInfo& m) { return m.name == at->from; });
             if (origin == models_.end())
                 throw InputError(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}",
-                                             manifest.string(), at->name, at->from,
+                                             file.string(), at->name, at->from,
                                              nearest_hint(at->from, names_of(models_))));
             at = &*origin;
         }
     }
+}
+
+bool Catalogue::has(const std::string& name) const {
+    return std::any_of(models_.begin(), models_.end(), [&](const ModelInfo& model) { return model.name == name; });
 }
 
 const ModelInfo& Catalogue::find(const std::string& name) const {
@@ -210,7 +101,7 @@ void Catalogue::make_folders() const {
 std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
     const ModelInfo& model = find(name);
     std::filesystem::path file, origin_shape;
-    std::string input;  // what of the key is not in the manifest's table
+    std::string file_sha256, input;  // input: what of the key is not in the manifest's table
     if (model.source == "derived") {
         auto origin = resolve(model.from);
         if (const auto* missing = std::get_if<MissingModel>(&origin))
@@ -219,16 +110,17 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
         origin_shape = std::get<ResolvedModel>(origin).shape_file;
     } else if (model.source != "generated") {
         const bool local = model.source == "file";
-        file = local ? std::filesystem::path(model.path)
+        file = local ? model.folder / model.path
                      : cache_ / "raw" / model.sha256 / model.path.substr(model.path.rfind('/') + 1);
         if (!std::filesystem::exists(file))
             return MissingModel{local ? fmt::format("file {} does not exist", file.string())
                                       : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
-        input = sha256_of_file(file);
+        input = file_sha256 = sha256_of_file(file);
         if (!model.sha256.empty() && input != model.sha256)
             throw InputError(
-                fmt::format("model '{}': {} has SHA-256 {}, the manifest says {}: delete it and fetch it again", name,
-                            file.string(), input, model.sha256));
+                fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", name, file.string(), input,
+                            local ? "model's table" : "manifest", model.sha256,
+                            local ? "put the right file there, or correct sha256" : "delete it and fetch it again"));
         input += file.filename().string();  // the extension chooses the reader
     }
 
@@ -261,7 +153,8 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
                          element_count(loaded.shape),
                          static_cast<Index>(points_of(loaded.shape).rows()),
                          diagonal(points_of(loaded.shape)),
-                         longest_side(points_of(loaded.shape))};
+                         longest_side(points_of(loaded.shape)),
+                         file_sha256};
 }
 
 }  // namespace hausbench

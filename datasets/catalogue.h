@@ -12,7 +12,7 @@
 
 namespace hausbench {
 
-// One [model.NAME] table of datasets/manifest.toml, checked.
+// One [model.NAME] table of datasets/manifest.toml or of an experiment, checked.
 struct ModelInfo {
     std::string name;
     std::string source;  // "generated", "debian", "npm", "file", "derived"
@@ -20,6 +20,7 @@ struct ModelInfo {
     std::string licence;
     // debian, npm, file
     std::string package, version, path, sha256, format;
+    std::filesystem::path folder;  // from which a relative path of a file counts
     // generated: recipe; derived: operation and `from`
     std::string recipe, from;
     std::map<std::string, double> numbers;    // parameters of the recipe or operation
@@ -33,6 +34,7 @@ struct ResolvedModel {
     ShapeKind kind = ShapeKind::mesh;
     Index elements = 0, vertices = 0;
     double diagonal = 0, longest_side = 0;  // of the box of its points
+    std::string file_sha256 = {};           // of the file that it was read from; empty: there is none
 };
 
 struct MissingModel {
@@ -45,6 +47,10 @@ public:
     // manifest, an unknown key (names the nearest), a derived model whose origin does not exist or depends on itself.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 
+    // More models, which `file` defines; pointers to those before become invalid. Throws InputError for a name that there is, and as above.
+    void add(const std::filesystem::path& file, std::vector<ModelInfo> models);
+
+    bool has(const std::string& name) const;
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
 

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <set>
 #include <unordered_map>
 
 namespace hausbench {
@@ -143,6 +144,11 @@ std::string lower_case(std::string text) {
     return text;
 }
 
+std::string upper_case(std::string text) {
+    for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+    return text;
+}
+
 std::string extension_of(const std::filesystem::path& file) {
     std::filesystem::path base = file.filename();
     if (lower_case(base.extension().string()) == ".gz") base = base.stem();
@@ -180,6 +186,13 @@ std::string read_all(const std::filesystem::path& file) {
 
 }  // namespace
 
+bool names_a_file(const std::string& text) {
+    static const std::set<std::string> known = {"off", "obj", "ply",  "stl", "xyz", "pts", "csv", "pcd", "las", "laz",
+                                                "e57", "glb", "gltf", "3ds", "dae", "fbx", "ac",  "ase", "wrl", "x3d"};
+    return text.find('/') != std::string::npos || known.contains(extension_of(text)) ||
+           lower_case(text).ends_with(".surface.toml");
+}
+
 LoadedShape load_file(const std::filesystem::path& file, const std::string& format) {
     std::error_code error;
     const std::string name = file.string();
@@ -195,16 +208,26 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     }
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty())
-        throw InputError(name +
-                         ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl or what it is");
-    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off")
+        throw InputError(
+            name + ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl, .xyz or what it is");
+    if (kind == "las" || kind == "laz" || kind == "e57")
+        throw InputError(fmt::format(
+            "{}: {} is not read, since no library of Debian 12 reads it: convert it to .xyz or .ply, for example with "
+            "`las2txt -parse xyz` or `pdal translate`",
+            name, upper_case(kind)));
+    const bool lines = kind == "xyz" || kind == "pts" || kind == "csv";
+    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off" && kind != "pcd" && !lines)
         return readers::load_with_assimp(file, format);
 
     std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     LoadReport report;
     report.format = kind;
-    return readers::finish(name, readers::read_with_cgal(name, std::move(bytes), kind), report, kind == "stl");
+    readers::Soup soup = lines           ? readers::read_point_lines(name, bytes, kind)
+                         : kind == "pcd" ? readers::read_pcd(name, bytes)
+                                         : readers::read_with_cgal(name, std::move(bytes), kind);
+    report.float32 = soup.float32;
+    return readers::finish(name, std::move(soup), report, kind == "stl");
 }
 
 }  // namespace hausbench

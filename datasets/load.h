@@ -13,6 +13,7 @@ namespace hausbench {
 struct LoadReport {
     std::string format;                 // "obj", "ply", "stl", "off", ... as read
     std::string precision = "float64";  // "float32" if the reader rounds to it (assimp)
+    bool float32 = false;  // coordinates are stored in float32 in the file (or are rounded to it by the reader)
     std::optional<std::int64_t> unreferenced =
         0;                      // number of dropped vertices; empty: unknown, since the reader drops them
     std::int64_t polygons = 0;  // faces of more than three corners, which were split into triangles
@@ -24,7 +25,11 @@ struct LoadedShape {
     LoadReport report;
 };
 
-// OBJ, PLY, STL and OFF (also gzipped) in float64 through CGAL, everything else through assimp. A file with vertices
+// Whether a text is the path of a file rather than a name: it has a '/', or an extension that is read.
+bool names_a_file(const std::string& text);
+
+// OBJ, PLY, STL and OFF in float64 through CGAL, point clouds (XYZ, PTS, CSV, PCD) in float64, all of them also gzipped; everything
+// else through assimp. A file with vertices
 // and no faces is a point set; NAME.surface.toml is an algebraic surface (surface_file.h).
 // `format` ("obj", ...) overrides the file's extension. Throws InputError, one line that
 // names the file, the place and the remedy, for a missing, empty or unparsable file, no vertices, a NaN or infinite

@@ -83,6 +83,7 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     std::transform(report.format.begin(), report.format.end(), report.format.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
     report.precision = "float32";
+    report.float32 = true;
     report.unreferenced = std::nullopt;
     report.polygons = tally.polygons;
     return finish(name, std::move(soup), report, true);

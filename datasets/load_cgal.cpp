@@ -101,6 +101,7 @@ Soup read_with_cgal(const std::string& name, std::string bytes, const std::strin
     for (const CgalPoint& p : points) soup.points.emplace_back(p.x(), p.y(), p.z());
     soup.faces = std::move(faces);
     soup.objects = mended.objects;
+    soup.float32 = mended.float32;
     soup.point_lines = std::move(mended.point_lines);
     soup.face_lines = std::move(mended.face_lines);
     return soup;

@@ -215,6 +215,7 @@ Mended mend_binary_stl(const std::string& name, std::string bytes) {
     Mended mended;
     mended.bytes = std::move(bytes);
     mended.faces = facets;
+    mended.float32 = true;
     return mended;
 }
 

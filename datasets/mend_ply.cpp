@@ -104,6 +104,7 @@ Mended mend_ply(const std::string& name, const std::string& bytes) {
                 (property.name == "x" || property.name == "y" || property.name == "z")) {
                 ++coordinates;
                 if (text && !is_real(property.type)) property.type = "double";
+                mended.float32 = mended.float32 || property.type == "float" || property.type == "float32";
                 if (!is_real(property.type))
                     throw InputError(fmt::format(
                         "{}: coordinates of type {} in a binary PLY are not read: write double", name, property.type));

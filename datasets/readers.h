@@ -1,4 +1,4 @@
-// Shared by load_file() and its two readers; private to datasets/.
+// Shared by load_file() and its readers; private to datasets/.
 #pragma once
 
 #include "load.h"
@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hausbench::readers {
@@ -18,6 +19,7 @@ struct Soup {
     std::vector<std::vector<std::size_t>> faces;
     std::vector<std::uint32_t> point_lines, face_lines;  // line numbers in the file, from 1; empty for binary formats
     std::int64_t objects = 1;
+    bool float32 = false;  // a coordinate is stored in that precision
 };
 
 // A file as it is given to CGAL's reader: the same numbers, without what CGAL 5.5 rejects, misreads or fails to check.
@@ -27,6 +29,7 @@ struct Mended {
     std::int64_t objects = 1;
     std::vector<std::uint32_t> lines;  // for each line of `bytes`, its line number in the file, from 1
     std::vector<std::uint32_t> point_lines, face_lines;  // as in Soup
+    bool float32 = false;                                // likewise
 };
 
 // Each throws InputError that begins with `name`.
@@ -44,6 +47,10 @@ Mended mend_ply(const std::string& name, const std::string& bytes);  // mend_ply
 
 // `format` is obj, off, stl or ply.
 Soup read_with_cgal(const std::string& name, std::string bytes, const std::string& format);
+
+// Point clouds, in double precision; `format` is xyz, pts or csv. What lines may hold: point_file.cpp.
+Soup read_point_lines(const std::string& name, std::string_view bytes, const std::string& format);
+Soup read_pcd(const std::string& name, std::string_view bytes);  // pcd_file.cpp
 
 // Triples of positions 0..n-1 in the polygon: a fan where it is convex, else by ear clipping in its mean plane. n >= 3.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners);

@@ -55,6 +55,7 @@ LoadedShape read_unchecked(const std::filesystem::path& path) {
     loaded.report.precision = file.text_attribute("", "precision");
     const std::int64_t unreferenced = file.integer_attribute("", "unreferenced");
     loaded.report.unreferenced = unreferenced < 0 ? std::nullopt : std::optional(unreferenced);
+    loaded.report.float32 = file.has_attribute("", "float32") && file.integer_attribute("", "float32") != 0;
     loaded.report.polygons = file.integer_attribute("", "polygons");
     loaded.report.objects = file.integer_attribute("", "objects");
     if (content_hash(loaded.shape) != file.text_attribute("", "content_hash"))
@@ -76,6 +77,7 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
         file.attribute("", "format", loaded.report.format);
         file.attribute("", "precision", loaded.report.precision);
         file.attribute("", "unreferenced", loaded.report.unreferenced.value_or(-1));
+        file.attribute("", "float32", std::int64_t(loaded.report.float32));
         file.attribute("", "polygons", loaded.report.polygons);
         file.attribute("", "objects", loaded.report.objects);
         const Points& points = points_of(loaded.shape);

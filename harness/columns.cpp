@@ -288,6 +288,9 @@ const Columns<ModelRecord>& model_columns() {
         at<ModelRecord, MEMBER(precision)>("precision", "`float64`, or `float32` if the reader rounds to it"),
         at<ModelRecord, MEMBER(unreferenced)>("unreferenced", "vertices dropped; -1 unknown"),
         at<ModelRecord, MEMBER(source)>("source", "where it comes from"),
+        at<ModelRecord, MEMBER(path)>(
+            "path", "of a file, or in a package, as its table or the experiment gives it; else empty"),
+        at<ModelRecord, MEMBER(file_sha256)>("file_sha256", "of the bytes of that file, or of the one in a package"),
         at<ModelRecord, MEMBER(licence)>("licence", "SPDX where there is one"),
         at<ModelRecord, MEMBER(note)>("note", "the catalogue's remark"),
     };

@@ -2,6 +2,7 @@
 
 #include "compare.h"
 #include "error.h"
+#include "own_models.h"
 #include "shape_file.h"
 #include "show.h"
 #include "verify.h"
@@ -17,7 +18,9 @@ namespace hausbench {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue) {
+std::vector<std::string> verify_result(ResultFile& result, const Catalogue& manifest) {
+    Catalogue catalogue = manifest;
+    add_own_models(catalogue, result);
     std::map<std::string, Shape> shapes;
     std::vector<std::string> missing;
     for (const ModelRecord& model : result.models) {
@@ -28,6 +31,13 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& cata
             continue;
         }
         const auto& good = std::get<ResolvedModel>(resolved);
+        if (good.content_hash != model.sha256 && catalogue.find(model.name).source == "file") {
+            const ModelInfo& info = catalogue.find(model.name);
+            throw InputError(
+                fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} "
+                            "then, {} now): put that file back, or run the experiment again",
+                            model.name, (info.folder / info.path).string(), model.sha256, good.content_hash));
+        }
         if (good.content_hash != model.sha256) {
             throw InputError(fmt::format(
                 "model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "

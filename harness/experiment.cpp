@@ -1,6 +1,7 @@
 #include "experiment.h"
 
 #include "error.h"
+#include "model_table.h"
 #include "registry.h"
 
 #include <fmt/format.h>
@@ -233,6 +234,8 @@ std::vector<ParameterMap> read_options(const Reader& reader, const SolverEntry& 
     return combinations;
 }
 
+int line_of(const toml::node& node) { return int(node.source().begin.line); }
+
 ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     ScenePlan scene;
     scene.name = reader.text("name");
@@ -241,6 +244,8 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
             reader.fail(*node, "'targets' makes a matrix together with 'sources': give both, or 'source' and 'target'");
         scene.source = reader.text("source");
         scene.target = reader.text("target");
+        scene.source_line = line_of(*reader.find("source"));
+        scene.target_line = line_of(*reader.find("target"));
     }
     scene.note = reader.text("note", "");
     if (const toml::node* node = reader.find("motion")) scene.motion = read_motion(file, reader, *node, "motion");
@@ -264,6 +269,18 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     return scene;
 }
 
+// A file of poses that cannot be read is an error of the experiment: it is found before anything runs.
+void expect_pose_files(const Reader& reader, const ScenePlan& scene) {
+    for (const auto& [key, motion] :
+         {std::pair{"motion", &scene.motion}, std::pair{"target_motion", &scene.target_motion}}) {
+        try {
+            if (std::holds_alternative<PoseFile>(*motion)) (void)pose_count(*motion);
+        } catch (const InputError& error) {
+            reader.fail(*reader.find(key), fmt::format("'{}': {}", key, error.what()));
+        }
+    }
+}
+
 // One scene for each source and each target, source by source; without `sources` the one that it is.
 std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
     if (!reader.find("sources")) return {scene};
@@ -280,10 +297,16 @@ std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
         if (std::set<std::string>(names.begin(), names.end()).size() != names.size())
             reader.fail(node, fmt::format("'{}' names a model twice", key));
     }
+    const auto line = [&](const char* key, std::size_t i) {
+        return line_of(*reader.find(reader.find(key) ? key : "sources")->as_array()->get(i));
+    };
     std::vector<ScenePlan> pairs;
-    for (const std::string& source : sources) {
-        for (const std::string& target : targets) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        for (std::size_t k = 0; k < targets.size(); ++k) {
+            const std::string &source = sources[i], &target = targets[k];
             ScenePlan pair = scene;
+            pair.source_line = line("sources", i);
+            pair.target_line = line("targets", k);
             pair.matrix = scene.name;
             pair.name = fmt::format("{}: {} to {}", scene.name, source, target);
             pair.source = source;
@@ -332,9 +355,9 @@ SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
     return solver;
 }
 
-const std::vector<std::string> root_keys = {"title",  "paper",   "tolerances",       "of",       "floor",   "cutoff",
-                                            "budget", "repeats", "rounds",           "trace",    "limits",  "profile",
-                                            "scene",  "solver",  "expected_unsound", "quantity", "threads", "fields"};
+const std::vector<std::string> root_keys = {
+    "title",  "paper",   "tolerances", "of",    "floor",  "cutoff",           "budget",   "repeats", "rounds", "trace",
+    "limits", "profile", "model",      "scene", "solver", "expected_unsound", "quantity", "threads", "fields"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -375,7 +398,20 @@ toml::table with_profile(const fs::path& file, toml::table table, const std::str
     return table;
 }
 
+toml::table parsed(const fs::path& file, const std::string& text, const std::string& profile) {
+    try {
+        return with_profile(file, toml::parse(text, file.string()), profile);
+    } catch (const toml::parse_error& error) {
+        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
+                                     error.source().begin.column, error.description()));
+    }
+}
+
 }  // namespace
+
+std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
+    return read_models(file, parsed(file, toml, profile), ModelsOf::experiment);
+}
 
 double unit_of(const std::string& of, double diagonal, double longest_side) {
     return of == "diagonal" ? diagonal : of == "longest" ? longest_side : 1;
@@ -396,14 +432,9 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     text << in.rdbuf();
     experiment.toml = text.str();
 
-    toml::table table;
-    try {
-        table = with_profile(file, toml::parse(experiment.toml, file.string()), profile);
-    } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
-                                     error.source().begin.column, error.description()));
-    }
+    const toml::table table = parsed(file, experiment.toml, profile);
     Reader root(file, table, "", root_keys);
+    experiment.models = read_models(file, table, ModelsOf::experiment);
     experiment.title = root.text("title");
     experiment.paper = root.text("paper", "");
     experiment.tolerances = root.tolerances("tolerances");
@@ -441,6 +472,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 const auto pairs = expand(reader, scene);
                 for (const ScenePlan& pair : pairs) names_of_all.insert(pair.name);
                 if (!wanted(reader, profile, profiles)) continue;
+                expect_pose_files(reader, scene);
                 experiment.scenes.insert(experiment.scenes.end(), pairs.begin(), pairs.end());
                 bool fresh = names.insert(scene.name).second;
                 for (const ScenePlan& pair : pairs)

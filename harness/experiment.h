@@ -1,6 +1,7 @@
 // An experiment file, checked: what to run on what. The one place that knows its TOML keys (see CONTRIBUTING.md).
 #pragma once
 
+#include "catalogue.h"
 #include "motion.h"
 #include "options.h"
 #include "solver.h"
@@ -27,7 +28,8 @@ inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", 
 double unit_of(const std::string& of, double diagonal, double longest_side);
 
 struct ScenePlan {
-    std::string name, source, target;  // models of datasets/manifest.toml
+    std::string name, source, target;      // models, by name, or files, by path (own_models.h)
+    int source_line = 0, target_line = 0;  // of the experiment's file
     std::string matrix;  // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
@@ -49,6 +51,7 @@ struct Experiment {
     std::string toml;  // verbatim
     std::filesystem::path file;
     std::filesystem::path folder() const { return std::filesystem::absolute(file).parent_path(); }
+    std::vector<ModelInfo> models;  // its own: [model.NAME]
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
@@ -66,8 +69,12 @@ struct Experiment {
 };
 
 // Throws InputError naming file, line and key for anything unknown (with the nearest known name), missing or out of range:
-// keys, solvers, parameters and their values; models are checked by plan.h.
+// keys, solvers, parameters and their values, own models, files of poses; names of models are checked by own_models.h.
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile);
+
+// The models that the text of an experiment defines in a profile; relative paths count from the folder of `file`.
+std::vector<ModelInfo> models_of(const std::filesystem::path& file, const std::string& toml,
+                                 const std::string& profile);
 
 // All experiment files below a folder, by stem. Throws InputError if two have the same.
 std::vector<std::filesystem::path> experiment_files(const std::filesystem::path& folder);

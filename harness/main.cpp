@@ -11,6 +11,7 @@
 #include "load.h"
 #include "machine.h"
 #include "measure.h"
+#include "own_models.h"
 #include "paths.h"
 #include "plan.h"
 #include "plugin.h"
@@ -50,7 +51,8 @@ Catalogue catalogue() {
 // The plan points into the catalogue, which therefore lives as long as the program.
 Plan plan_of(const RunArguments& arguments) {
     const Experiment experiment = read_experiment(arguments.file, arguments.profile);
-    static const Catalogue models = catalogue();
+    static Catalogue models = catalogue();
+    add_own_models(models, experiment);
     Progress progress(arguments.quiet);
     return make_plan(experiment, models, arguments.choice, [&](const std::string& what) { progress.doing(what); });
 }
@@ -224,7 +226,7 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("B", request.target, "target file")->required();
     measure_verb->add_option(
         "--solver", request.solver,
-        "see `hausbench list` (default: guthe for meshes, earlybreak for points, surface_enclosure for surfaces)");
+        "see `hausbench list` (default: guthe for meshes, scan for points, surface_enclosure for surfaces)");
     measure_verb
         ->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
         ->capture_default_str();
@@ -239,12 +241,18 @@ int dispatch(int argc, char** argv) {
                        ? ""
                        : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, tolerance_units));
         });
-    measure_verb->add_flag("--symmetric", request.symmetric, "H(A,B) = the larger of h(A,B) and h(B,A)");
+    measure_verb->add_flag("--symmetric", request.symmetric,
+                           "h(A,B), h(B,A), each to the full tolerance, and H(A,B), the larger of the two");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     measure_verb->add_option("--cutoff", request.cutoff,
                              "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 "
                              "if it is above, 3 if that is open; --time-limit is then 10 unless it is given");
-    measure_verb->add_option("--time-limit", request.time_limit, "seconds; the bounds hold also when it is reached");
+    measure_verb->add_option("--time-limit", request.time_limit,
+                             "seconds for preparing, and as many for solving; the bounds hold also when it is reached. "
+                             "A solver that goes on is "
+                             "killed after a tenth more, and at least 1 s");
+    measure_verb->add_flag("--in-process", request.in_process,
+                           "solve in this process, for debuggers: a solver that hangs or crashes then takes it along");
     measure_verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
         ->check(CLI::Range(1, 1024));
     measure_verb->add_option(
@@ -256,6 +264,7 @@ int dispatch(int argc, char** argv) {
     takes_plugins(measure_verb);
     measure_verb->callback([&] {
         request.options = parse_parameters(parameters);
+        request.tolerance_given = measure_verb->count("--tolerance") + measure_verb->count("--of") > 0;
         const Measured measured = measure(request);
         constexpr auto replace = nlohmann::json::error_handler_t::replace;  // output of a program may not be UTF-8
         std::fputs((measure_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n"
@@ -263,7 +272,8 @@ int dispatch(int argc, char** argv) {
                        .c_str(),
                    stdout);
         code = exit_code(measured, request);
-        if (!answered(measured)) fmt::print(stderr, "hausbench: solver '{}' gave no answer\n", measured.solver);
+        if (const std::string why = no_answer(measured); !why.empty())
+            fmt::print(stderr, "hausbench: solver '{}' gave no answer: {}\n", measured.solver, why);
     });
 
     std::string exported;

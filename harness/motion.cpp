@@ -26,12 +26,16 @@ std::vector<Pose> translated(const Translation& motion, const Shape& shape) {
     return poses;
 }
 
+// Whether a rotation by so much ends where it begins: the last of its poses would be the first once more.
+bool full_turns(double degrees) { return degrees != 0 && std::fmod(degrees, 360.0) == 0; }
+
 std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {
     const Points& points = points_of(shape);
     const Vec3 centre = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
     std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
+    const int steps = full_turns(motion.degrees) ? motion.steps + 1 : motion.steps;  // the last is left out
     for (int i = 0; i < motion.steps; ++i) {
-        const double angle = motion.degrees * fraction(i, motion.steps) * std::numbers::pi / 180;
+        const double angle = motion.degrees * fraction(i, steps) * std::numbers::pi / 180;
         if (angle == 0) continue;  // the identity, exactly
         Pose& pose = poses[std::size_t(i)];
         pose.rotation = Eigen::AngleAxisd(angle, motion.axis.normalized()).toRotationMatrix();

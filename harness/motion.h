@@ -19,7 +19,8 @@ struct Translation {
     bool of_diagonal;
 };
 
-// `steps` poses from 0 to `degrees` about an axis through the centre of its box, both included.
+// `steps` poses from 0 to `degrees` about an axis through the centre of the box of the shape as loaded; both ends are included, but for a
+// multiple of 360 degrees, where the end is the beginning and is left out.
 struct Rotation {
     Vec3 axis;
     double degrees;

@@ -52,12 +52,6 @@ bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
     return chosen(choice, scene.name) || (!scene.matrix.empty() && chosen(choice, scene.matrix));
 }
 
-// Whether the solver's bounds hold under rounding with these options.
-bool promises(const SolverEntry& entry, const ParameterMap& given) {
-    return entry.info.certified &&
-           make_solver(entry, Options(entry.info.name, entry.info.parameters, given))->certified();
-}
-
 class Planner {
 public:
     Planner(const Experiment& experiment, const Catalogue& catalogue,
@@ -341,6 +335,11 @@ private:
 };
 
 }  // namespace
+
+bool promises(const SolverEntry& entry, const ParameterMap& given) {
+    return entry.info.certified &&
+           make_solver(entry, Options(entry.info.name, entry.info.parameters, given))->certified();
+}
 
 std::vector<double> Plan::marks(std::size_t row) const {
     std::vector<double> gaps;

@@ -75,6 +75,9 @@ private:
     RowsReadOff<> readers_;
 };
 
+// Whether the solver's bounds hold under rounding with these options.
+bool promises(const SolverEntry& entry, const ParameterMap& given);
+
 // Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
 // or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
 bool unsound_expected(const Case& asked, const Experiment& experiment);

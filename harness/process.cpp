@@ -12,6 +12,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -45,20 +46,19 @@ std::vector<std::string> environment_with(const std::string& folder) {
 
 }  // namespace
 
-WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) : folder_("worker") {
-    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of a worker become children of this process, so they are found
-    std::signal(SIGPIPE, SIG_IGN);
+struct WorkerProcess::Pipes {
     int feed[2], events[2], output[2];
-    if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
-        throw std::runtime_error("cannot open a pipe");
+
+    Pipes() {
+        std::signal(SIGPIPE, SIG_IGN);
+        if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0)
+            throw std::runtime_error("cannot open a pipe");
     }
-    std::vector<std::string> environment = environment_with(folder_.path().string());
-    std::vector<char*> entries;
-    for (std::string& entry : environment) entries.push_back(entry.data());
-    entries.push_back(nullptr);
-    std::string path = program.string(), verb = "worker", option = "--events",
-                descriptor = fmt::format("{}", events[1]);
-    char* arguments[] = {path.data(), verb.data(), option.data(), descriptor.data(), nullptr};
+};
+
+// In a process group of its own; it and its descendants end with this process. `child` does not return.
+void WorkerProcess::start(Pipes& pipes, const std::function<void()>& child) {
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of a worker become children of this process, so they are found
     const pid_t parent = ::getpid();
     before_ = family_of(parent);
     pid_ = ::fork();
@@ -68,21 +68,50 @@ WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::st
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
         ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, and count as its own
         if (::getppid() != parent) ::_exit(127);
-        ::dup2(feed[0], STDIN_FILENO);
-        ::dup2(output[1], STDOUT_FILENO);
-        ::dup2(output[1], STDERR_FILENO);
-        ::fcntl(events[1], F_SETFD, 0);  // inherited
-        ::execve(path.c_str(), arguments, entries.data());
+        ::dup2(pipes.feed[0], STDIN_FILENO);
+        child();
         ::_exit(127);
     }
-    ::close(feed[0]);
-    ::close(events[1]);
-    ::close(output[1]);
-    events_ = events[0];
-    output_ = output[0];
+    ::close(pipes.feed[0]);
+    ::close(pipes.events[1]);
+    ::close(pipes.output[1]);
+    events_ = pipes.events[0];
+    output_ = pipes.output[0];
     ::fcntl(output_, F_SETFL, O_NONBLOCK);
-    write_all(feed[1], input);
-    ::close(feed[1]);
+}
+
+WorkerProcess::WorkerProcess(const std::filesystem::path& program, const std::string& input) : folder_("worker") {
+    Pipes pipes;
+    std::vector<std::string> environment = environment_with(folder_.path().string());
+    std::vector<char*> entries;
+    for (std::string& entry : environment) entries.push_back(entry.data());
+    entries.push_back(nullptr);
+    std::string path = program.string(), verb = "worker", option = "--events",
+                descriptor = fmt::format("{}", pipes.events[1]);
+    char* arguments[] = {path.data(), verb.data(), option.data(), descriptor.data(), nullptr};
+    start(pipes, [&] {
+        ::dup2(pipes.output[1], STDOUT_FILENO);
+        ::dup2(pipes.output[1], STDERR_FILENO);
+        ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
+        ::execve(path.c_str(), arguments, entries.data());
+    });
+    write_all(pipes.feed[1], input);
+    ::close(pipes.feed[1]);
+}
+
+WorkerProcess::WorkerProcess(const std::function<void(int events)>& work) : folder_("worker") {
+    Pipes pipes;
+    std::fflush(nullptr);  // or the copy would write it once more
+    start(pipes, [&] {
+        ::close(pipes.feed[1]);
+        ::close(pipes.events[0]);
+        ::dup2(STDERR_FILENO, STDOUT_FILENO);
+        ::setenv("TMPDIR", folder_.path().c_str(), 1);
+        work(pipes.events[1]);
+        std::fflush(nullptr);
+        ::_exit(0);
+    });
+    ::close(pipes.feed[1]);
 }
 
 WorkerProcess::~WorkerProcess() {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ public:
     // `input` to its standard input. It and its descendants end with the runner. Its TMPDIR is a folder of its own
     // (scratch.h). Throws InputError if that folder cannot be created.
     WorkerProcess(const std::filesystem::path& program, const std::string& input);
+    // A copy of this process (fork) that does `work` with the descriptor of the events, and ends; otherwise likewise, but its standard output
+    // goes to this one's standard error. For a process without other threads.
+    explicit WorkerProcess(const std::function<void(int events)>& work);
     ~WorkerProcess();  // kills it if it still runs
     WorkerProcess(const WorkerProcess&) = delete;
     WorkerProcess& operator=(const WorkerProcess&) = delete;
@@ -42,6 +46,8 @@ public:
     std::string last_words(std::size_t characters = 400);
 
 private:
+    struct Pipes;
+    void start(Pipes& pipes, const std::function<void()>& child);
     void read_output();
 
     pid_t pid_ = -1;

@@ -162,6 +162,7 @@ struct ModelRecord {
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
     double diagonal = 0, longest_side = 0;
     std::array<double, 6> box = no_box;  // from, to in x, y and z
+    std::string path = {}, file_sha256 = {};
 };
 
 // What was left out, and why.

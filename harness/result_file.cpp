@@ -13,6 +13,7 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
                     {"paper", experiment.paper},
                     {"profile", experiment.profile},
                     {"experiment_toml", experiment.toml},
+                    {"experiment_file", std::filesystem::absolute(experiment.file).string()},
                     {"started", started},
                     {"finished", finished},
                     {"commit", build.commit},
@@ -48,7 +49,9 @@ ModelRecord record_of(const ModelRow& model) {
                        r.report.unreferenced.value_or(-1),
                        r.diagonal,
                        r.longest_side,
-                       no_box};
+                       no_box,
+                       model.info->path,
+                       r.file_sha256};
     if (const auto& surface = model.info->surface) {
         record.polynomial = surface->polynomial;
         for (std::size_t i = 0; i < 6; ++i) record.box[i] = surface->box(Eigen::Index(i % 2), Eigen::Index(i / 2));

@@ -156,7 +156,7 @@ constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "pro
                                       "started",  "finished", "commit",     "dirty",     "build",
                                       "compiler", "flags",    "build_type", "libraries", "machine",
                                       "cpu",      "caches",   "kernel",     "system",    "hausbench_version"};
-constexpr const char* later_texts[] = {"plugins", "shard"};  // older files have none
+constexpr const char* later_texts[] = {"plugins", "shard", "experiment_file"};  // older files have none
 constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
 
 ResultFile read_trusting(const fs::path& file) {

@@ -335,7 +335,7 @@ TEST_F(Files, AssimpReadsTheRestInFloat32) {
 }
 
 TEST_F(Files, ShapeFilesComeBackBitEqual) {
-    LoadedShape mesh{awkward(), {"ply", "float32", std::nullopt, 3, 2}};
+    LoadedShape mesh{awkward(), {"ply", "float32", true, std::nullopt, 3, 2}};
     mesh.report.unreferenced = std::nullopt;
     const std::filesystem::path file = folder_.path() / "shape.h5";
     write_shape(file, mesh);

@@ -79,7 +79,7 @@ def count(case: Case, program: Path, folder: Path) -> int:
     """Instructions of Session::solve, without loading and preparing."""
     out = folder / "callgrind.out"
     output_of(["valgrind", "--tool=callgrind", "--toggle-collect=hausbench::Session::solve(*", f"--callgrind-out-file={out}",
-               str(program), "measure", str(file_of(case.source, program, folder)), str(file_of(case.target, program, folder)),
+               str(program), "measure", "--in-process", str(file_of(case.source, program, folder)), str(file_of(case.target, program, folder)),
                "--solver", case.solver, "--tolerance", case.tolerance])
     found = re.search(r"^totals: (\d+)$", out.read_text(), re.M)
     if not found or int(found[1]) == 0:

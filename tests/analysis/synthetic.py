@@ -23,7 +23,7 @@ COUNTERS = ("point_distances", "point_triangle_distances", "node_visits", "close
 TEXT = h5py.string_dtype("utf-8")
 
 META: dict[str, Any] = {
-    "schema_version": 2, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "",
+    "schema_version": 2, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "", "experiment_file": "",
     "started": "2026-01-01T00:00:00Z", "finished": "2026-01-01T00:01:00Z", "commit": "0123456789abcdef", "dirty": 0,
     "build": "b1", "compiler": "g++ 12.2.0", "flags": "-O3", "libraries": "{}", "machine": "m1", "cpu": "Test CPU",
     "cores": 2, "caches": "", "memory_bytes": 8 * 2**30, "kernel": "6.1.0", "system": "Debian 12",
@@ -43,7 +43,7 @@ CASE: dict[str, Any] = {
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0, "longest_side": 0.75,
-                         "precision": "float64", "unreferenced": 0, "source": "", "licence": "", "note": "",
+                         "precision": "float64", "unreferenced": 0, "source": "", "path": "", "file_sha256": "", "licence": "", "note": "",
                          "polynomial": "", "box": [NAN] * 6}
 ANSWER: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "reported_seconds": NAN}
 REPEAT: dict[str, Any] = {"case": 0, "round": 0, "wall_seconds": NAN, "cpu_seconds": NAN, "iterations": 1}

@@ -34,6 +34,8 @@ void eat_memory(const std::string& how, Result&) {
     }
 }
 
+void leave(const std::string&, Result&) { ::_exit(0); }
+
 // Grows by 4 MB at a time to 1.2 GB, without ever being silent for long.
 void leak(const std::string& how, Result&) {
     static std::vector<std::vector<char>> kept;
@@ -169,6 +171,23 @@ private:
     std::unique_ptr<Solver> good_;
 };
 
+// Never gets ready.
+class NeverReady final : public Solver {
+public:
+    explicit NeverReady(const Options&) {}
+    void prepare(const Scene&, const Prepared&) override {
+        for (;;) ::pause();
+    }
+    Result solve(const Query&, State*, Trace&) const override { return {}; }
+};
+
+SolverEntry never_ready() {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = "never_ready";
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<NeverReady>(options); }};
+}
+
 SolverEntry stops_early() {
     SolverInfo info = vertex_only_solver().info;
     info.name = info.title = "stops_early";
@@ -179,7 +198,7 @@ SolverEntry stops_early() {
 }  // namespace
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
-                 misbehaving<dawdle>("dawdles", {"up to there"}),
+                 misbehaving<leave>("leaves"), never_ready(), misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
                                            "wide", "wide, no cutoff"}),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import signal
+import struct
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -90,9 +92,118 @@ def test_point_sets_get_a_point_solver(hausbench: Program, tmp_path: Path) -> No
     a.write_text("v 0 0 0\nv 3 0 0\n")
     b.write_text("v 0 0 4\n")
     result = measured(hausbench, a, b)
-    assert result["solver"] == "earlybreak"
+    assert result["solver"] == "scan" and result["certified"] is True
     assert result["lower"] <= 5 <= result["upper"]  # type: ignore[operator]
     assert result["source_point"] == [3, 0, 0] and result["target_point"] == [0, 0, 4]
+
+
+@pytest.mark.parametrize("of", ["diagonal", "absolute", "lower"])
+def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
+    """h(A,B) = 0 since A is a part of B; h(B,A) = 3. Each has its bounds, its status and its witness, to the full tolerance."""
+    a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
+    a.write_text("0 0 0\n4 0 0\n")
+    b.write_text("0 0 0\n4 0 0\n4 3 0\n")
+    result: Any = measured(hausbench, a, b, "--symmetric", "--of", of)
+    forward, backward = result["directions"]
+    assert forward["direction"] == "source to target" and forward["status"] == "converged"
+    assert forward["lower"] == forward["upper"] == 0 and forward["upper_of_diagonal"] == 0
+    assert backward["direction"] == "target to source" and backward["status"] == "converged"
+    assert backward["lower"] <= 3 <= backward["upper"] <= backward["lower"] + 4e-6
+    assert backward["source_point"] == [4, 0, 0] and backward["target_point"] == [4, 3, 0]
+    assert backward["witness_direction"] == "target to source"
+    assert result["direction"] == "symmetric" and result["lower"] <= 3 <= result["upper"] <= result["lower"] + 4e-6
+    assert result["target_point"] == [4, 3, 0] and result["lower_of_diagonal"] == result["lower"] / 4
+    lines = hausbench("measure", a, b, "--symmetric", "--of", of).stdout.splitlines()
+    for name in ("h(A,B)", "h(B,A)", "H(A,B)"):
+        assert sum(f"distance   {name} in [" in line for line in lines) == 1
+    assert any("of A's diagonal" in line for line in lines) and any("scan (certified)" in line for line in lines)
+
+
+def test_the_second_direction_is_not_stopped_by_the_first(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    """h(B,A) = 0.25 is far below h(A,B) = 5, and as exact."""
+    b = tmp_path / "b.xyz"
+    b.write_text("0 0 -0.25\n0 0 1\n")
+    result: Any = measured(hausbench, tetrahedron, b, "--symmetric")
+    forward, backward = result["directions"]
+    assert forward["lower"] > 0.5 and backward["lower"] <= 0.25 <= backward["upper"] <= backward["lower"] + 2e-6
+
+
+def test_what_was_measured_is_in_the_answer(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
+    result: Any = measured(hausbench, tetrahedron, raised, "--tolerance", "1e-4")
+    assert result["certified"] is True and result["warnings"] == []
+    source, target = result["source"], result["target"]
+    assert source["file"] == str(tetrahedron) and target["file"] == str(raised)
+    assert source["elements"] == source["vertices"] == 4 and source["kind"] == "mesh"
+    assert source["diagonal"] == pytest.approx(3**0.5) and source["float32"] is False
+    assert result["upper_of_diagonal"] == result["upper"] / source["diagonal"]
+    assert [one["direction"] for one in result["directions"]] == ["source to target"]
+    assert measured(hausbench, tetrahedron, raised, "--solver", "cgal")["certified"] is False
+
+
+def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Path) -> None:
+    point, other, huge, tiny = (tmp_path / f"{name}.xyz" for name in ("point", "other", "huge", "tiny"))
+    point.write_text("1 2 3\n")
+    other.write_text("1 2 3\n1 2 7\n")
+    huge.write_text("1.7e308 0 0\n-1.7e308 0 0\n")
+    tiny.write_text("0 0 0\n5e-324 0 0\n")
+    one: Any = measured(hausbench, point, other)
+    assert one["tolerance_of"] == "diagonal of both" and one["tolerance_absolute"] == 4e-6 and one["upper_of_diagonal"] is None
+    assert "of the diagonal of both shapes 4 (= 4e-06), since A has no extent" in hausbench("measure", point, other).stdout
+    none: Any = measured(hausbench, point, point)
+    assert none["tolerance_of"] == "absolute" and none["tolerance_absolute"] == 1e-6 and none["upper"] == 0
+    assert "(a length, since neither shape has an extent)" in hausbench("measure", point, point).stdout
+    assert measured(hausbench, other, point)["tolerance_of"] == "diagonal"
+    for extreme in (huge, tiny):
+        assert measured(hausbench, extreme, extreme)["lower"] == 0
+    # One that was given has to mean what it says.
+    for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
+        assert "its box has no" in hausbench.fails("measure", point, other, *given)
+
+
+def stl(x: float) -> bytes:
+    corners = struct.pack("<12f", 0, 0, 1, x, 0, 0, x + 1, 0, 0, x, 1, 0)
+    return b" " * 80 + struct.pack("<I", 1) + corners + b"\0\0"
+
+
+def test_coordinates_coarser_than_the_tolerance(hausbench: Program, tmp_path: Path) -> None:
+    """Near 5.1e6 float32 has steps of 0.5."""
+    far, near = tmp_path / "far.stl", tmp_path / "near.stl"
+    far.write_bytes(stl(5.1e6))
+    near.write_bytes(stl(0))
+    result: Any = measured(hausbench, far, far)
+    assert len(result["warnings"]) == 2 and "coordinates of A are float32, in steps of up to 0.5" in result["warnings"][0]
+    assert result["source"]["float32"] is True and result["source"]["float32_spacing"] == 0.5
+    assert "warning    the coordinates of B are float32, in steps of up to 0.5" in hausbench("measure", far, far).stdout
+    fine: Any = measured(hausbench, far, far, "--tolerance", "1", "--of", "absolute")
+    assert fine["warnings"] == [] and measured(hausbench, near, near)["warnings"] == []
+    relative: Any = measured(hausbench, far, near, "--tolerance", "1e-9", "--of", "lower")
+    assert len(relative["warnings"]) == 1 and measured(hausbench, far, near, "--tolerance", "1e-6", "--of", "lower")["warnings"] == []
+    for head, tail in (("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n", "5100000 0 0\n"),
+                       ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "5100000 0 0\n")):
+        file = tmp_path / ("a.ply" if head.startswith("ply") else "a.pcd")
+        file.write_text(head + tail)
+        assert measured(hausbench, file, file, "--tolerance", "0.1", "--of", "absolute")["warnings"]
+        file.write_text(head.replace("float", "double").replace("SIZE 4 4 4", "SIZE 8 8 8") + tail)
+        assert not measured(hausbench, file, file, "--tolerance", "0.1", "--of", "absolute")["warnings"]
+
+
+def test_a_witness_that_nobody_computed_is_null(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    a = tmp_path / "a.xyz"
+    a.write_text("1 0 0\n3 0 0\n")
+    for pair in ((tetrahedron, raised), (a, a)):
+        result = measured(hausbench, *pair, "--time-limit", "0")
+        assert result["status"] == "time_limit" and result["source_point"] is None and result["target_point"] is None
+        assert "\nwitness " not in hausbench("measure", *pair, "--time-limit", "0").stdout
+
+
+def test_in_this_process_or_another(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
+    one, other = (measured(hausbench, tetrahedron, raised, "--symmetric", *more) for more in ((), ("--in-process",)))
+    for timed in ("prepare_seconds", "solve_seconds", "peak_bytes"):
+        del one[timed], other[timed]
+    for result in (one, other):
+        for direction in result["directions"]:  # type: ignore[attr-defined]
+            del direction["solve_seconds"]
+    assert one == other
 
 
 def test_a_person_is_told_solver_and_tolerance(hausbench: Program, tetrahedron: Path, raised: Path) -> None:

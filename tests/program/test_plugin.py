@@ -180,6 +180,39 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
     assert "'vertex_only'" in line and "--plugin" in line
 
 
+@pytest.mark.parametrize(
+    ("solver", "status", "said"),
+    [("hangs", "timeout", "killed: it did not answer within the time limit of 0.3 s and 1 s of grace"),
+     ("never_ready", "timeout", "killed: it was not prepared within the time limit of 0.3 s"),
+     ("leaves", "failed", "its process ended with exit code 0 before it answered"),
+     ("crashes", "signal", "its process ended with signal 11"),
+     ("throws", "failed", "it threw: it was too hard")])
+def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, solver: str, status: str,
+                                     said: str) -> None:
+    at = () if solver == "never_ready" else ("--set", "at=0")
+    ask = ("measure", tetrahedron, raised, "--solver", solver, *at, "--time-limit", "0.3", "--plugin", plugin)
+    done = hausbench(*ask, "--json")
+    assert done.returncode == 1 and f"solver '{solver}' gave no answer: {said}" in done.stderr, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["status"] == status and said in answer["note"] and answer["solver"] == solver
+    assert answer["lower"] == 0 and answer["upper"] == "inf" and answer["source_point"] is None and answer["directions"] == []
+    person = hausbench(*ask, "--cutoff", "0.1")
+    assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # the question is open
+
+
+def test_what_a_solver_prints_is_not_the_answer(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    done = hausbench("measure", tetrahedron, raised, "--solver", "chatters", "--set", "at=0", "--json", "--plugin", plugin)
+    assert done.returncode == 0 and json.loads(done.stdout)["status"] == "converged"
+    assert done.stderr.count("....") > 1000
+
+
+def test_a_status_that_does_not_follow_says_both_lengths(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    done = hausbench("measure", tetrahedron, raised, "--solver", "lies", "--set", "at=0", "--set", "how=wide", "--of", "absolute",
+                     "--tolerance", "0.5", "--json", "--plugin", plugin)
+    answer = json.loads(done.stdout)
+    assert answer["status"] == "stalled" and answer["note"] == "the solver reports converged, but its gap 4e+09 is above the tolerance 0.5"
+
+
 def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Path, tmp_path: Path) -> None:
     assert "interface 999" in hausbench.fails("list", "--plugin", outside / "libof_another_time.so")
     assert "does not exist" in hausbench.fails("list", "--plugin", tmp_path / "absent.so")
@@ -240,6 +273,7 @@ name = "guthe"
 DEEDS = {
     ("crashes", ""): ("signal", "signal 11"),
     ("hangs", ""): ("timeout", "no answer within 0.6 s"),
+    ("leaves", ""): ("failed", "the worker ended early"),
     ("eats_memory", "bit by bit"): ("out_of_memory", "400 MB"),
     ("eats_memory", "at once"): ("out_of_memory", "refused memory"),
     ("lies", "upper below"): ("unsound", "below the verified lower bound"),

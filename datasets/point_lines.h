@@ -1,0 +1,46 @@
+// Lines of decimal numbers, which .xyz, .pts, .csv and text PCD files share; private to datasets/.
+#pragma once
+
+#include "readers.h"
+
+#include <functional>
+#include <optional>
+#include <string_view>
+
+namespace hausbench::readers {
+
+// The double nearest to a decimal number; infinite beyond the largest. None where the text is no number.
+std::optional<double> decimal(std::string_view text);
+
+// Calls take(line, number) for each line, the first of which has the number `first`.
+void each_text_line(std::string_view bytes, std::uint32_t first,
+                    const std::function<void(std::string_view, std::uint32_t)>& take);
+
+class PointLines {
+public:
+    // .csv files have no count lines, and may have any header.
+    PointLines(std::string name, bool csv) : name_(std::move(name)), any_header_(csv), counts_(!csv) {}
+    // After a header, with so many points to come.
+    PointLines(std::string name, std::array<std::size_t, 3> columns, std::uint64_t announced);
+
+    // Throws InputError that names file, line and column.
+    void add(std::string_view line, std::uint32_t number);
+    Soup finish();
+
+private:
+    [[noreturn]] void refuse(std::uint32_t number, const std::string& why) const;
+    bool take_header(std::uint32_t number);  // true where the line names x, y and z
+    void add_point(std::uint32_t number);
+    std::string announcer() const;
+
+    std::string name_;
+    std::array<std::size_t, 3> columns_{0, 1, 2};
+    std::uint64_t announced_ = 0;  // points, by all count lines so far
+    std::uint32_t count_line_ = 0;
+    bool counted_ = false, any_header_ = false, counts_ = false;
+    bool begun_ = false;  // a header, a count or a point is there
+    std::vector<std::string_view> fields_;
+    Soup soup_;
+};
+
+}  // namespace hausbench::readers

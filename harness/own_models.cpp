@@ -1,0 +1,75 @@
+#include "own_models.h"
+
+#include "error.h"
+
+#include <fmt/format.h>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+ModelInfo file_model(const std::string& path, const fs::path& folder) {
+    ModelInfo model;
+    model.name = model.path = path;
+    model.source = "file";
+    model.folder = folder;
+    return model;
+}
+
+[[noreturn]] void refuse(const fs::path& file, int line, const std::string& why) {
+    throw InputError(line > 0 ? fmt::format("{}:{}: {}", file.string(), line, why)
+                              : fmt::format("{}: {}", file.string(), why));
+}
+
+void expect_file(const fs::path& experiment, int line, const ModelInfo& model) {
+    const fs::path file = model.folder / model.path;
+    std::error_code ignored;
+    if (fs::exists(file, ignored)) return;
+    refuse(experiment, line,
+           fmt::format("model '{}': there is no file {}: paths count from the experiment's folder", model.name,
+                       file.string()));
+}
+
+}  // namespace
+
+void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
+    const fs::path& file = experiment.file;
+    const fs::path folder = file.parent_path();
+    for (const ModelInfo& model : experiment.models) {
+        if (model.source == "file") expect_file(file, 0, model);
+    }
+    catalogue.add(file, experiment.models);
+    std::vector<std::string> names;
+    for (const ModelInfo& model : catalogue.models()) names.push_back(model.name);
+    const auto use = [&](const std::string& name, int line) {
+        if (catalogue.has(name)) return;
+        if (!names_a_file(name))
+            refuse(file, line,
+                   fmt::format("no model '{}'{}: define [model.{}] with a path, or give a path such as \"{}.ply\"",
+                               name, nearest_hint(name, names), name, name));
+        const ModelInfo model = file_model(name, folder);
+        expect_file(file, line, model);
+        catalogue.add(file, {model});
+    };
+    for (const ScenePlan& scene : experiment.scenes) {
+        use(scene.source, scene.source_line);
+        use(scene.target, scene.target_line);
+    }
+}
+
+void add_own_models(Catalogue& catalogue, const ResultFile& result) {
+    const auto text = [&](const char* name) {
+        const auto at = result.texts.find(name);
+        return at == result.texts.end() ? "" : at->second;
+    };
+    const fs::path file = text("experiment_file");
+    catalogue.add(file, models_of(file, text("experiment_toml"), text("profile")));
+    for (const ModelRecord& model : result.models) {
+        if (!catalogue.has(model.name) && names_a_file(model.name))
+            catalogue.add(file, {file_model(model.name, file.parent_path())});
+    }
+}
+
+}  // namespace hausbench
