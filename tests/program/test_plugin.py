@@ -190,7 +190,7 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
 def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, solver: str, status: str,
                                      said: str) -> None:
     at = () if solver == "never_ready" else ("--set", "at=0")
-    ask = ("measure", tetrahedron, raised, "--solver", solver, *at, "--time-limit", "0.3", "--plugin", plugin)
+    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--solver", solver, *at, "--time-limit", "0.3", "--plugin", plugin)
     done = hausbench(*ask, "--json")
     assert done.returncode == 1 and f"solver '{solver}' gave no answer: {said}" in done.stderr, done.stderr
     answer = json.loads(done.stdout)
