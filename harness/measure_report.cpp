@@ -62,7 +62,8 @@ json directions_json(const Measured& m, const MeasureRequest& request) {
 std::string shape_text(const MeasuredShape& s) {
     std::string text = s.file.string();
     if (s.kind == ShapeKind::surface) return fmt::format("{}, an algebraic surface, diagonal {:.9g}", text, s.diagonal);
-    text += fmt::format(", {} {}", s.elements, s.kind == ShapeKind::points ? "points" : "triangles");
+    text += fmt::format(", {} {}{}", s.elements, s.kind == ShapeKind::points ? "point" : "triangle",
+                        s.elements == 1 ? "" : "s");
     if (s.kind == ShapeKind::mesh) text += fmt::format(", {} vertices", s.vertices);
     text += fmt::format(", diagonal {:.9g}", s.diagonal);
     if (s.report.precision != "float64") text += fmt::format(", {} coordinates", s.report.precision);
