@@ -219,12 +219,12 @@ json list_as_json() {
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
     const auto root = find_project_root();
-    if (!root) return out;
-    if (std::filesystem::is_directory(*root / "experiments")) {
+    if (root && std::filesystem::is_directory(*root / "experiments")) {
         for (const auto& file : experiment_files(*root / "experiments"))
             out["experiments"].push_back(experiment_json(file));
     }
-    const Catalogue catalogue(*root / "datasets" / "manifest.toml", cache_folder(), program_path());
+    if (manifest_file().empty()) return out;
+    const Catalogue catalogue(manifest_file(), cache_folder(), program_path());
     for (const ModelInfo& m : catalogue.models()) out["models"].push_back(model_json(m));
     return out;
 }

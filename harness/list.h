@@ -9,7 +9,7 @@
 
 namespace hausbench {
 
-// Outside a project there are solvers, and no experiments and no models.
+// Outside a project there are solvers, the models that were installed with the program, and no experiments.
 nlohmann::json list_as_json();
 
 // `what` is empty (a line for each solver), "solvers", "models" or "experiments", or the name of one of these: all that is known of it.

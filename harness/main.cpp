@@ -42,11 +42,7 @@ struct RunArguments {
     bool fresh = false, any_build = false, quiet = false;
 };
 
-// Without a project there are no models by name.
-Catalogue catalogue() {
-    const auto root = find_project_root();
-    return {root ? *root / "datasets" / "manifest.toml" : fs::path(), cache_folder(), program_path()};
-}
+Catalogue catalogue() { return {manifest_file(), cache_folder(), program_path()}; }
 
 // The plan points into the catalogue, which therefore lives as long as the program.
 Plan plan_of(const RunArguments& arguments) {
@@ -137,11 +133,7 @@ int dispatch(int argc, char** argv) {
         "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
         "Pompeiu-Hausdorff).");
     app.require_subcommand(1);
-    app.set_version_flag("--version", [] {
-        const Build& build = this_build();
-        return fmt::format("hausbench {}, commit {}{}, {}, {}", build.version, build.commit.substr(0, 12),
-                           build.dirty == "yes" ? " with changes" : "", build.type, build.compiler);
-    });
+    app.set_version_flag("--version", version_text());
     int code = 0;
 
     std::vector<fs::path> plugin_files;

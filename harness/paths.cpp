@@ -34,6 +34,12 @@ fs::path project_root() {
         "HAUSBENCH_ROOT to it");
 }
 
+fs::path manifest_file() {
+    if (const auto root = find_project_root()) return *root / "datasets" / "manifest.toml";
+    const fs::path installed = program_path().parent_path().parent_path() / "share" / "hausbench" / "datasets" / "manifest.toml";
+    return fs::exists(installed) ? installed : fs::path();
+}
+
 fs::path results_folder() {
     const auto root = find_project_root();
     return root ? *root / "results" : fs::path("results");

@@ -15,6 +15,9 @@ std::filesystem::path program_path();
 std::optional<std::filesystem::path> find_project_root();
 std::filesystem::path project_root();  // throws InputError if there is none
 
+// Of the project, else the one that was installed with the program; empty if there is neither: then no model has a name.
+std::filesystem::path manifest_file();
+
 // Of the project, else of the working directory.
 std::filesystem::path results_folder();
 

@@ -1,0 +1,69 @@
+"""Every command of docs/tour.md, and the output that the page shows. `python3 tests/program/test_tour.py PROGRAM` writes the page's outputs again."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TOUR = ROOT / "docs" / "tour.md"
+STEP = re.compile(r"```sh\n(.*?)```\n(?:\n```text\n(.*?)```\n)?", re.DOTALL)
+MARK = "@@ step"
+
+
+def walk(steps: list[str], build: Path, home: Path) -> list[str]:
+    """What each step prints on standard output, all in one shell that begins in a clone."""
+    script = "".join(f"echo '{MARK} {number}'\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
+    script = script.replace("build/release", str(build))
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("HAUSBENCH")}
+    environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / "cache"), "COLUMNS": "120"}
+    done = subprocess.run(["bash", "-c", script], cwd=home, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and f"{MARK} end" in done.stdout, done.stderr
+    return [piece.split("\n", 1)[1] for piece in done.stdout.split(MARK)[1:-1]]
+
+
+def pattern(text: str) -> str:
+    """What does not depend on the machine: distances to the last digit; of all else the words, without numbers and times."""
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith(("distance", "witness")):
+            line = re.sub(r"[-+]?\d[\d.,]*(e[-+]?\d+)?", "#", line)
+            line = re.sub(r"# (µs|ms|s|min)\b", "# s", re.sub(r"\b(slower|faster|not separated)\b", "VERDICT", line))
+            line = re.sub(r"\(commit .*\)", "(commit)", line)
+        lines.append(" ".join(line.split()))
+    return "\n".join(lines)
+
+
+def test_every_command_and_what_it_prints(program_file: str, tmp_path: Path) -> None:
+    steps = STEP.findall(TOUR.read_text())
+    assert len(steps) > 8
+    for (commands, shown), printed in zip(steps, walk([commands for commands, _ in steps], Path(program_file).parent, tmp_path)):
+        assert pattern(printed) == pattern(shown), commands
+
+
+def test_a_change_of_what_is_shown_is_seen() -> None:
+    assert pattern("rows 12  in 3.4 ms") == pattern("rows  7 in 81 µs")
+    assert pattern("distance in [1.5, 2]") != pattern("distance in [1.5, 3]")
+    assert pattern("guthe  ok") != pattern("guthe  failed")
+
+
+def write(build: Path) -> None:
+    text = TOUR.read_text()
+    steps = [commands for commands, _ in STEP.findall(text)]
+    with tempfile.TemporaryDirectory() as folder:
+        outputs = iter(walk(steps, build, Path(folder)))
+        home = str(folder)
+
+    def block(found: re.Match[str]) -> str:
+        printed = next(outputs).replace(home, "~")
+        return f"```sh\n{found[1]}```\n" + (f"\n```text\n{printed}```\n" if printed else "")
+
+    TOUR.write_text(STEP.sub(block, text))
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]).resolve().parent)
