@@ -1,6 +1,7 @@
 #include "combine.h"
 
 #include "compare.h"
+#include "earlier.h"
 #include "error.h"
 #include "own_models.h"
 #include "shape_file.h"
@@ -122,12 +123,14 @@ std::string describe_checks(const ResultFile& result) {
         ++lower[names.of(row.asked)][row.check.lower];
         ++upper[names.of(row.asked)][row.check.upper];
     }
-    std::string text = fmt::format("{:<16} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", "lower bound of", "holds",
-                                   "unsound", "not ch.", "(no witn.)", "upper ok", "unsound", "not ch.");
+    std::size_t width = 16;
+    for (const auto& [name, counts] : lower) width = std::max(width, name.size());
+    std::string text = fmt::format("{:<{}} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", "lower bound of", width,
+                                   "holds", "unsound", "not ch.", "(no witn.)", "upper ok", "unsound", "not ch.");
     for (auto& [label, l] : lower) {
         auto& u = upper[label];
         const int unchecked = l[Verdict::not_checked] + l[Verdict::no_witness];
-        text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", label, l[Verdict::holds],
+        text += fmt::format("{:<{}} {:>8} {:>8} {:>8} {:>11} | {:>8} {:>8} {:>8}\n", label, width, l[Verdict::holds],
                             l[Verdict::unsound], unchecked, fmt::format("({})", l[Verdict::no_witness]),
                             u[Verdict::holds], u[Verdict::unsound], u[Verdict::not_checked]);
     }
@@ -171,10 +174,12 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
             bool found = false;
             for (std::size_t i : here) {
                 Row& mine = merged.rows[i];
-                if (!same_options(mine, row)) continue;
+                if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
                 found = true;
-                if (!was_run(row.outcome)) continue;
-                if (!was_run(mine.outcome)) {
+                const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
+                if (!was_run(row.outcome)) {
+                    // what is there stays
+                } else if (!was_run(mine.outcome)) {
                     mine = row;
                 } else if (mine.asked.identity != row.asked.identity) {
                     refuse(fmt::format("they asked for different things at {}: another model, program or limit",
@@ -185,6 +190,7 @@ ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
                                        mine.outcome.bounds.upper, to_string(row.outcome.status),
                                        row.outcome.bounds.lower, row.outcome.bounds.upper));
                 }
+                mine.asked.profile = profiles;
             }
             if (found) continue;
             here.push_back(merged.rows.size());

@@ -108,8 +108,8 @@ Question question_of(const Case& c) {
 }
 
 std::string place_of(const Case& c) {
-    return fmt::format("{}{}, pose {}, tolerance {:g} of {}", c.scene, c.quantity == Quantity::symmetric ? ", H" : "",
-                       c.pose_index, c.tolerance, c.tolerance_of);
+    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, c.quantity == Quantity::symmetric ? ", H" : "",
+                       c.pose_index, c.tolerance, c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
 }
 
 std::string interval_text(const Outcome& o) {
@@ -151,17 +151,17 @@ std::string names_of(const Row& a, const Row& b, bool several) {
 }
 
 std::string ratio_text(const Estimate& ratio) {
-    return ratio.n == 0 ? "" : fmt::format("{:.3g} [{:.3g}, {:.3g}]", ratio.value, ratio.low, ratio.high);
+    return ratio.n == 0
+               ? ""
+               : fmt::format("{} {:.3g} [{:.3g}, {:.3g}]", verdict_of(ratio), ratio.value, ratio.low, ratio.high);
 }
 
 struct Ratios {
     TextTable table{{{"case", false, 0, true},
-                     {"solve", true},
-                     {"rounds", true, 3},
-                     {"", false, 1},
-                     {"prepare + first", true, 2},
-                     {"", false, 2},
-                     {"clock", false, 4}}};
+                     {"solve again", true},
+                     {"prepare and first answer", true, 1},
+                     {"rounds", true, 2},
+                     {"clock", false, 3}}};
     std::vector<double> again, total;
     std::size_t untimed = 0;
 
@@ -175,8 +175,7 @@ struct Ratios {
         }
         if (once.n > 0) total.push_back(once.value);
         if (repeated.n > 0) again.push_back(repeated.value);
-        table.add({{name, ratio_text(repeated), std::to_string(std::max(once.n, repeated.n)),
-                    repeated.n ? verdict_of(repeated) : "", ratio_text(once), once.n ? verdict_of(once) : "",
+        table.add({{name, ratio_text(repeated), ratio_text(once), std::to_string(std::max(once.n, repeated.n)),
                     cpu ? "CPU" : "wall"}});
     }
 };

@@ -156,7 +156,11 @@ private:
 
 }  // namespace
 
-bool has_profile(const std::string& profiles, const std::string& one) { return names_in(profiles).contains(one); }
+bool share_profile(const std::string& a, const std::string& b) {
+    const std::set<std::string> names = names_in(a);
+    return std::any_of(names.begin(), names.end(),
+                       [others = names_in(b)](const auto& n) { return others.contains(n); });
+}
 
 std::string joined_profiles(const std::string& a, const std::string& b) {
     std::set<std::string> names = names_in(a);

@@ -10,8 +10,8 @@
 
 namespace hausbench {
 
-// "quick" and "paper,quick": whether the list has the name; both lists as one.
-bool has_profile(const std::string& profiles, const std::string& one);
+// Of lists such as "paper,quick": whether some name is in both; both as one.
+bool share_profile(const std::string& a, const std::string& b);
 std::string joined_profiles(const std::string& a, const std::string& b);
 
 // Adds to `result`, the rows of `plan` in its order, the earlier rows that stay, with their models and their part of the

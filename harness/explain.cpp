@@ -183,6 +183,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
         if (entry.kind == "prepared_again") continue;  // said above
         text += fmt::format("  {:<44} {} ({}): {}\n", entry.subject, entry.what, entry.count, entry.reason);
     }
+    if (text.ends_with("LEFT OUT\n")) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
                         clock_text(total), known, run);
     return text;

@@ -36,7 +36,8 @@ fs::path project_root() {
 
 fs::path manifest_file() {
     if (const auto root = find_project_root()) return *root / "datasets" / "manifest.toml";
-    const fs::path installed = program_path().parent_path().parent_path() / "share" / "hausbench" / "datasets" / "manifest.toml";
+    const fs::path installed =
+        program_path().parent_path().parent_path() / "share" / "hausbench" / "datasets" / "manifest.toml";
     return fs::exists(installed) ? installed : fs::path();
 }
 

@@ -165,8 +165,8 @@ TEST_F(Earlier, TheLedgerFollowsItsRows) {
 }
 
 TEST(Profiles, AreAList) {
-    EXPECT_TRUE(has_profile("paper,quick", "quick"));
-    EXPECT_FALSE(has_profile("paper,quick2", "quick"));
+    EXPECT_TRUE(share_profile("paper,quick", "quick"));
+    EXPECT_FALSE(share_profile("paper,quick2", "quick"));
     EXPECT_EQ(joined_profiles("quick", "paper,quick"), "paper,quick");
 }
 

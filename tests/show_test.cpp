@@ -202,8 +202,7 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
     EXPECT_EQ(lines[0], "3 pairs of guthe and cgal; rows without a partner: 1 of guthe, 0 of cgal");
     EXPECT_EQ(lines[1], "INTERVALS THAT DO NOT OVERLAP");
     EXPECT_NE(lines[2].find("s1, pose 0"), std::string::npos);
-    EXPECT_TRUE(std::regex_search(text, std::regex("s0, pose 0, tolerance 0.001 of diagonal +2 \\[2, 2\\] +6 +slower")))
-        << text;
+    EXPECT_TRUE(std::regex_search(text, std::regex("s0, pose 0, tolerance 0.001 +slower 2 \\[2, 2\\]"))) << text;
     EXPECT_NE(text.find("geometric mean of solving again over 3 pairs: 2\n"), std::string::npos) << text;
     EXPECT_NE(compare_solvers(result_of(rows), "cgal", "guthe", {}).find("faster"), std::string::npos);
     EXPECT_THROW(compare_solvers(result_of(rows), "guthe", "gcal", {}), InputError);

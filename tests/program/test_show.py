@@ -188,6 +188,14 @@ def test_a_run_adds_to_the_result_and_replaces_nothing(hausbench: Program, seen:
     assert hausbench("run", seen, "--results", tmp_path, "--scene", "spheres", "--fresh").returncode == 0
     assert json.loads(hausbench("show", result, "--json", "--scene", "clouds of points").stdout)["rows"] == before["rows"]
     assert "[1/" not in hausbench("run", seen, "--results", tmp_path, "--profile", "paper").stderr  # nothing was left to run
+    # Profiles with other limits ask for other cases, which merge does not take for each other.
+    seen.write_text(EXPERIMENT + "limits = { case_seconds = 30 }\n")
+    assert hausbench("run", seen, "--results", tmp_path, "--profile", "paper").returncode == 0
+    assert hausbench("run", seen, "--results", tmp_path).returncode == 0
+    merged = tmp_path / "merged.h5"
+    assert hausbench("merge", merged, result, result).returncode == 0
+    same_answers(merged, result)
+    assert texts(merged, "cases/profile") == texts(result, "cases/profile") and {"quick", "paper"} == set(texts(result, "cases/profile"))
 
 
 def test_a_result_that_cannot_be_read_is_put_aside(hausbench: Program, experiment: Path, tmp_path: Path) -> None:

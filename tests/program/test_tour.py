@@ -17,7 +17,7 @@ MARK = "@@ step"
 
 def walk(steps: list[str], build: Path, home: Path) -> list[str]:
     """What each step prints on standard output, all in one shell that begins in a clone."""
-    script = "".join(f"echo '{MARK} {number}'\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
+    script = "".join(f"echo '{MARK} {number}'; date +%s.%N >> ~/times\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
     script = script.replace("build/release", str(build))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("HAUSBENCH")}
     environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / "cache"), "COLUMNS": "120"}
@@ -56,13 +56,14 @@ def write(build: Path) -> None:
     steps = [commands for commands, _ in STEP.findall(text)]
     with tempfile.TemporaryDirectory() as folder:
         outputs = iter(walk(steps, build, Path(folder)))
-        home = str(folder)
+        home, times = str(folder), [float(line) for line in (Path(folder) / "times").read_text().split()]
 
     def block(found: re.Match[str]) -> str:
         printed = next(outputs).replace(home, "~")
         return f"```sh\n{found[1]}```\n" + (f"\n```text\n{printed}```\n" if printed else "")
 
     TOUR.write_text(STEP.sub(block, text))
+    print("seconds of each step but the last:", *(f"{later - earlier:.1f}" for earlier, later in zip(times, times[1:])))
 
 
 if __name__ == "__main__":
