@@ -221,8 +221,9 @@ def save(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
             temporary = path.with_name(path.name + ".part")
-            figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]],
-                           bbox_inches="tight" if footnote else None)
+            with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
+                figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]],
+                               bbox_inches="tight" if footnote else None)
             temporary.replace(path)
     finally:
         if before is None:

@@ -115,10 +115,8 @@ const Build& this_build() {
 
 std::string version_text() {
     const Build& b = this_build();
-    const bool known = b.commit != "unknown";
-    return fmt::format("hausbench {} ({}{}, {}, {}, plug-in interface {})", b.version,
-                       known ? "commit " + b.commit.substr(0, 10) : "commit unknown",
-                       known && b.dirty == "yes" ? " with changes" : "", b.type, b.compiler, plugin_interface);
+    return fmt::format("hausbench {}, commit {}{}, {}, {}, plug-in interface {}", b.version, b.commit.substr(0, 12),
+                       b.dirty == "yes" ? " with changes" : "", b.type, b.compiler, plugin_interface);
 }
 
 const Machine& this_machine() {
