@@ -65,7 +65,8 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         return at == result.texts.end() ? "" : at->second;
     };
     const fs::path file = text("experiment_file");
-    catalogue.add(file, models_of(file, text("experiment_toml"), text("profile")));
+    if (!text("experiment_toml").empty())
+        catalogue.add(file, models_of(file, text("experiment_toml"), text("profile")));
     for (const ModelRecord& model : result.models) {
         if (!catalogue.has(model.name) && names_a_file(model.name))
             catalogue.add(file, {file_model(model.name, file.parent_path())});

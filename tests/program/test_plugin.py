@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import h5py
 import pytest
 
 from conftest import ROOT, Program
+from test_run import wait_for
 
 SOURCES = ROOT / "tests" / "outside_plugin"
 
@@ -187,8 +189,7 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
     [("hangs", "timeout", "killed: it did not answer within the time limit of 0.3 s and 1 s of grace"),
      ("never_ready", "timeout", "killed: it was not prepared within the time limit of 0.3 s"),
      ("leaves", "failed", "its process ended with exit code 0 before it answered"),
-     ("crashes", "signal", "its process ended with signal 11"),
-     ("throws", "failed", "it threw: it was too hard")])
+     ("crashes", "signal", "its process ended with signal 11")])
 def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, solver: str, status: str,
                                      said: str) -> None:
     at = () if solver == "never_ready" else ("--set", "at=0")
@@ -200,6 +201,19 @@ def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedr
     assert answer["lower"] == 0 and answer["upper"] == "inf" and answer["source_point"] is None and answer["directions"] == []
     person = hausbench(*ask, "--cutoff", "0.1")
     assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # the question is open
+
+
+def test_ctrl_c_ends_the_solver_too(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    process = subprocess.Popen(hausbench.command("measure", tetrahedron, tetrahedron, "--solver", "hangs", "--set", "at=0", "--plugin", plugin),
+                               env=hausbench.environment(), stdout=subprocess.DEVNULL)
+    wait_for(lambda: bool(list(tmp_path.glob("hausbench-worker-*"))))
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    wait_for(lambda: bool(children.read_text()))
+    solver = Path(f"/proc/{children.read_text().split()[0]}")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) == -signal.SIGINT
+    assert not solver.exists() and not list(tmp_path.glob("hausbench-*"))
 
 
 def test_what_a_solver_prints_is_not_the_answer(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
