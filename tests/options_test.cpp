@@ -118,7 +118,7 @@ TEST(Contract, WhatIsDeclaredWrongIsSaid) {
         info.name = info.title = "wrong";
         info.source.points = info.target.mesh = true;
         info.parameters = {{"how", std::string("well"), "", "", "", {"well", "badly"}},
-                           {"depth", std::int64_t(3), "", "", ""}};
+                           {"depth", std::int64_t(3), "", "", "", {}}};
         info.parameters[1].least = 1, info.parameters[1].most = 8;
         ASSERT_EQ(declaration_error(info), "");
         change(info);
@@ -149,7 +149,7 @@ public:
 TEST(Contract, AConstructorReadsWhatIsDeclaredAndNothingElse) {
     SolverEntry entry;
     entry.info.name = "idle";
-    entry.info.parameters = {{"how", std::string("well"), "", "", ""}};
+    entry.info.parameters = {{"how", std::string("well"), "", "", "", {}}};
     const auto make = [&] { return make_solver(entry, Options("idle", entry.info.parameters, {})); };
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> {
         (void)options.text("how");
