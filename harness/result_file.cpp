@@ -8,29 +8,30 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
     const Experiment& experiment = plan.experiment;
     const Build& build = this_build();
     const Machine& machine = this_machine();
-    result.texts = {{"stem", experiment.stem},
-                    {"title", experiment.title},
-                    {"paper", experiment.paper},
-                    {"profile", experiment.profile},
-                    {"experiment_toml", experiment.toml},
-                    {"experiment_file", std::filesystem::absolute(experiment.file).string()},
-                    {"started", started},
-                    {"finished", finished},
-                    {"commit", build.commit},
-                    {"dirty", build.dirty},
-                    {"build", build.id},
-                    {"compiler", build.compiler},
-                    {"flags", build.flags},
-                    {"build_type", build.type},
-                    {"libraries", build.libraries},
-                    {"hausbench_version", build.version},
-                    {"plugins", plugins_json()},
-                    {"shard", plan.shard.whole() ? "" : to_string(plan.shard)},
-                    {"machine", machine.id},
-                    {"cpu", machine.cpu},
-                    {"caches", machine.caches},
-                    {"kernel", machine.kernel},
-                    {"system", machine.system}};
+    result.texts = {
+        {"stem", experiment.stem},
+        {"title", experiment.title},
+        {"paper", experiment.paper},
+        {"profile", experiment.profile},
+        {"experiment_toml", experiment.toml},
+        {"experiment_file", experiment.file.empty() ? "" : std::filesystem::absolute(experiment.file).string()},
+        {"started", started},
+        {"finished", finished},
+        {"commit", build.commit},
+        {"dirty", build.dirty},
+        {"build", build.id},
+        {"compiler", build.compiler},
+        {"flags", build.flags},
+        {"build_type", build.type},
+        {"libraries", build.libraries},
+        {"hausbench_version", build.version},
+        {"plugins", plugins_json()},
+        {"shard", plan.shard.whole() ? "" : to_string(plan.shard)},
+        {"machine", machine.id},
+        {"cpu", machine.cpu},
+        {"caches", machine.caches},
+        {"kernel", machine.kernel},
+        {"system", machine.system}};
     result.integers = {{"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}};
 }
 

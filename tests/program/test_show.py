@@ -231,7 +231,7 @@ def test_outside_a_project(hausbench: Program, tmp_path: Path) -> None:
 
     assert "guthe" in outside("list").stdout and outside("list").returncode == 0
     assert "no project here" in outside("list", "models").stdout
-    assert re.match(r"hausbench \d+\.\d+\.\d+ \(commit ", outside("--version").stdout)
+    assert re.match(r"hausbench \d+\.\d+\.\d+, commit ", outside("--version").stdout)
     # With what is installed beside it, models have names.
     shared = tmp_path / "share" / "hausbench" / "datasets"
     shared.mkdir(parents=True)

@@ -31,9 +31,9 @@ def pattern(text: str) -> str:
     lines = []
     for line in text.splitlines():
         if not line.startswith(("distance", "witness")):
+            line = re.sub(r"commit [0-9a-f]+( with changes)?", "commit", line)
             line = re.sub(r"[-+]?\d[\d.,]*(e[-+]?\d+)?", "#", line)
             line = re.sub(r"# (µs|ms|s|min)\b", "# s", re.sub(r"\b(slower|faster|not separated)\b", "VERDICT", line))
-            line = re.sub(r"\(commit .*\)", "(commit)", line)
         lines.append(" ".join(line.split()))
     return "\n".join(lines)
 
