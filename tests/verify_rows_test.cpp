@@ -82,6 +82,27 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
     EXPECT_EQ(rows[0].check.upper, Verdict::not_checked);
 }
 
+// Of a result that a run adds to: the rows that were there are held against those that are new, and no others are looked at.
+TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
+    const Vec3 p(0.25, 0.25, 2);
+    rows = {answer(2, 2, p), answer(1, 1.5, p), answer(99, 100, p), answer(99, 100, p)};
+    rows[2].asked.pose.translation = Vec3(7, 0, 0);  // no new row is of that pose
+    rows[3].asked.pose = rows[2].asked.pose;
+    for (std::size_t i = 1; i < rows.size(); ++i) rows[i].check = {Verdict::holds, Verdict::holds, ""};
+    rows[3].check.lower = Verdict::unsound;
+    rows[3].outcome.status = RowStatus::unsound;
+    rows[3].outcome.reason = "found before";
+    verify_rows(
+        rows, [this](const std::string& name) { return load(name); }, {}, 1);
+    EXPECT_EQ(rows[0].check.lower, Verdict::holds);
+    EXPECT_EQ(rows[1].check.upper, Verdict::unsound);
+    EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound) << "a new lower bound refutes it";
+    EXPECT_EQ(rows[2].check.lower, Verdict::holds) << "it was not looked at";
+    EXPECT_EQ(rows[2].outcome.status, RowStatus::ok);
+    EXPECT_EQ(rows[3].outcome.status, RowStatus::unsound);
+    EXPECT_EQ(rows[3].outcome.reason, "found before");
+}
+
 TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
     rows = {answer(1.5, 2, {0.25, 0.25, 2.25}), answer(2.0, 2, {0.25, 0.25, 2.25}),
             answer(2.25, 3, {0.25, 0.25, 2.25})};

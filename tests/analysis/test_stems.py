@@ -225,3 +225,13 @@ def test_command_line_without_results(stem: str, tmp_path: Path) -> None:
                           capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr == f"{tmp_path / stem}.h5: no such file: measure it with 'make {stem}'\n"
+
+
+def test_a_sweep_has_a_name_for_each_of_its_solvers(make: Make) -> None:
+    file = ResultFile("error_vs_time")
+    for samples in (4, 8):
+        file.case("sampling", "x", [1.0, 1.1], lower=0.5, upper=0.75, variant=f"samples={samples}", options={"samples": samples})
+    file.case("guthe", "x", [1.0], lower=0.6, upper=0.7)
+    _, rows, _ = make(file)
+    titles = {cell for cells in rows["x"] for cell in cells}
+    assert {"sampling(samples=4)", "sampling(samples=8)"} <= titles
