@@ -252,7 +252,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
     }
     for (const auto& [key, members] : pairs) {
-        if (members.front().row >= checked) continue;  // rows are in their order
+        const bool all = std::all_of(members.begin(), members.end(), [&](const Member& m) {
+            return m.row >= checked && rows[m.row].check.lower != Verdict::not_checked;
+        });
+        if (all) continue;
         const Shape *first = load(key.first.first), *second = load(key.second.first);
         if (!first || !second) continue;
         for (const Member& m : members)
@@ -261,7 +264,8 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         Row& row = rows[i];
-        if (i < checked && !row.fields.empty()) check_fields_of(row, load, stop);
+        if (!row.fields.empty() && (i < checked || row.check.fields == Verdict::not_checked))
+            check_fields_of(row, load, stop);
         const Check& check = row.check;
         if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
             continue;

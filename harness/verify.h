@@ -48,8 +48,8 @@ private:
 // Fills in every row's check, whatever it said before; rows found unsound get that status, with the reason. `load` returns
 // the shape of a model by name, or null: its rows stay `not checked`. Rows read off a trace have the witness of the finer
 // run: their lower bound is checked by it, too.
-// Rows from number `checked` on have been checked before: they are checked again only where a row before them is of the same
-// shapes in the same poses.
+// Rows from number `checked` on have been checked before: they are checked again only where that was left undone, or a row
+// before them is of the same shapes in the same poses.
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
                  const Stop& stop = {}, std::size_t checked = std::numeric_limits<std::size_t>::max());
 

@@ -103,6 +103,28 @@ TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
     EXPECT_EQ(rows[3].outcome.reason, "found before");
 }
 
+TEST_F(VerifyRows, WhatWasCheckedBeforeIsCheckedAgainWhereItMatters) {
+    const Check held{Verdict::holds, Verdict::holds, "", Verdict::holds};
+    const auto moved = [](double up, const Check& check) {  // its bounds are wrong
+        Row row = answer(99, 100, {0.25, 0.25, 2 + up});
+        row.asked.pose.translation = {0, 0, up};
+        row.check = check;
+        row.fields = {{"alone", Field::Of::vertices, Field::Meaning::number, {1}}};
+        return row;
+    };
+    rows = {answer(2, 2, {0.25, 0.25, 2}), answer(1, 1.5, {0.25, 0.25, 2}), moved(1, held), moved(2, {})};
+    rows[1].check = held;
+    verify_rows(
+        rows, [this](const std::string& name) { return load(name); }, {}, 1);
+    EXPECT_EQ(rows[1].check.upper, Verdict::unsound) << "the first row refutes it";
+    EXPECT_EQ(rows[1].check.fields, Verdict::holds);
+    EXPECT_EQ(rows[2].check.lower, Verdict::holds) << "as found before";
+    EXPECT_EQ(rows[2].check.fields, Verdict::holds);
+    EXPECT_EQ(rows[2].outcome.status, RowStatus::ok);
+    EXPECT_EQ(rows[3].check.lower, Verdict::unsound) << "an earlier check did not come to it";
+    EXPECT_EQ(rows[3].check.fields, Verdict::unsound);
+}
+
 TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
     rows = {answer(1.5, 2, {0.25, 0.25, 2.25}), answer(2.0, 2, {0.25, 0.25, 2.25}),
             answer(2.25, 3, {0.25, 0.25, 2.25})};
