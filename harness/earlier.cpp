@@ -15,24 +15,29 @@ namespace hausbench {
 
 namespace {
 
-std::set<std::string> names_in(const std::string& profiles) {
-    std::set<std::string> names;
-    std::istringstream in(profiles);
-    for (std::string name; std::getline(in, name, ',');) names.insert(name);
-    return names;
-}
-
 std::string joined(const std::set<std::string>& names) { return fmt::format("{}", fmt::join(names, ",")); }
 
-// Which scenes and labels an experiment has in a profile.
-struct Asked {
-    std::set<std::string> scenes, labels;
-
-    explicit Asked(const Experiment& experiment) {
-        for (const ScenePlan& scene : experiment.scenes) scenes.insert(scene.name);
-        for (const SolverPlan& solver : experiment.solvers) labels.insert(solver.label);
+// What an experiment asks for in a profile.
+class Asked {
+public:
+    explicit Asked(Experiment experiment) : experiment_(std::move(experiment)) {
+        for (const ScenePlan& scene : experiment_.scenes) models_[scene.name] = {scene.source, scene.target};
     }
-    bool has(const Case& c) const { return scenes.contains(c.scene) && labels.contains(c.label); }
+
+    bool has(const Case& c) const {
+        const auto models = models_.find(c.scene);
+        return models != models_.end() && models->second == std::pair(c.source, c.target) &&
+               c.tolerance_of == experiment_.of &&
+               std::any_of(experiment_.solvers.begin(), experiment_.solvers.end(), [&](const SolverPlan& solver) {
+                   const auto& tolerances = solver.tolerances;
+                   return solver.label == c.label && solver.name == c.solver && solver.quantity == c.quantity &&
+                          std::find(tolerances.begin(), tolerances.end(), c.tolerance) != tolerances.end();
+               });
+    }
+
+private:
+    Experiment experiment_;
+    std::map<std::string, std::pair<std::string, std::string>> models_;  // of scenes
 };
 
 class Keeper {
@@ -74,6 +79,10 @@ private:
         return {c.identity, c.scene, c.label};
     }
 
+    static bool awaits(const Row& row) {
+        return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
+    }
+
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
     // Of the experiment as it is now; null where it can no longer be read in that profile.
@@ -94,7 +103,12 @@ private:
         Case& c = row.asked;
         const auto at = rows_.find(key(c));
         if (at != rows_.end() && !plan_.whole) places_[at->second] = place_;
-        std::set<std::string> profiles = names_in(c.profile);
+        if (at != rows_.end() && awaits(result_.rows[at->second]) && !awaits(row)) {
+            Row& asked = result_.rows[at->second];
+            asked.outcome = std::move(row.outcome), asked.check = row.check, asked.fields = std::move(row.fields);
+            ++not_replaced_;
+        }
+        std::set<std::string> profiles = profile_names(c.profile);
         if (covers(c)) profiles.erase(now_);
         if (profiles.empty()) return;
         std::erase_if(profiles, [&](const std::string& profile) {
@@ -128,7 +142,11 @@ private:
         std::vector<std::string> lines;
         if (gone_ > 0)
             lines.push_back(fmt::format(
-                "{} earlier rows are left out: the experiment no longer has their scene or their solver", gone_));
+                "{} earlier rows are left out: the experiment no longer asks for their scene, solver or tolerance",
+                gone_));
+        if (not_replaced_ > 0)
+            lines.push_back(
+                fmt::format("{} rows were not measured again: those of the earlier run stay", not_replaced_));
         for (const auto& [name, rows] : changed_)
             lines.push_back(fmt::format("{} earlier rows are left out: model '{}' has other bytes now; run them again",
                                         rows, name));
@@ -151,20 +169,27 @@ private:
     std::map<std::string, std::optional<Asked>> asked_;
     std::set<std::string> profiles_, models_;  // of rows that stay
     std::map<std::string, std::size_t> changed_;
-    std::size_t gone_ = 0, other_builds_ = 0;
+    std::size_t gone_ = 0, not_replaced_ = 0, other_builds_ = 0;
 };
 
 }  // namespace
 
+std::set<std::string> profile_names(const std::string& profiles) {
+    std::set<std::string> names;
+    std::istringstream in(profiles);
+    for (std::string name; std::getline(in, name, ',');) names.insert(name);
+    return names;
+}
+
 bool share_profile(const std::string& a, const std::string& b) {
-    const std::set<std::string> names = names_in(a);
+    const std::set<std::string> names = profile_names(a);
     return std::any_of(names.begin(), names.end(),
-                       [others = names_in(b)](const auto& n) { return others.contains(n); });
+                       [others = profile_names(b)](const auto& n) { return others.contains(n); });
 }
 
 std::string joined_profiles(const std::string& a, const std::string& b) {
-    std::set<std::string> names = names_in(a);
-    names.merge(names_in(b));
+    std::set<std::string> names = profile_names(a);
+    names.merge(profile_names(b));
     return joined(names);
 }
 

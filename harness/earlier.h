@@ -4,13 +4,14 @@
 
 #include "result_file.h"
 
-#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace hausbench {
 
-// Of lists such as "paper,quick": whether some name is in both; both as one.
+// Of lists such as "paper,quick": its names; whether some name is in both; both as one.
+std::set<std::string> profile_names(const std::string& profiles);
 bool share_profile(const std::string& a, const std::string& b);
 std::string joined_profiles(const std::string& a, const std::string& b);
 
@@ -18,8 +19,8 @@ std::string joined_profiles(const std::string& a, const std::string& b);
 // ledger. A row stays unless the plan covers it: the plan is of its profile, and either of the whole experiment or of its solver and
 // scene. A row of several profiles loses that one; where both have the same case, the row of the plan is that of all of them.
 //
-// Rows also go where nothing asks for them any more: their scene or label is no longer in the experiment's profile, or
-// a model of that name has other bytes now. Returns a line for each such reason, and one where rows of other builds stay.
+// Rows also go where nothing asks for them any more: their scene, solver or tolerance is no longer in the experiment's profile,
+// or a model of that name has other bytes now. A case that an interrupted run did not come to keeps its earlier outcome. Returns a line for each such reason, and one where rows of other builds stay.
 //
 // `places` gets where each row belongs: a part of an experiment takes the places that its rows had, and a run of the whole
 // stands before what stays.

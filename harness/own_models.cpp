@@ -1,8 +1,11 @@
 #include "own_models.h"
 
+#include "earlier.h"
 #include "error.h"
 
 #include <fmt/format.h>
+
+#include <set>
 
 namespace hausbench {
 
@@ -65,8 +68,18 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         return at == result.texts.end() ? "" : at->second;
     };
     const fs::path file = text("experiment_file");
-    if (!text("experiment_toml").empty())
-        catalogue.add(file, models_of(file, text("experiment_toml"), text("profile")));
+    std::set<std::string> profiles;  // of rows that an earlier run left: they may have models of their own
+    for (const Row& row : result.rows) profiles.merge(profile_names(row.asked.profile));
+    profiles.erase(text("profile"));
+    std::vector<std::string> all{text("profile")};  // its tables count where two profiles have the same name
+    all.insert(all.end(), profiles.begin(), profiles.end());
+    for (const std::string& profile : all) {
+        if (text("experiment_toml").empty()) break;
+        auto models = models_of(file, text("experiment_toml"), profile);
+        if (profile != text("profile"))
+            std::erase_if(models, [&](const ModelInfo& model) { return catalogue.has(model.name); });
+        catalogue.add(file, std::move(models));
+    }
     for (const ModelRecord& model : result.models) {
         if (!catalogue.has(model.name) && names_a_file(model.name))
             catalogue.add(file, {file_model(model.name, file.parent_path())});

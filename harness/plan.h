@@ -53,6 +53,7 @@ struct Shard {  // --shard 2/3: every third worker, from the second on
 };
 std::string to_string(const Shard& shard);                           // "2/3"
 inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
+inline constexpr const char* not_run_yet = "not run: the sweep was interrupted; run it again to resume";
 
 struct Plan {
     Experiment experiment;

@@ -251,7 +251,7 @@ private:
         }
         if (!kept(row, 0)) {
             Outcome outcome;
-            outcome.reason = "not run: the sweep was interrupted; run it again to resume";
+            outcome.reason = not_run_yet;
             return outcome;
         }
         std::map<int, const Outcome*> rounds;

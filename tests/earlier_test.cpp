@@ -46,6 +46,7 @@ protected:
         row.asked.scene = scene;
         row.asked.source = scene == "s" ? "a" : "c", row.asked.target = "b";
         row.asked.source_hash = row.asked.source + "1", row.asked.target_hash = "b1";
+        row.asked.tolerance = 1e-3;
         row.asked.tolerance_of = "diagonal";
         row.asked.identity = identify(row.asked);
         row.asked.profile = profile;
@@ -128,6 +129,35 @@ TEST_F(Earlier, WhatNothingAsksForGoesAndIsSaid) {
     EXPECT_EQ(rows(), (Rows{"naive s quick 2", "ohd s paper 1"}));
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said[0].substr(0, 15), "3 earlier rows ");
+}
+
+TEST_F(Earlier, AnEditedExperimentNoLongerAsksForARow) {
+    std::vector<Row> rows_before;
+    for (int i = 0; i < 6; ++i) rows_before.push_back(row("scan", "s", "quick", i));
+    rows_before[1].asked.tolerance = 0.5;
+    rows_before[2].asked.tolerance_of = "absolute";
+    rows_before[3].asked.solver = "ohd";
+    rows_before[4].asked.source = "c", rows_before[4].asked.source_hash = "c1";
+    rows_before[5].asked.quantity = Quantity::symmetric;
+    before(rows_before);
+    run({{"naive", "s"}}, false);
+    const auto said = keep();
+    EXPECT_EQ(rows(), (Rows{"naive s quick 2", "scan s quick 0"}));
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0].substr(0, 15), "5 earlier rows ");
+}
+
+TEST_F(Earlier, ACaseThatARunDidNotComeToKeepsItsOutcome) {
+    before({row("naive", "s", "paper,quick", 1), row("scan", "s", "quick", 1)});
+    before_.rows[0].outcome.reason = "kept";
+    run({{"naive", "s"}, {"scan", "s"}}, true);
+    result_.rows[0].outcome = {};
+    result_.rows[0].outcome.reason = not_run_yet;
+    const auto said = keep();
+    EXPECT_EQ(rows(), (Rows{"naive s paper,quick 1", "scan s quick 2"}));
+    EXPECT_EQ(result_.rows[0].outcome.reason, "kept");
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_EQ(said[0].substr(0, 29), "1 rows were not measured agai");
 }
 
 TEST_F(Earlier, RowsOfOtherBytesGo) {

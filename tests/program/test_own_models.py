@@ -157,6 +157,33 @@ def test_a_profile_may_have_another_file(hausbench: Program, own: Path) -> None:
     assert hausbench("verify", own.parent / "results" / "mine.h5").returncode == 0
 
 
+def test_models_of_a_profile_whose_rows_stay(hausbench: Program, own: Path) -> None:
+    own.write_text(own.read_text() + """
+[[scene]]
+name = "large"
+source = "large"
+target = "sphere1"
+profiles = ["paper"]
+
+[profile.paper.model.mine]
+path = "clouds/scan.xyz"
+
+[profile.paper.model.twice]
+from = "mine"
+operation = "scale"
+factor = 2.0
+
+[profile.paper.model.large]
+path = "clouds/other.csv"
+""")
+    run(hausbench, own, "--profile", "paper")
+    result = run(hausbench, own)
+    with h5py.File(result) as f:
+        assert f["meta"].attrs["profile"] == "quick" and "large" in f["cases/scene"].asstr()[:]
+    done = hausbench("verify", result)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+
+
 def test_a_name_of_a_model_is_no_path(hausbench: Program, own: Path) -> None:
     """A model that is called like a file is that model."""
     own.write_text(EXPERIMENT.replace("[model.mine]", '[model."scan.xyz"]').replace('source = "mine"', 'source = "scan.xyz"')
