@@ -1,5 +1,6 @@
 #include "compare.h"
 
+#include "earlier.h"
 #include "error.h"
 #include "row_times.h"
 #include "show.h"
@@ -138,7 +139,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
         const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
         const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
         for (const Row* other : at->second) {
-            if (!both_sweep || same(other)) pairs.emplace_back(row, other);
+            if ((!both_sweep || same(other)) && share_profile(row->asked.profile, other->asked.profile))
+                pairs.emplace_back(row, other);
         }
     }
     return pairs;
@@ -187,7 +189,8 @@ std::string compare_solvers(const ResultFile& result, const std::string& first, 
     const auto of_first = rows_of(result, first), of_second = rows_of(result, second);
     const Pairs pairs = pairs_of(of_first, of_second);
     if (pairs.empty())
-        throw InputError(fmt::format("'{}' and '{}' have no scene, pose and tolerance in common", first, second));
+        throw InputError(
+            fmt::format("'{}' and '{}' have no profile, scene, pose and tolerance in common", first, second));
     std::set<const Row*> paired;
     std::set<std::string> variants;
     for (const auto& [a, b] : pairs) {

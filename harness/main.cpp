@@ -25,8 +25,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <new>
 
 namespace {
@@ -391,6 +393,8 @@ int dispatch(int argc, char** argv) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help
         throw InputError(complaint(app, error));
     }
+    if (std::fflush(stdout) != 0 || std::ferror(stdout))
+        throw InputError(fmt::format("cannot write the output: {}", std::strerror(errno)));
     return code;
 }
 

@@ -16,7 +16,9 @@ json point_json(const Vec3& v) {
     return {v[0], v[1], v[2]};
 }
 
-json fraction(double length, double diagonal) { return diagonal > 0 ? number(length / diagonal) : json(); }
+json fraction(double length, double diagonal) {
+    return diagonal > 0 && std::isfinite(diagonal) ? number(length / diagonal) : json();
+}
 
 // The distance of one kind or direction.
 json answer_json(const Result& r, double diagonal) {
@@ -86,7 +88,7 @@ std::string tolerance_text(const Measured& m, const MeasureRequest& request) {
 std::string answer_text(const std::string& name, const Result& r, double diagonal) {
     const Bounds& b = r.bounds;
     std::string text = fmt::format("{:<10} {} in [{:.17g}, {:.17g}]\n", "distance", name, b.lower, b.upper);
-    if (diagonal > 0 && std::isfinite(b.upper))
+    if (diagonal > 0 && std::isfinite(diagonal) && std::isfinite(b.upper))
         text += fmt::format("           [{:.6g}, {:.6g}] of A's diagonal\n", b.lower / diagonal, b.upper / diagonal);
     return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(r.status),
                               r.note.empty() ? "" : ": " + r.note);

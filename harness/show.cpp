@@ -1,6 +1,7 @@
 #include "show.h"
 
 #include "columns.h"
+#include "earlier.h"
 #include "error.h"
 #include "row_times.h"
 
@@ -23,19 +24,20 @@ namespace {
 // Six digits, rounded away from the distance, so that what is shown holds as well.
 std::string bound_text(double value, bool lower) {
     if (!std::isfinite(value)) return std::isnan(value) ? "" : "inf";
-    std::string text = fmt::format("{:.5e}", value);
-    const double shown = std::stod(text);
+    const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };  // stod() throws
+    std::string text = fmt::format("{:.5e}", value);                                               // for tiny numbers
+    const double shown = read(text);
     if (lower ? shown > value : shown < value) {
         const double step = std::pow(10, std::stoi(text.substr(text.find('e') + 1)) - 5);
         text = fmt::format("{:.5e}", shown + (lower ? -step : step));
     }
-    return fmt::format("{:g}", std::stod(text));
+    return fmt::format("{:g}", read(text));
 }
 
 std::string bytes_text(std::int64_t bytes) {
-    return bytes < 0               ? ""
-           : bytes < 1'000'000'000 ? fmt::format("{:.3g} MB", double(bytes) / 1e6)
-                                   : fmt::format("{:.3g} GB", double(bytes) / 1e9);
+    return bytes < 0             ? ""
+           : bytes < 999'500'000 ? fmt::format("{:.3g} MB", double(bytes) / 1e6)
+                                 : fmt::format("{:.3g} GB", double(bytes) / 1e9);
 }
 
 std::string time_text(const Outcome& outcome) {
@@ -140,7 +142,7 @@ constexpr const char* names_of_values[] = {"solver",
 
 std::string csv_field(const json& value) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
     std::string quoted = "\"";
     for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
     return quoted + '"';
@@ -234,7 +236,8 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
 
 std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>& rows) {
     if (rows.empty()) return "no row is like that\n";
-    const auto escaped = [](std::string text) {
+    const auto escaped = [](const std::string& raw) {
+        std::string text = printable(raw);
         for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
         return text;
     };
@@ -261,8 +264,16 @@ struct Condition {
     std::string wanted;
     double number = 0;
     bool differs = false;
+    bool profile = false;  // a list of names, of which one is wanted
 
-    bool holds(const Row& row) const { return differs != (text ? text(row) == wanted : value(row) == number); }
+    bool holds(const Row& row) const {
+        if (profile)
+            return differs !=
+                   (wanted.find(',') == wanted.npos ? share_profile(text(row), wanted) : text(row) == wanted);
+        if (text) return differs != (text(row) == wanted);
+        const double is = value(row);
+        return differs != (is == number || (std::isnan(is) && std::isnan(number)));
+    }
 };
 
 template <class Part>
@@ -294,8 +305,10 @@ Condition condition_of(const std::string& where) {
         throw InputError(fmt::format("--where {}: write it as column=value or column!=value", where));
     Condition condition;
     condition.differs = where[equals - 1] == '!';
-    const std::string name = where.substr(0, equals - condition.differs);
+    std::string name = where.substr(0, equals - condition.differs);
+    if (name == "pose") name = "pose_index";  // as tables call it; the column of that name holds the motion
     condition.wanted = where.substr(equals + 1);
+    condition.profile = name == "profile";
     const bool found =
         find_column<Case>(
             case_columns(), name, [](const Row& row) -> const Case& { return row.asked; }, condition) ||
@@ -305,9 +318,13 @@ Condition condition_of(const std::string& where) {
             check_columns(), name, [](const Row& row) -> const Check& { return row.check; }, condition);
     if (!found) {
         std::vector<std::string> names;
-        for (const auto& column : case_columns()) names.emplace_back(column.name);
-        for (const auto& column : outcome_columns()) names.emplace_back(column.name);
-        for (const auto& column : check_columns()) names.emplace_back(column.name);
+        const auto add = [&]<class Part>(const Columns<Part>& columns) {
+            for (const Column<Part>& column : columns) {
+                const auto* real = std::get_if<typename Column<Part>::Real>(&column.value);
+                if (!real || real->width == 1) names.emplace_back(column.name);
+            }
+        };
+        add(case_columns()), add(outcome_columns()), add(check_columns());
         throw InputError(fmt::format("--where {}: no column of single values is called '{}'{}", where, name,
                                      nearest_hint(name, names)));
     }
@@ -336,10 +353,11 @@ bool among(const std::vector<std::string>& names, const std::string& one) {
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "";
-    return seconds < 1e-3   ? fmt::format("{:.3g} µs", seconds * 1e6)
-           : seconds < 1    ? fmt::format("{:.3g} ms", seconds * 1e3)
-           : seconds < 1000 ? fmt::format("{:.3g} s", seconds)
-                            : fmt::format("{:.0f} s", seconds);
+    // 999.5 of a unit is 1e+03 in three digits.
+    return seconds < 999.5e-6   ? fmt::format("{:.3g} µs", seconds * 1e6)
+           : seconds < 999.5e-3 ? fmt::format("{:.3g} ms", seconds * 1e3)
+           : seconds < 999.5    ? fmt::format("{:.3g} s", seconds)
+                                : fmt::format("{:.0f} s", seconds);
 }
 
 SummaryNames::SummaryNames(const std::vector<Row>& rows) {

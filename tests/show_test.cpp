@@ -115,9 +115,17 @@ TEST(Times, TheRoundIsTheUnit) {
     EXPECT_EQ(ratio_by_round({{0, 1}}, {{1, 1}}).n, 0u);
 }
 
+TEST(Show, DurationsHaveThreeDigitsAndTheirUnit) {
+    EXPECT_EQ(duration_text(999.4e-6), "999 µs");
+    EXPECT_EQ(duration_text(999.6e-6), "1 ms");
+    EXPECT_EQ(duration_text(0.9996), "1 s");
+    EXPECT_EQ(duration_text(999.6), "1000 s");
+    EXPECT_EQ(duration_text(12345), "12345 s");
+}
+
 TEST(Show, BoundsHoldAsShown) {
     std::vector<Row> rows;
-    for (double scale : {1.0, 1e-300, 1e-7, 12345.0, 1e300}) {
+    for (double scale : {1.0, 1e-300, 1e-310, 1e-7, 12345.0, 1e300}) {
         for (double x : {1.0 / 3, 2.0 / 3, 0.9999999999, 0.1, 1.00000049, 0.100000051})
             rows.push_back(row("guthe", "a", x * scale, x * scale));
     }
@@ -139,6 +147,7 @@ TEST(Show, BoundsHoldAsShown) {
 
 TEST(Show, ChoosesBySolverSceneAndColumn) {
     Row late = row("guthe", "b", 1, 2, "samples=8");
+    late.asked.pose_index = 3;
     late.outcome.status = RowStatus::timeout;
     const ResultFile result = result_of({row("guthe", "a", 1, 2, "samples=4"), late, row("cgal", "a", 1, 1.5)});
     using Rows = std::vector<std::size_t>;
@@ -148,10 +157,46 @@ TEST(Show, ChoosesBySolverSceneAndColumn) {
     EXPECT_EQ(chosen_rows(result, {{}, {"a"}, {}}), (Rows{0, 2}));
     EXPECT_EQ(chosen_rows(result, {{}, {}, {"status=timeout"}}), (Rows{1}));
     EXPECT_EQ(chosen_rows(result, {{}, {}, {"status!=timeout", "upper=1.5"}}), (Rows{2}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"pose=3"}}), (Rows{1})) << "as the table calls it";
     for (const RowChoice& wrong :
          {RowChoice{{"gute"}, {}, {}}, RowChoice{{}, {"c"}, {}}, RowChoice{{}, {}, {"stat=ok"}},
-          RowChoice{{}, {}, {"upper=big"}}, RowChoice{{}, {}, {"pose=1"}}, RowChoice{{}, {}, {"ok"}}})
+          RowChoice{{}, {}, {"upper=big"}}, RowChoice{{}, {}, {"target_pose=1"}}, RowChoice{{}, {}, {"ok"}}})
         EXPECT_THROW(chosen_rows(result, wrong), InputError);
+}
+
+TEST(Show, ChoosesProfilesThatShareARowAndWhatIsNotANumber) {
+    Row both = row("guthe", "a", unknown, unknown);
+    both.asked.profile = "paper,quick";
+    const ResultFile result = result_of({row("guthe", "a", 1, 2), both});
+    using Rows = std::vector<std::size_t>;
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"profile=quick"}}), (Rows{0, 1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"profile=paper"}}), (Rows{1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"profile!=paper"}}), (Rows{0}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"profile=paper,quick"}}), (Rows{1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"lower=nan"}}), (Rows{1}));
+    EXPECT_EQ(chosen_rows(result, {{}, {}, {"lower!=nan"}}), (Rows{0}));
+}
+
+TEST(Show, NoControlCharactersInTables) {
+    Row hostile = row("la\033[31m\r\nbel",
+                      "sc\xC2\x9B"
+                      "31mene\n",
+                      1, 2);
+    hostile.outcome.status = RowStatus::failed;
+    hostile.outcome.reason = "it said \033[2J\a and\nmore";
+    const ResultFile result = result_of({hostile});
+    for (const Form form : {Form::text, Form::markdown}) {
+        for (const std::size_t width : {0, 20, 60}) {
+            const std::string text = show_rows(result, {0}, form, {width, false});
+            EXPECT_EQ(text.find_first_of("\033\a\r"), std::string::npos);
+            EXPECT_EQ(text.find("\xC2\x9B"), std::string::npos);
+        }
+    }
+    EXPECT_EQ(lines_of(show_rows(result, {0}, Form::markdown, {})).size(), 3u);
+    EXPECT_EQ(lines_of(show_rows(result, {0}, Form::text, {})).size(), 4u) << "title, row, reason, counts";
+    EXPECT_EQ(show_summary(result, {}).find_first_of("\033\a\r"), std::string::npos);
+    EXPECT_EQ(lines_of(show_rows(result_of({row("a\rb", "s", 1, 2)}), {0}, Form::csv, {}))[1].substr(0, 11),
+              "\"a\rb\",\"a\rb\"");
 }
 
 TEST(Show, ARowThatNobodyCheckedDoesNotHold) {
@@ -207,6 +252,19 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
     EXPECT_NE(compare_solvers(result_of(rows), "cgal", "guthe", {}).find("faster"), std::string::npos);
     EXPECT_THROW(compare_solvers(result_of(rows), "guthe", "gcal", {}), InputError);
     EXPECT_THROW(compare_solvers(result_of({row("a", "s", 1, 2), row("b", "t", 1, 2)}), "a", "b", {}), InputError);
+}
+
+TEST(Compare, RowsOfDifferentProfilesAreNoPair) {
+    std::vector<Row> rows;
+    for (const char* label : {"ohd", "scan"}) {
+        for (const char* profile : {"quick", "paper"}) {
+            rows.push_back(row(label, "a", 1, 2));
+            rows.back().asked.profile = profile;
+        }
+    }
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "2 pairs");
+    rows[3].asked.profile = "paper,quick";
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "3 pairs");
 }
 
 TEST(Compare, SweepsArePairedByTheirParameters) {

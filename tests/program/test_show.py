@@ -112,6 +112,13 @@ def test_forms_for_programs_say_the_same(hausbench: Program, result: Path) -> No
     assert len({line.count("|") for line in markdown}) == 1
 
 
+def test_a_full_disk_is_no_success(hausbench: Program, result: Path) -> None:
+    with open("/dev/full", "w", encoding="ascii") as full:
+        done = subprocess.run(hausbench.command("show", result, "--csv"), env=hausbench.environment(), stdout=full, stderr=subprocess.PIPE,
+                              text=True, timeout=60)
+    assert done.returncode == 2 and "cannot write the output: No space left on device" in done.stderr
+
+
 def test_choosing_rows(hausbench: Program, result: Path) -> None:
     def count(*choice: str) -> int:
         return len(json.loads(hausbench("show", result, "--json", *choice).stdout)["rows"])
