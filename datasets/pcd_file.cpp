@@ -208,7 +208,12 @@ Soup read_pcd(const std::string& name, std::string_view bytes) {
     } else if (header.data == "binary") {
         soup = from_binary(name, header, body, false);
     } else if (header.data == "binary_compressed") {
-        soup = from_binary(name, header, inflated(name, body), true);
+        const std::string fields = inflated(name, body);
+        // From another number of points each field would begin elsewhere.
+        if (fields.size() > header.points * header.record)
+            throw InputError(fmt::format("{}: is damaged: {} points of {} bytes are announced, and {} bytes are there",
+                                         name, header.points, header.record, fields.size()));
+        soup = from_binary(name, header, fields, true);
     } else {
         throw InputError(fmt::format("{}: line {}: unknown DATA '{}'{}", name, header.lines,
                                      one_line(header.data.substr(0, 40)),

@@ -3,7 +3,8 @@
 // A line holds x, y and z and then whatever else (intensity, colours, normals), which is ignored. Its separator is ';' where it has one,
 // else ',' where it has one, else white space. '#' begins a comment, and so does "//" at the begin of a line. A line of one whole number
 // announces so many points (.pts, some .xyz). The first line may be a header: columns named x, y and z in any order and any case; in a
-// .csv file a header without these names is passed over.
+// .csv file a header without these names is passed over. In a .csv file no line has more columns than the header: decimal commas, or a
+// separator within quotes, would move the numbers.
 #include "error.h"
 #include "point_lines.h"
 
@@ -116,9 +117,14 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
     }
     if (!begun_ && !decimal(fields_.front()) && (take_header(number) || (any_header_ && names(fields_)))) {
         begun_ = true;
+        if (any_header_) named_ = fields_.size();
         return;
     }
     begun_ = true;
+    if (fields_.size() > named_)
+        refuse(number, fmt::format("{} columns, and the header names {}: write decimals with a point, and no separator "
+                                   "within a field",
+                                   fields_.size(), named_));
     add_point(number);
 }
 
@@ -171,11 +177,13 @@ Soup PointLines::finish() {
 
 void each_text_line(std::string_view bytes, std::uint32_t first,
                     const std::function<void(std::string_view, std::uint32_t)>& take) {
-    const char end_of_line = bytes.find('\n') == std::string_view::npos ? '\r' : '\n';  // old Macs wrote only \r
+    std::size_t feed = std::min(bytes.find('\n'), bytes.size());
     for (std::size_t at = 0; at < bytes.size(); ++first) {
-        const std::size_t end = std::min(bytes.find(end_of_line, at), bytes.size());
+        if (feed < at) feed = std::min(bytes.find('\n', at), bytes.size());
+        const std::size_t end =
+            at + std::min(bytes.substr(at, feed - at).find('\r'), feed - at);  // old Macs wrote only \r
         take(bytes.substr(at, end - at), first);
-        at = end + 1;
+        at = end + (bytes.substr(end, 2) == "\r\n" ? 2 : 1);
     }
 }
 

@@ -61,6 +61,7 @@ TEST_F(PointFiles, LinesOfNumbers) {
         reads(name, "1\t-2.5\t3e-3\r\n4\t5\t6", two);
         reads(name, "\xef\xbb\xbf# x y z\n\n  +1, -2.5 ,3e-3 # here\n// no more\n4,5,6\n", two);
         reads(name, "1;-2.5;3e-3;0.5;255\r4;5;6;0.5;255\r", two);          // old line ends; intensity and a colour
+        reads(name, "1 -2.5 3e-3\r4 5 6\r\n", two);                        // the same, saved again
         reads(name, "1 -2.5 3e-3 nan nan nan\n4 5 6 nan nan nan\n", two);  // normals that are unknown
     }
 }
@@ -99,6 +100,10 @@ TEST_F(PointFiles, HeadersOfColumns) {
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
     refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is no number"});
     refused("a.csv", "x,y,z\n", {"holds no vertices"});
+    refused("a.csv", "x,y,z\n1,2,3\n1,5,2,0,3,0\n",
+            {"line 3: 6 columns, and the header names 3", "decimals with a point"});
+    refused("a.csv", "name,x,y,z\n\"a,7,8,9,b\",1,2,3\n", {"line 2: 8 columns, and the header names 4"});
+    reads("a.csv", "x,y,z\n1,2,3,\n", one);
 }
 
 TEST_F(PointFiles, BadLines) {
@@ -189,6 +194,9 @@ TEST_F(PointFiles, PcdCompressed) {
     refused("a.pcd", file(size, packed.substr(0, 9)), {"is truncated"});
     refused("a.pcd", file(size, std::string(size, '\xff')), {"is damaged"});
     refused("a.pcd", head + "abc", {"is truncated"});
+    std::string fewer = file(size, packed);
+    fewer.replace(fewer.find("WIDTH 2"), 7, "WIDTH 1").replace(fewer.find("POINTS 2"), 8, "POINTS 1");
+    refused("a.pcd", fewer, {"is damaged", "1 points of 15 bytes are announced, and 30 bytes are there"});
     refused("a.pcd", head + std::string("\1\0\0\0\xff\xff\xff\x7f\0", 9), {"is damaged"});
 #else
     refused("a.pcd", head + by_field, {"binary_compressed", "liblzf-dev"});
