@@ -36,13 +36,16 @@ void check(const Query& query) {
 void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
     const auto [lower, upper] = result.bounds;
-    if (const auto answer = query.answer(lower, upper)) {
+    const bool possible = may_bound_a_distance(result.bounds);
+    if (const auto answer = query.answer(lower, upper); answer && possible) {
         result.status = *answer;
         return;
     }
     const auto length = [&](double scaled) { return std::ldexp(scaled, -exponent); };
     std::string why;
-    if (result.status == Status::below_floor)
+    if (!possible)
+        why = fmt::format("its bounds [{:.6g}, {:.6g}] are no interval of distances", length(lower), length(upper));
+    else if (result.status == Status::below_floor)
         why = fmt::format("its upper bound {:.6g} is above the floor {:.6g}", length(upper), length(query.floor));
     else if (result.status == Status::above_cutoff)
         why = fmt::format("its lower bound {:.6g} is not above the cutoff {:.6g}", length(lower), length(query.cutoff));

@@ -4,6 +4,7 @@
 
 #include "solver.h"
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -116,6 +117,11 @@ bool copies_targets(const SolverInfo& info, const QuerySet& queries);
 
 // Whether the solver's scenes are scaled at all.
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);
+
+// False where a bound is no number, the lower one infinite or the upper one negative.
+inline bool may_bound_a_distance(const Bounds& bounds) {
+    return bounds.lower < std::numeric_limits<double>::infinity() && bounds.upper >= 0;
+}
 
 // An error text where the solver cannot take these shapes, empty where it can.
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target);

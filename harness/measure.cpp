@@ -150,13 +150,16 @@ Measured measure(const MeasureRequest& asked) {
 std::string no_answer(const Measured& measured) {
     if (measured.failed) return measured.failed->reason;
     const Result& result = measured.result;
+    if (!may_bound_a_distance(result.bounds))
+        return fmt::format("its bounds [{:g}, {:g}] are no interval of distances", result.bounds.lower,
+                           result.bounds.upper);
     const bool said = result.status != Status::stalled || std::isfinite(result.bounds.upper) || result.bounds.lower > 0;
     return said ? "" : result.note.empty() ? "it stalled" : result.note;
 }
 
 int exit_code(const Measured& measured, const MeasureRequest& request) {
     if (!request.cutoff) return no_answer(measured).empty() ? 0 : 1;
-    if (measured.failed) return 3;
+    if (!no_answer(measured).empty()) return 3;
     const Status status = measured.result.status;
     return status == Status::below_floor ? 0 : status == Status::above_cutoff ? 1 : 3;
 }

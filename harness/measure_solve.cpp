@@ -39,6 +39,9 @@ Result turned(Result result) {
 // H(A,B) from both directions. Where they are close enough, so is H: its gap is at most that of the direction with the larger upper
 // bound, since its lower bound is at least that of this direction.
 Result larger_of(const Query& query, const Result& forward, const Result& backward) {
+    for (const Result* one : {&forward, &backward}) {
+        if (!may_bound_a_distance(one->bounds)) return *one;
+    }
     const bool above = backward.bounds.upper > forward.bounds.upper || std::isnan(backward.bounds.upper);
     Result whole = above ? backward : forward;
     const Result& lower = backward.bounds.lower > forward.bounds.lower ? backward : forward;

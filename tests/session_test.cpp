@@ -164,6 +164,13 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
     EXPECT_EQ(to_string(after(Status::budget, {0, 4e9}).status), to_string(Status::budget));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(to_string(after(Status::converged, {nan, nan}).status), to_string(Status::stalled));
+    for (const Bounds& none : {Bounds{nan, 1e-9}, Bounds{0, nan}, Bounds{infinity, infinity}, Bounds{-1e-9, -1e-10}}) {
+        const Result impossible = after(Status::converged, none);
+        EXPECT_EQ(to_string(impossible.status), to_string(Status::stalled)) << none.lower << ", " << none.upper;
+        EXPECT_NE(impossible.note.find("are no interval of distances"), std::string::npos) << impossible.note;
+        EXPECT_EQ(to_string(after(Status::above_cutoff, none, 0, 0.5).status), to_string(Status::stalled));
+        EXPECT_EQ(to_string(after(Status::below_floor, none, 0.5, 0.5).status), to_string(Status::stalled));
+    }
     // What scaling back costs is the floor of double precision, not the solver's fault.
     const double least = std::numeric_limits<double>::denorm_min();
     EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, 0, infinity, least).status), "precision_floor");

@@ -3,6 +3,7 @@
 #include <hausbench/structures/octree.h>
 
 #include <cstdlib>
+#include <limits>
 
 using namespace hausbench;
 
@@ -33,7 +34,12 @@ public:
 
     Result solve(const Query&, State*, Trace&) const override {
         if (broken("throws")) throw std::runtime_error("too hard");
-        return {};
+        Result result;
+        const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+        if (broken("no number")) result.bounds = {nan, 0}, result.status = Status::converged;
+        if (broken("infinite")) result.bounds = {infinity, infinity}, result.status = Status::budget;
+        if (broken("negative")) result.bounds = {-2, -1}, result.status = Status::below_floor;
+        return result;
     }
 };
 

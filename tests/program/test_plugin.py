@@ -150,6 +150,21 @@ def test_what_a_plugin_must_not_do_with_a_scene_is_its_own_error(
         assert said in row["reason"]
 
 
+def test_bounds_that_no_distance_can_have_are_no_answer(
+    hausbench: Program, outside: Path, tetrahedron: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ("measure", tetrahedron, tetrahedron, "--solver", "broken", "--plugin", outside / "libbroken.so")
+    for how in ("no number", "infinite", "negative"):
+        monkeypatch.setenv("BROKEN", how)
+        for more, code in (((), 1), (("--symmetric",), 1), (("--cutoff", "0.5"), 3)):
+            done = hausbench(*arguments, *more)
+            assert done.returncode == code, (how, more, done.stdout)
+            assert "are no interval of distances" in done.stderr + done.stdout
+            assert "converged" not in done.stdout.replace("reports converged", "") and "below_floor" not in done.stdout.replace("reports below_floor", "")
+            if code == 3:
+                assert "above 0.5? open" in done.stdout
+
+
 def test_rows_that_end_at_the_budget_are_timed(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
     experiment = tmp_path / "wide.toml"
     text = (head().replace("[2.0]", "[1e-9]").replace("guthe", "vertex_only").replace('source = "sphere1"', 'source = "sphere0"')
