@@ -93,12 +93,15 @@ void Journal::read() {
                     "{}: is not a journal of hausbench: move it away, or choose another folder with --results",
                     file_.string()));
             }
-            if (!last) throw InputError(fmt::format("{}:{}: damaged: start over with --fresh", file_.string(), number));
+            if (!last)
+                throw InputError(fmt::format("{}:{}: damaged: start over with --fresh, without --solver and --scene",
+                                             file_.string(), number));
             break;  // incomplete: its write did not finish
         }
         if (!take(number, std::string_view(line).substr(17))) {
             throw InputError(
-                fmt::format("{}:{}: is not a record of a run: start over with --fresh", file_.string(), number));
+                fmt::format("{}:{}: is not a record of a run: start over with --fresh, without --solver and --scene",
+                            file_.string(), number));
         }
         good = end + 1;
     }
