@@ -17,6 +17,7 @@ SolverEntry nohd_as_printed_solver();       // points/nohd_as_printed.cpp
 SolverEntry ohd_as_printed_solver();        // points/ohd_as_printed.cpp
 SolverEntry scan_solver();                  // points/scan.cpp
 SolverEntry guthe_solver();                 // meshes/guthe.cpp
+SolverEntry sampling_solver();              // meshes/sampling.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
 SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
 SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
@@ -38,6 +39,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         ohd_as_printed_solver(),
         scan_solver(),
         guthe_solver(),
+        sampling_solver(),
         interval_subdivision_solver(),
         surface_enclosure_solver(),
         surface_meshes_solver(),

@@ -159,6 +159,7 @@ std::map<std::string, Counts> all_counts() {
     all["guthe"] = solver_counts("guthe");
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
+    all["sampling"] = solver_counts("sampling", {{"step", 0.02}});
     all["closest_by_scan"] = scan_counts();
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();

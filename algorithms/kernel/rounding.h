@@ -89,6 +89,39 @@ inline double surface_distance_at_least(double certified, double magnitude, int 
     return low > 0 ? low : 0;
 }
 
+// --- samples of a triangle -------------------------------------------------------------------------------------------
+//
+// The grid of n steps on a triangle: the points (i a + j b + k c) / n with whole numbers i, j, k >= 0 and i + j + k = n. It cuts the
+// triangle into n^2 small ones, each with edges of 1/n the length of its own.
+//
+// Computed as below, a point of the grid is within 7uM of the exact one, for n < 2^53: products cost u (i + j + k) M = u n M in all,
+// either sum as much, the quotient uM: 4uM in each coordinate and terms of order u^2, and sqrt(3) 4 < 7. Underflow costs far less.
+inline Vec3 grid_point(const Vec3& a, const Vec3& b, const Vec3& c, std::int64_t i, std::int64_t j, std::int64_t n) {
+    return ((static_cast<double>(i) * a + static_cast<double>(j) * b) + static_cast<double>(n - i - j) * c) /
+           static_cast<double>(n);
+}
+
+// Closer to A than a vertex after four halvings.
+inline constexpr int level_of_grid_point = 4;
+
+// Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, L its longest edge. Let p = sum w_i c_i, with
+// weights w_i >= 0 that add up to 1. As sum w_i (c_i - p) = 0,
+//     min |c_i - p|^2 <= sum w_i |c_i - p|^2 = sum_{i<j} w_i w_j |c_i - c_j|^2 <= L^2 (1 - sum w_i^2) / 2 <= L^2 / 3.
+// Nothing is asked of its shape: a needle or a point will do; a regular triangle attains it at its centre. Of a grid of n steps,
+// every point of the triangle is within r = L / (n sqrt(3)). The distance to B changes no more than the point moves, so it is at
+// most r larger than at a sample.
+//
+// `at_samples` is the largest surface_distance_at_most of the samples, so 0 only where M is 0; `squared_edge` is L^2 as computed.
+// fl(sqrt(L^2)) errs by 3.5u (see point to point), fl(sqrt(3)) by 0.6u, product and quotient by u each: r is at most (1 + 6.1u)
+// times the quotient, in first order. The product with 1 + 8u loses u at most. next_up makes up for rounding the sum, and half an
+// ulp is left: at least 2^-504, for at_samples >= 8uM >= 2^-450. That is more than underflow takes from L, 2^-536.
+inline double grid_distance_at_most(double at_samples, double squared_edge, std::int64_t n) {
+    if (at_samples == 0) return 0;
+    const double root_of_three = 0x1.bb67ae8584caap+0;
+    const double radius = std::sqrt(squared_edge) / (static_cast<double>(n) * root_of_three);
+    return next_up(at_samples + radius * (1 + 8 * unit_roundoff));
+}
+
 // The upper bound for one scene; `certify` off leaves the widening out, to measure what it costs and to show what goes
 // wrong without it.
 struct SurfaceRounding {

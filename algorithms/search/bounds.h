@@ -69,6 +69,12 @@ public:
     // no. `queued` is the largest upper bound in the queue, 0 where it is empty; `spent` is what the budget is compared with.
     std::optional<Status> end(double queued, std::uint64_t spent);
 
+    // The largest upper bound of what was settled so far.
+    double settled() const { return settled_; }
+
+    // Of the farthest point; costs a query each time that there is a new one.
+    double certified_lower();
+
     Result result(Status status, double queued);
 
     // Where time is out before every triangle of A has an upper bound. `vertices` are those of A, posed. O(n).
@@ -81,7 +87,6 @@ public:
 
 private:
     double farthest_squared() const { return std::max(farthest_.point.squared, 0.0); }
-    double certified_lower();
     double lower_of(const Farthest& farthest, Counters& counters) const;
 
     const Query& query_;

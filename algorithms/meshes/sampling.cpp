@@ -1,0 +1,300 @@
+// Sampling, as Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002) do it: the distance to B of
+// the vertices of A, and of points on its edges and faces at an even density. Neither paper was at hand: this follows descriptions of
+// them. Both report the largest distance of a sample, which bounds h from below. The upper bound is ours.
+//
+// Samples: on each triangle of A the grid of n steps (kernel/rounding.h), with n the least number for which its longest edge L has steps
+// of at most `step` times the diagonal of A's box. Metro asks for a number of samples for each unit of area, MESH for a step of a
+// fraction of the diagonal. A grid has about as many samples of a triangle as either, but for needles, which have more here.
+//
+// Upper bound of a triangle: the largest distance of its samples + the covering radius L / (n sqrt 3), which kernel/rounding.h
+// derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals, and rounding: it does not depend on
+// the tolerance. Where it is wider than the tolerance the status is `budget`. With half the step the lower bound never becomes
+// smaller where all n double, and the largest gap becomes half; the upper bound may become larger, for a new sample may be up to 0.5
+// L / n farther than those beside it, and the radius gets smaller by 0.29 L / n only.
+//
+// Order: all vertices, which gives every triangle the bound of n = 1 (kept where it is the smaller one), then triangle by triangle the samples on its edges and inside. An
+// edge that two triangles share with the same n is measured once. Who stops early keeps the bounds of n = 1 of the triangles to come.
+// Triangles whose bound of n = 1 is at most the floor are left out.
+//
+// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and its "steps" n.
+//
+// Budget: samples beside the vertices of A, which are always measured. Time O(log m) a sample on tame data; memory O(n + m) for n
+// triangles of A and m of B: something is kept of each vertex, triangle and edge, and nothing of any other sample.
+#include "kernel/deadline.h"
+#include "search/bounds.h"
+#include "search/elements.h"
+#include "search/stages.h"
+#include "search/target.h"
+#include "search/vertices.h"
+#include "solver.h"
+#include "structures/octree.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // of one triangle, so that numbers of steps are exact
+
+// The samples inside an edge.
+struct EdgeSamples {
+    std::int64_t steps = 0;
+    MeasuredPoint farthest{Vec3::Zero()};
+};
+
+// One query.
+class Sampling {
+public:
+    Sampling(const TriangleMesh& a, const Target& target, const Points& posed_vertices, const SurfaceRounding& rounding,
+             const Query& query, Trace& trace, double step)
+        : a_(a),
+          points_(posed_vertices),
+          query_(query),
+          rounding_(rounding),
+          trace_(trace),
+          step_(step),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
+          stages_(query.wanted.stages),
+          bounds_(query, target, rounding, counters_, trace, elements_ ? &*elements_ : nullptr),
+          vertices_(a, points_, target, nullptr, 0, bounds_, counters_) {}
+
+    Result run() {
+        Result result = sample();
+        if (elements_) {
+            result.fields = bounds_.fields();
+            result.fields->back().name = "steps";
+        }
+        result.reported = stages_.seconds();
+        return result;
+    }
+
+private:
+    Result sample();
+    void bound_by_corners();
+    std::optional<Status> end(double rest);
+    double squared_longest_edge(Index i) const;
+    std::int64_t steps_of(double squared_edge) const;
+    double corners_at_most(Index i) const;
+    void settle(double upper, Index i) { bounds_.settle(upper, i, 0, 0); }
+    bool sample_triangle(Index i, std::int64_t n, double by_corners);
+    bool measure(const Vec3& point, Index i, MeasuredPoint& farthest);
+    bool sample_edge(Index from, Index to, Index i, std::int64_t n, MeasuredPoint& farthest);
+    bool sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest);
+
+    const TriangleMesh& a_;
+    const Points& points_;
+    const Query& query_;
+    SurfaceRounding rounding_;
+    Trace& trace_;
+    double step_;  // a length
+    Counters counters_;
+    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    Stages stages_;
+    SearchBounds bounds_;
+    SourceVertices vertices_;
+    std::vector<double> rest_;  // the largest bound of n = 1 of the triangles from i on
+    std::unordered_map<std::uint64_t, EdgeSamples> edges_;
+    std::uint64_t samples_ = 0;  // beside the vertices
+    Index near_ = -1;            // triangle of B, nearest to the last sample
+    std::optional<Status> stopped_;
+};
+
+double Sampling::squared_longest_edge(Index i) const {
+    const auto v = a_.triangles.row(i);
+    const auto squared = [&](Index p, Index q) { return squared_length(Vec3(points_.row(q) - points_.row(p))); };
+    return std::max({squared(v[0], v[1]), squared(v[1], v[2]), squared(v[2], v[0])});
+}
+
+std::int64_t Sampling::steps_of(double squared_edge) const {
+    const double edge = std::sqrt(squared_edge);
+    if (!(edge > step_)) return 1;
+    const double steps = std::ceil(edge / step_);
+    return steps < static_cast<double>(most_steps) ? static_cast<std::int64_t>(steps) : most_steps;
+}
+
+double Sampling::corners_at_most(Index i) const {
+    double most = 0;
+    for (const MeasuredPoint& corner : vertices_.corners(i)) most = std::max(most, corner.squared);
+    return rounding_.at_most(most, 0);
+}
+
+void Sampling::bound_by_corners() {
+    const auto count = static_cast<std::size_t>(a_.triangles.rows());
+    rest_.assign(count + 1, 0);
+    for (std::size_t i = count; i-- > 0;) {
+        const Index triangle = static_cast<Index>(i);
+        const double upper = grid_distance_at_most(corners_at_most(triangle), squared_longest_edge(triangle), 1);
+        ++counters_.bound_tests;
+        rest_[i] = std::max(rest_[i + 1], upper);
+    }
+}
+
+// Whether floor or cutoff allow to stop, where `rest` bounds the triangles that were not sampled. No tolerance ends it.
+std::optional<Status> Sampling::end(double rest) {
+    const double high = std::max(bounds_.settled(), rest);
+    if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
+    Query query = query_;
+    query.tolerance = {Tolerance::Of::absolute, 0};
+    if (!query.answer(std::sqrt(bounds_.farthest().point.squared), high)) return std::nullopt;
+    return query.answer(bounds_.certified_lower(), high);
+}
+
+// False: the samples or the time are spent.
+bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
+    if (samples_ >= query_.budget) stopped_ = Status::budget;
+    if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
+    if (stopped_) return false;
+    ++samples_;
+    const MeasuredPoint measured = bounds_.measure(point, near_, i, level_of_grid_point);
+    near_ = measured.triangle;
+    if (measured.squared > farthest.squared) farthest = measured;
+    return true;
+}
+
+bool Sampling::sample_edge(Index from, Index to, Index i, std::int64_t n, MeasuredPoint& farthest) {
+    if (from > to) std::swap(from, to);
+    EdgeSamples& edge = edges_[(static_cast<std::uint64_t>(from) << 32) | static_cast<std::uint64_t>(to)];
+    if (edge.steps != n) {
+        edge = {};
+        const Vec3 a = points_.row(from), b = points_.row(to);
+        for (std::int64_t k = 1; k < n; ++k) {
+            if (!measure(grid_point(a, b, b, n - k, k, n), i, edge.farthest)) return false;
+        }
+        edge.steps = n;
+    }
+    bounds_.offer(edge.farthest, i, level_of_grid_point);
+    if (edge.farthest.squared > farthest.squared) farthest = edge.farthest;
+    return true;
+}
+
+bool Sampling::sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest) {
+    const auto v = a_.triangles.row(i);
+    const Vec3 a = points_.row(v[0]), b = points_.row(v[1]), c = points_.row(v[2]);
+    for (std::int64_t j = 1; j < n - 1; ++j) {
+        Index first = near_;
+        for (std::int64_t k = 1; k < n - j; ++k) {
+            if (!measure(grid_point(a, b, c, j, k, n), i, farthest)) return false;
+            if (k == 1) first = near_;
+        }
+        near_ = first;  // it is beside the first of the next row
+    }
+    return true;
+}
+
+// False: stopped before its last sample.
+bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
+    const auto v = a_.triangles.row(i);
+    const auto corners = vertices_.corners(i);
+    MeasuredPoint farthest{Vec3::Zero()};
+    for (int k = 0; k < 3 && n > 1; ++k) {
+        near_ = corners[static_cast<std::size_t>(k)].triangle;
+        if (!sample_edge(v[k], v[(k + 1) % 3], i, n, farthest)) return false;
+    }
+    near_ = corners[2].triangle;
+    if (!sample_inside(i, n, farthest)) return false;
+    double most = corners_at_most(i);
+    if (farthest.triangle >= 0) most = std::max(most, rounding_.at_most(farthest.squared, level_of_grid_point));
+    ++counters_.bound_tests;
+    settle(std::min(by_corners, grid_distance_at_most(most, squared_longest_edge(i), n)), i);
+    return true;
+}
+
+Result Sampling::sample() {
+    const bool measured = vertices_.measure();
+    stages_.end("measure vertices");
+    if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
+    bound_by_corners();
+    bool spread = false;  // some triangle is more than a point
+    Index i = 0;
+    for (; i < a_.triangles.rows(); ++i) {
+        const double rest = rest_[static_cast<std::size_t>(i)];
+        stopped_ = end(rest);
+        if (stopped_) break;
+        const double edge = squared_longest_edge(i), by_corners = grid_distance_at_most(corners_at_most(i), edge, 1);
+        spread = spread || edge > 0;
+        const bool counts = by_corners > query_.floor;
+        const std::int64_t n = counts ? steps_of(edge) : 1;
+        if (elements_) elements_->subdivided(i, static_cast<int>(n));
+        if (!counts)
+            settle(by_corners, i);
+        else if (!sample_triangle(i, n, by_corners))
+            break;
+    }
+    const double rest = rest_[static_cast<std::size_t>(i)];
+    for (; elements_ && i < a_.triangles.rows(); ++i) {
+        elements_->settle(grid_distance_at_most(corners_at_most(i), squared_longest_edge(i), 1), i);
+    }
+    stages_.end("sample");
+    Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor), rest);
+    if (result.status == Status::budget && !stopped_)
+        result.note = "samples this far apart bound it no closer: a smaller `step` does";
+    return result;
+}
+
+class SamplingSolver final : public Solver {
+public:
+    explicit SamplingSolver(const Options& options) : step_(options.real("step")) {}
+
+    Needs needs(const Scene& scene, const QuerySet&) const override {
+        if (element_count(scene.target) <= scan_at_most) return {};
+        return {need<TriangleOctree>(Side::target)};
+    }
+
+    void prepare(const Scene&, const Prepared& prepared) override {
+        source_ = &prepared.triangles(Side::source);
+        target_ = &prepared.triangles(Side::target);
+        octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
+        length_ = step_ * diagonal(source_->vertices);
+    }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        const Points points = posed(source_->vertices, query.source_pose);
+        const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
+        const Target target(*target_, octree_);
+        return Sampling(*source_, target, points, {most}, query, trace, length_).run();
+    }
+
+private:
+    double step_;
+    double length_ = 0;  // of a step
+    const TriangleMesh* source_ = nullptr;
+    const TriangleMesh* target_ = nullptr;
+    const TriangleOctree* octree_ = nullptr;
+};
+
+}  // namespace
+
+SolverEntry sampling_solver() {
+    SolverInfo info;
+    info.name = "sampling";
+    info.title = "sampling";
+    info.paper = "cignoni1998";
+    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
+    info.certified = true;
+    info.ignores_tolerance = true;
+    info.traces = true;
+    info.fields = true;
+    info.may_need = {need<TriangleOctree>(Side::target)};
+    info.parameters = {
+        {.name = "step",
+         .default_value = 0.005,
+         .unit = "diagonals of A",
+         .paper_value = "0.005 (default of the program MESH)",
+         .description = "the longest distance of neighbouring samples along an edge of A, as a fraction of the "
+                        "diagonal of A's box; the "
+                        "gap is at most 0.58 of it",
+         .choices = {},
+         .least = 1e-6,
+         .most = 1},
+    };
+    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
+                return std::make_unique<SamplingSolver>(options);
+            }};
+}
+
+}  // namespace hausbench
