@@ -18,6 +18,8 @@ from analysis.statistics import Estimate, median
 STEM = "error_vs_time"
 ACROSS = 3  # panels side by side
 Panel = tuple[str, int]  # scene, pose
+# Whatever the tolerance, each value of their parameter has one answer: the values are one line with one entry in the legend.
+ONE_LINE = {"sampling"}
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -43,6 +45,11 @@ def make(results: Results, out: Path) -> list[Path]:
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
     figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
     return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+
+
+def shown_as(solver: str, label: str) -> tuple[str, str]:
+    """What a row looks like, and stands as in the legend."""
+    return (solver, solver) if solver in ONE_LINE else (solver, label)
 
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
@@ -124,7 +131,8 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
     """
     bands, wide, tall = -(-len(panels) // ACROSS), 1.66, 1.2
     band = 0.22 + 2 * tall + 0.08 + 0.2  # title, frames, tick labels
-    legend = 0.145 * -(-len(labels) // 5)
+    entries = list(dict.fromkeys(shown_as(*pair) for pair in labels))
+    legend = 0.145 * -(-len(entries) // 5)
     height = bands * band + 0.22 + legend + 0.33  # axis label, legend, two lines of notes
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
     figure.set_layout_engine("none")
@@ -141,10 +149,10 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
             shown |= draw_panel(ax, results, rows, times, what)
         upper.tick_params(labelbottom=False)
         upper.set_title(panel_title(results, panel, panels), pad=3)
-        failed = Counter((results.cases.solver[r], results.names[r], results.cases.status[r])
+        failed = Counter((*shown_as(results.cases.solver[r], results.names[r]), results.cases.status[r])
                          for r in rows if results.cases.status[r] != "ok")
         marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
-                 for pair in labels for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
+                 for pair in entries for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
         style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
         shown |= {(solver, label) for solver, label, _ in failed}
         statuses |= {status for *_, status in failed}
@@ -154,11 +162,12 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
                 ax.yaxis.set_label_coords(-0.22, 0.5)
         if i + ACROSS >= len(panels):
             lower.set_xlabel("prepare + solve (s)", labelpad=1)
-    figure.legend(handles=style.handles(pair for pair in labels if pair in shown), loc="lower center", ncol=5,
+    figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=5,
                   bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
     key = ", ".join(f"{letter} {style.STATUS_WORDS[status]}" for status, letter in style.STATUS_LETTERS.items()
                     if status in statuses)
-    notes = ["Thin lines: one traced run, wall time. Bars: interval of the median. Open markers: bounds that hold, but the "
+    notes = ["Thin lines: one traced run, wall time"
+             + (", or one solver at several steps" if ONE_LINE & {solver for solver, _ in shown} else "") + ". Bars: interval of the median. Open markers: bounds that hold, but the "
              "tolerance was not reached."]
     if key:
         notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")
@@ -174,6 +183,8 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
     points = {case: y for case, y in points.items() if np.isfinite(y)}
     lines = {}
     for pair in dict.fromkeys((cases.solver[r], results.names[r]) for r in rows):
+        if pair[0] in ONE_LINE:
+            continue  # its answers are joined instead
         traced = [r for r in rows if (cases.solver[r], results.names[r]) == pair and cases.status[r] != "unsound"
                   and cases.trace_end[r] > cases.trace_begin[r]]
         if traced:
@@ -181,19 +192,23 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
             lines[case] = trace_line(results, case, what)
     axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
     ax.set_xscale("log")
+    for solver in sorted(ONE_LINE & {cases.solver[case] for case in points}):
+        at_times = sorted((times[case].value, y) for case, y in points.items() if cases.solver[case] == solver)
+        looks = style.look(solver)
+        ax.plot([x for x, _ in at_times], axis.place([y for _, y in at_times]), color=looks.colour, linewidth=0.7, zorder=2)
     for case, (x, y) in lines.items():
         looks = style.look(cases.solver[case], results.names[case])
         ax.plot(x, axis.place(y), color=looks.colour, linestyle=looks.line, linewidth=0.7, alpha=0.75, zorder=2,
                 drawstyle="steps-post")
     for case, y in points.items():
-        looks, time = style.look(cases.solver[case], results.names[case]), times[case]
+        looks, time = style.look(*shown_as(cases.solver[case], results.names[case])), times[case]
         at = axis.place(y)
         if time.has_interval:
             ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
     style.log_ticks(ax.xaxis)
-    return {(cases.solver[case], results.names[case]) for case in [*points, *lines]}
+    return {shown_as(cases.solver[case], results.names[case]) for case in [*points, *lines]}
 
 
 def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:

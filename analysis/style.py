@@ -54,7 +54,7 @@ LOOKS: Final[dict[str, Look]] = {
     "scan": Look("scan (ours)", "#D55E00", "X"),
     "kdtree": Look("k-d tree (nanoflann)", "#882255", "h", (0, (1, 1))),
     # meshes
-    "sampling": Look("sampling", "#999933", "p", (0, (1, 1))),
+    "sampling": Look("sampling", "#CC79A7", "p"),
     "guthe": Look("Guthe 2005", "#999933", "<", (0, (4, 1.5))),
     "tang": Look("Tang 2009", "#56B4E9", "o"),
     "kang": Look("Kang 2018", "#009E73", "s"),

@@ -299,6 +299,16 @@ TEST(Sampling, TheNumberOfSamplesIsAsDerived) {
     }
 }
 
+// Whichever edge is the longest decides.
+TEST(Sampling, TheLongestEdgeDecidesTheNumberOfSteps) {
+    const Vec3 corner[3] = {{0, 0, 0}, {0.5, 0.1, 0}, {1, 0, 0}};
+    for (const std::size_t first : {0, 1, 2}) {
+        const Triangle a{corner[first], corner[(first + 1) % 3], corner[(first + 2) % 3]};
+        const Result result = solve(one_triangle(a, {{0, 0, 1}}), {.step = step_for(a, 10)});
+        EXPECT_EQ(result.counters.closest_point_queries, 3u + 3 * 9 + 9 * 8 / 2 + 2) << first;
+    }
+}
+
 // The same edge in grids of different n is measured for each, and every triangle's grid is whole.
 TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
     Points points = rows({{0, 0, 0}, {1, 0, 0}, {0.5, 0.2, 0}, {0.5, -3, 0}});
@@ -317,6 +327,11 @@ TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
         EXPECT_EQ(fields[2].values[i], std::ceil(1 / (0.02 * diagonal(points))));
     }
     EXPECT_GT(fields[2].values[1], 3 * fields[2].values[0]);
+    const auto steps = [&](std::size_t i) { return static_cast<std::uint64_t>(fields[2].values[i]); };
+    const auto inside = [&](std::uint64_t n) { return (n - 1) * (n - 2) / 2; };
+    // The third triangle finds the edge that it shares with the second in another number of steps, and measures it again.
+    const std::uint64_t beside = 4 * (steps(0) - 1) + 2 * inside(steps(0)) + 3 * (steps(1) - 1) + inside(steps(1));
+    EXPECT_EQ(result.counters.closest_point_queries, 4 + beside + 2);
 }
 
 TEST(Sampling, FieldsHoldOfEachTriangleWhereverItStops) {
