@@ -17,6 +17,9 @@ SolverEntry nohd_as_printed_solver();       // points/nohd_as_printed.cpp
 SolverEntry ohd_as_printed_solver();        // points/ohd_as_printed.cpp
 SolverEntry scan_solver();                  // points/scan.cpp
 SolverEntry guthe_solver();                 // meshes/guthe.cpp
+SolverEntry kang_solver();                  // meshes/kang.cpp
+SolverEntry sacht_solver();                 // meshes/sacht.cpp
+SolverEntry zheng_solver();                 // meshes/zheng.cpp
 SolverEntry sampling_solver();              // meshes/sampling.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
 SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
@@ -39,6 +42,9 @@ std::vector<SolverEntry>& list_of_solvers() {
         ohd_as_printed_solver(),
         scan_solver(),
         guthe_solver(),
+        kang_solver(),
+        zheng_solver(),
+        sacht_solver(),
         sampling_solver(),
         interval_subdivision_solver(),
         surface_enclosure_solver(),

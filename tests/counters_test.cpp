@@ -160,6 +160,7 @@ std::map<std::string, Counts> all_counts() {
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
     all["sampling"] = solver_counts("sampling", {{"step", 0.02}});
+    for (const char* name : {"kang", "zheng", "sacht"}) all[name] = solver_counts(name);
     all["closest_by_scan"] = scan_counts();
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();

@@ -83,6 +83,20 @@ inline double surface_distance_at_most(double squared, double magnitude, int lev
 // A point of A that closest_point returned is within 7uM of A: closer than a vertex after four halvings.
 inline constexpr int level_of_closest_point = 4;
 
+// fl(fl((1 - t) a) + fl(t b)) with 0 <= t <= 1 is within 6uM of the edge ab, and fl((a + b + c) / 3) of the triangle abc, so like a
+// vertex after three halvings. In each coordinate: 1 - t errs by u, the products by u M in all, their sum by uM, together 3uM;
+// the sums a + b and + c err by 2uM and 3uM, a third of that and uM for the division make less than 3uM; sqrt(3) 3 < 6.
+inline constexpr int level_of_inner_point = 3;
+
+// `sum` = fl(f + g): f is the distance of a point of A to B as closest_point computes it, or the largest of some, and g a length
+// between points of A, computed in the same way, or more than that length. f and g err by 3.5u, their sum rounds by u: 1 + 5u
+// makes up for these. The point of B is off it by 7uM, and underflow is far below the eighth uM. Each next_up gives back what the
+// product or the sum before it rounds by.
+inline double surface_sum_at_most(double sum, double magnitude, int level) {
+    if (magnitude == 0) return 0;
+    return next_up(next_up(sum * (1 + 5 * unit_roundoff)) + (8 + 2 * level) * unit_roundoff * magnitude);
+}
+
 // A certified distance of the rounded vertex becomes one of the exact point of A that it stands for.
 inline double surface_distance_at_least(double certified, double magnitude, int level) {
     const double low = level == 0 ? certified : next_down(certified - 2 * level * unit_roundoff * magnitude);

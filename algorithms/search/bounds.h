@@ -54,12 +54,16 @@ public:
     // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
+    // The largest upper bound that a piece of this level may have and be purged.
+    double purged_at_most(int level) const {
+        return std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
+    }
+
     // Whether a piece of triangle `source` with this upper bound needs no further work; its bound is then kept. A bound that
     // comes from points no farther than the farthest one is purged here, exactly; so is one below the floor, which is of no
     // interest, and what is at `most_levels` (subdivision.h).
     bool settle(double upper, Index source, int level, int most_levels) {
-        const double known = std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
-        if (upper > known && level < most_levels) return false;
+        if (upper > purged_at_most(level) && level < most_levels) return false;
         settled_ = std::max(settled_, upper);
         if (elements_) elements_->settle(upper, source);
         return true;

@@ -1,0 +1,231 @@
+#include "cascade.h"
+
+#include "bounds.h"
+#include "elements.h"
+#include "piece_bounds.h"
+#include "queue.h"
+#include "stages.h"
+#include "structures/bvh.h"
+#include "vertices.h"
+#include "warm_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace hausbench {
+namespace {
+
+struct Piece {
+    PieceCorners corners;
+    double upper;
+    Index source;  // triangle of A
+    int level;
+};
+
+// The subdivisions that max_factor leaves: A's triangles count, and every piece. At least none.
+std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
+    const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
+    const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
+    return most < 0x1p63 ? static_cast<std::uint64_t>(most) : std::numeric_limits<std::uint64_t>::max();
+}
+
+Query with_budget(Query query, std::uint64_t budget) {
+    query.budget = std::min(query.budget, budget);
+    return query;
+}
+
+// One query.
+class Search {
+public:
+    Search(const TriangleMesh& a, const Target& target, const Points& posed_vertices, double magnitude,
+           const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
+        : a_(a),
+          points_(posed_vertices),
+          cascade_(cascade),
+          most_levels_(most_levels(cascade.split)),
+          factor_budget_(subdivisions_of(cascade, a.triangles.rows())),
+          query_(with_budget(query, factor_budget_)),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
+          last_bound_(elements_ ? static_cast<std::size_t>(a.triangles.rows()) : 0),
+          stages_(query.wanted.stages),
+          bounds_(query_, target, {magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
+          pieces_(target, magnitude, counters_),
+          vertices_(a, points_, target, warm_start, most_levels_, bounds_, counters_) {}
+
+    Result run() {
+        Result result = search();
+        vertices_.remember();
+        if (elements_) {
+            queue_.for_each([&](const Piece& piece) { elements_->settle(piece.upper, piece.source); });
+            result.fields = bounds_.fields();
+            result.fields->push_back({"bound", Field::Of::elements, Field::Meaning::number, last_bound_});
+        }
+        if (result.status == Status::budget && counters_.subdivisions >= factor_budget_)
+            result.note = "max_factor was spent";
+        result.reported = stages_.seconds();
+        return result;
+    }
+
+private:
+    Result search();
+    void push_triangles();
+    bool settle(const Piece& piece) { return bounds_.settle(piece.upper, piece.source, piece.level, most_levels_); }
+    double bound(PieceBound which, const Piece& piece);
+    bool bound(Piece& piece);
+    void push(Piece piece);
+    void split(const Piece& piece);
+
+    const TriangleMesh& a_;
+    const Points& points_;
+    const Cascade& cascade_;
+    int most_levels_;
+    std::uint64_t factor_budget_;
+    Query query_;
+    Counters counters_;
+    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    std::vector<double> last_bound_;  // likewise: of each triangle of A, the bound that was computed last, 0: exact
+    Stages stages_;
+    SearchBounds bounds_;
+    PieceBounds pieces_;
+    SourceVertices vertices_;
+    PieceQueue<Piece> queue_;
+};
+
+double Search::bound(PieceBound which, const Piece& piece) {
+    switch (which) {
+        case PieceBound::u1:
+            return pieces_.u1(piece.corners, piece.level);
+        case PieceBound::u2:
+            return pieces_.u2(piece.corners, piece.level);
+        case PieceBound::u3:
+            return pieces_.u3(piece.corners, piece.level);
+        case PieceBound::u4:
+            return pieces_.u4(piece.corners, piece.level);
+        case PieceBound::nearest_triangles:
+            break;
+    }
+    const double three = pieces_.nearest_triangles(piece.corners, piece.level);
+    if (three <= bounds_.purged_at_most(piece.level)) return three;
+    const MeasuredPoint centre = bounds_.measure(barycentre(piece.corners), piece.corners[0].triangle, piece.source,
+                                                 piece.level + level_of_inner_point);
+    return std::min(three, pieces_.nearest_triangles(piece.corners, piece.level, centre.triangle));
+}
+
+// Lowers its upper bound; true: it is settled.
+bool Search::bound(Piece& piece) {
+    const auto lower = [&](double upper, double which) {
+        piece.upper = std::min(piece.upper, upper);
+        if (elements_) last_bound_[static_cast<std::size_t>(piece.source)] = which;
+        return settle(piece);
+    };
+    const double exact = pieces_.same_triangle(piece.corners, piece.level);
+    if (exact < std::numeric_limits<double>::infinity()) return lower(exact, 0);
+    for (const PieceBound which : cascade_.order) {
+        if (lower(bound(which, piece), static_cast<double>(which))) return true;
+    }
+    const double tied = pieces_.tied_triangle(piece.corners, piece.level);
+    return tied < std::numeric_limits<double>::infinity() && lower(tied, 0);
+}
+
+void Search::push(Piece piece) {
+    if (bound(piece)) return;
+    ++counters_.queue_pushes;
+    queue_.push(piece);
+}
+
+void Search::push_triangles() {
+    for (Index i = 0; i < a_.triangles.rows(); ++i) {
+        if (!vertices_.settled(i)) push({vertices_.corners(i), std::numeric_limits<double>::infinity(), i, 0});
+    }
+}
+
+void Search::split(const Piece& piece) {
+    ++counters_.subdivisions;
+    const int level = piece.level + 1;
+    if (elements_) elements_->subdivided(piece.source, level);
+    const auto cut = cut_triangle(piece.corners, cascade_.split, [&](const Vec3& point, const MeasuredPoint& near) {
+        return bounds_.measure(point, near.triangle, piece.source, level);
+    });
+    for (std::size_t c = 0; c < cut.piece_count; ++c) push({cut.corners(c), piece.upper, piece.source, level});
+}
+
+Result Search::search() {
+    const bool measured = vertices_.measure();
+    stages_.end("measure vertices");
+    if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
+    push_triangles();
+    stages_.end("first bounds");
+    while (true) {
+        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions)) {
+            stages_.end("subdivide");
+            return bounds_.result(*status, queue_.upper());
+        }
+        const Piece piece = queue_.pop();
+        if (!settle(piece)) split(piece);  // the lower bound may be larger than when it was pushed
+    }
+}
+
+class CascadeSolver final : public Solver {
+public:
+    explicit CascadeSolver(Cascade cascade) : cascade_(std::move(cascade)) {}
+
+    Needs needs(const Scene& scene, const QuerySet&) const override {
+        if (element_count(scene.target) <= scan_at_most) return {};
+        return {need<TriangleBvh>(Side::target)};
+    }
+
+    void prepare(const Scene&, const Prepared& prepared) override {
+        source_ = &prepared.triangles(Side::source);
+        target_ = &prepared.triangles(Side::target);
+        bvh_ = prepared.has<TriangleBvh>(Side::target) ? &prepared.get<TriangleBvh>(Side::target) : nullptr;
+    }
+
+    std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
+
+    Result solve(const Query& query, State* state, Trace& trace) const override {
+        const Points points = posed(source_->vertices, query.source_pose);
+        const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
+        const Target target(*target_, bvh_);
+        return Search(*source_, target, points, most, query, static_cast<WarmStart*>(state), trace, cascade_).run();
+    }
+
+private:
+    Cascade cascade_;
+    const TriangleMesh* source_ = nullptr;
+    const TriangleMesh* target_ = nullptr;
+    const TriangleBvh* bvh_ = nullptr;
+};
+
+}  // namespace
+
+SolverInfo cascade_info(std::string name, std::string title, std::string paper) {
+    SolverInfo info;
+    info.name = std::move(name);
+    info.title = std::move(title);
+    info.paper = std::move(paper);
+    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
+    info.certified = true;
+    info.warm = true;
+    info.traces = true;
+    info.fields = true;
+    info.may_need = {need<TriangleBvh>(Side::target)};
+    info.parameters = {{.name = "split",
+                        .default_value = std::string("midpoint"),
+                        .unit = "",
+                        .paper_value = "midpoint",
+                        .description =
+                            "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that "
+                            "of the longest edge, for needles",
+                        .choices = {"midpoint", "longest_edge"}}};
+    return info;
+}
+
+Split split_of(const Options& options) {
+    return options.text("split") == "longest_edge" ? Split::longest_edge : Split::midpoint;
+}
+
+std::unique_ptr<Solver> cascade_solver(Cascade cascade) { return std::make_unique<CascadeSolver>(std::move(cascade)); }
+
+}  // namespace hausbench

@@ -1,0 +1,238 @@
+#include "piece_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double largest_squared(const PieceCorners& v) { return std::max({v[0].squared, v[1].squared, v[2].squared}); }
+
+// Of the edge opposite to each corner.
+std::array<double, 3> squared_edges(const std::array<Vec3, 3>& v) {
+    return {squared_length(v[2] - v[1]), squared_length(v[0] - v[2]), squared_length(v[1] - v[0])};
+}
+
+std::array<Vec3, 3> points_of(const PieceCorners& v) { return {v[0].point, v[1].point, v[2].point}; }
+
+// Where a function that is linear along the edge, and has these values at its ends, is zero; they are of different sign, so
+// that t is in [0, 1] as computed, too.
+Vec3 zero_on_edge(const Vec3& a, const Vec3& b, double at_a, double at_b) {
+    const double t = at_a / (at_a - at_b);
+    return (1 - t) * a + t * b;
+}
+
+// The part of `apex` - a that is orthogonal to the edge, of length 1; NaN where there is none.
+Vec3 across(const Vec3& a, const Vec3& b, const Vec3& apex) {
+    const Vec3 edge = b - a, to = apex - a;
+    const Vec3 height = to - (dot(to, edge) / squared_length(edge)) * edge;
+    return height / std::sqrt(squared_length(height));
+}
+
+struct Side {
+    Vec3 origin, normal;
+    double of(const Vec3& point) const { return dot(point - origin, normal); }
+};
+
+// The plane that halves the angle of two triangles at the edge that they share; positive on the side of `one`. Corners are
+// shared by place, so that soups have neighbours too. None where they do not share two.
+std::optional<Side> bisector(const Triangle& one, const Triangle& two) {
+    const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
+    std::array<int, 3> partner{-1, -1, -1};
+    int shared = 0, alone_p = 0, in_q = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3 && partner[i] < 0; ++j) {
+            if (p[i] == q[j]) partner[i] = j;
+        }
+        if (partner[i] < 0) {
+            alone_p = i;
+        } else {
+            ++shared;
+            in_q += partner[i];
+        }
+    }
+    if (shared != 2 || in_q < 1 || in_q > 3) return std::nullopt;
+    const Vec3 &a = p[(alone_p + 1) % 3], &b = p[(alone_p + 2) % 3];
+    return Side{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
+}
+
+// h(T, {p, q})^2, T cut by the plane between the two points.
+double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q) {
+    std::array<double, 3> nearer;  // positive: q is
+    double most = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double to_p = squared_length(v[i] - p), to_q = squared_length(v[i] - q);
+        nearer[i] = to_p - to_q;
+        most = std::max(most, std::min(to_p, to_q));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        // Ends of one side need no cut, so p = q never divides 0 by 0.
+        if ((nearer[i] > 0) == (nearer[j] > 0)) continue;
+        const Vec3 cut = zero_on_edge(v[i], v[j], nearer[i], nearer[j]);
+        most = std::max({most, squared_length(cut - p), squared_length(cut - q)});
+    }
+    return most;
+}
+
+}  // namespace
+
+// x is the longest edge, X the angle opposite to it, cos X = (y^2 + z^2 - x^2) / 2yz. T is acute where cos X > 0, and the
+// circumradius is x / (2 sin X), well conditioned as X is in [60, 90] degrees.
+//
+// Rounding, s_x = fl(x^2) within 5.01u x^2: fl(fl(s_y + s_z) - s_x) errs by 5.01u (x^2 + y^2 + z^2), 2.1u x^2 for the sum, 1.1u x^2
+// for the difference: by less than 19u x^2. 24u s_x is added. Then `cosine` is at least cos X but for 9u of itself, and its
+// square but for 19u. As it is capped at 1/4, 1 - square errs by (19/4 + 2)u / (3/4) = 9u, its root by 5u, sqrt(s_x) by 3.5u, the
+// division by u: less than 10u in all. The cap is right, as X is largest: where rounding took another edge for the longest,
+// that is shorter by 5.1u at most, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. 16u is more, and than the rounding of that
+// product. With no sum added, half of the longest edge errs by 3.5u and 5.1u.
+// Underflow: where x < 2^-480, g errs by no more than 2^-479, far below the unit roundoff of any M >= 2^-400, which
+// surface_sum_at_most adds. Otherwise squares that underflow are off by 2^-114 s_x. A z so short that its own square is lost
+// meets the cap, as the sum is at least 4u x^2 then.
+double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
+    std::array<double, 3> edges = squared_edges(corners);
+    std::sort(edges.begin(), edges.end());
+    const auto [z, y, x] = edges;
+    const double twice = ((y + z) - x) + 24 * unit_roundoff * x;
+    if (!(twice > 0)) return 0.5 * std::sqrt(x) * (1 + 16 * unit_roundoff);
+    const double cosine = twice / (2 * (std::sqrt(y) * std::sqrt(z)));
+    const double square = std::min(cosine * cosine, 0.25);
+    return std::sqrt(x) / (2 * std::sqrt(1 - square)) * (1 + 16 * unit_roundoff);
+}
+
+double PieceBounds::same_triangle(const PieceCorners& v, int level) const {
+    const bool same = v[0].triangle == v[1].triangle && v[0].triangle == v[2].triangle;
+    return same ? at_most(largest_squared(v), level) : infinity;
+}
+
+// As near as any: but for what rounding may do to two distances. h(T, S_i) is an upper bound whatever S_i is.
+double PieceBounds::tied_triangle(const PieceCorners& v, int level) {
+    const double slack = 8 * unit_roundoff * magnitude_;
+    ++counters_.bound_tests;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (i > 0 && v[i].triangle == v[i - 1].triangle) continue;
+        const Triangle near = target_.triangle(v[i].triangle);
+        double most = v[i].squared;
+        bool all = true;
+        for (std::size_t j = 0; j < 3 && all; ++j) {
+            if (v[j].triangle == v[i].triangle) continue;
+            ++counters_.point_triangle_distances;
+            const double squared = target_.squared_distance(v[j].point, near);
+            all = std::sqrt(squared) <= std::sqrt(v[j].squared) + slack;
+            most = std::max(most, squared);
+        }
+        if (all) return at_most(std::max(most, largest_squared(v)), level);
+    }
+    return infinity;
+}
+
+double PieceBounds::u1(const PieceCorners& v, int level) {
+    ++counters_.bound_tests;
+    const auto edges = squared_edges(points_of(v));
+    double least = infinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double edge = std::max(edges[(i + 1) % 3], edges[(i + 2) % 3]);
+        least = std::min(least, std::sqrt(edge) + std::sqrt(v[i].squared));
+    }
+    return surface_sum_at_most(least, magnitude_, level);
+}
+
+double PieceBounds::u2(const PieceCorners& v, int level) {
+    ++counters_.bound_tests;
+    const double radius = covering_radius_at_most(points_of(v));
+    return surface_sum_at_most(radius + std::sqrt(largest_squared(v)), magnitude_, level);
+}
+
+BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle) {
+    PointBlock block;
+    for (std::size_t lane = 0; lane < block_width; ++lane) {
+        const Vec3& point = points[std::min(lane, count - 1)];
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = point[k];
+    }
+    BlockFeet feet;
+    target_.squared_distances(block, count, target_.triangle(triangle), feet);
+    counters_.point_triangle_distances += count;
+    return feet;
+}
+
+// Squared, of T cut by the plane that halves the angle of the two triangles of B: one part has the corner `alone`, the other part
+// the two others; each counts against its triangle. Where the plane does not cut both edges, their midpoints do. Infinite where
+// the two triangles share no edge.
+double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
+    const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
+    const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
+    if (!side) return infinity;
+    const double s = side->of(one.point), s2 = side->of(two.point), s3 = side->of(three.point);
+    std::array<Vec3, 7> cuts{0.5 * (one.point + two.point), 0.5 * (one.point + three.point)};
+    if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity)
+        cuts = {zero_on_edge(one.point, two.point, s, s2), zero_on_edge(one.point, three.point, s, s3)};
+    const BlockFeet to_one = distances(cuts, 2, one.triangle), to_two = distances(cuts, 2, two.triangle);
+    return std::max({largest_squared(v), to_one.squared_distance[0], to_one.squared_distance[1],
+                     to_two.squared_distance[0], to_two.squared_distance[1]});
+}
+
+// Squared, of T cut into three quadrilaterals, each with a corner, the midpoints beside it and the barycentre, against the
+// triangle nearest to that corner. `whole`: the least h(T, S_i)^2.
+double PieceBounds::in_three(const PieceCorners& v, double& whole) {
+    std::array<Vec3, 7> points{v[0].point, v[1].point, v[2].point};
+    for (std::size_t k = 0; k < 3; ++k) points[3 + k] = 0.5 * (v[(k + 1) % 3].point + v[(k + 2) % 3].point);
+    points[6] = barycentre(v);
+    double most = 0;
+    whole = infinity;
+    BlockFeet feet;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (i == 0 || v[i].triangle != v[i - 1].triangle) feet = distances(points, 7, v[i].triangle);
+        const double* squared = feet.squared_distance;
+        whole = std::min(whole, std::max({squared[0], squared[1], squared[2]}));
+        most = std::max({most, squared[i], squared[3 + (i + 1) % 3], squared[3 + (i + 2) % 3], squared[6]});
+    }
+    return most;
+}
+
+// A cut's corners may be off T by level_of_inner_point, beside what T's own corners are off.
+double PieceBounds::u3(const PieceCorners& v, int level) {
+    ++counters_.bound_tests;
+    for (std::size_t alone = 0; alone < 3; ++alone) {
+        const Index others = v[(alone + 1) % 3].triangle;
+        if (others != v[(alone + 2) % 3].triangle) continue;
+        if (others == v[alone].triangle) return same_triangle(v, level);
+        const double two = in_two(v, alone);
+        if (two < infinity) return at_most(two, level + level_of_inner_point);
+    }
+    double whole = infinity;
+    const double three = in_three(v, whole);
+    return std::min(at_most(three, level + level_of_inner_point), at_most(whole, level));
+}
+
+// A corner's closest point as computed is within 7uM of B, and the distance to it, computed like that to B, errs as that does.
+double PieceBounds::u4(const PieceCorners& v, int level) {
+    ++counters_.bound_tests;
+    const auto points = points_of(v);
+    const auto edges = squared_edges(points);
+    const auto shortest =
+        static_cast<std::size_t>(std::distance(edges.begin(), std::min_element(edges.begin(), edges.end())));
+    std::array<Vec3, 3> feet;
+    counters_.point_triangle_distances += 3;
+    for (std::size_t i = 0; i < 3; ++i) feet[i] = closest_point(points[i], target_.triangle(v[i].triangle)).point;
+    const Vec3& far = feet[shortest];
+    const double squared = std::min(squared_to_two_points(points, far, feet[(shortest + 1) % 3]),
+                                    squared_to_two_points(points, far, feet[(shortest + 2) % 3]));
+    return at_most(squared, level + level_of_inner_point);
+}
+
+double PieceBounds::squared_to_triangle(const PieceCorners& v, Index triangle) {
+    const BlockFeet feet = distances({v[0].point, v[1].point, v[2].point}, 3, triangle);
+    return std::max({feet.squared_distance[0], feet.squared_distance[1], feet.squared_distance[2]});
+}
+
+double PieceBounds::nearest_triangles(const PieceCorners& v, int level, Index fourth) {
+    ++counters_.bound_tests;
+    if (fourth >= 0) return at_most(squared_to_triangle(v, fourth), level);
+    double least = infinity;
+    for (std::size_t i = 0; i < 3; ++i) least = std::min(least, squared_to_triangle(v, v[i].triangle));
+    return at_most(least, level);
+}
+
+}  // namespace hausbench

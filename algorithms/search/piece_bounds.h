@@ -1,0 +1,62 @@
+// Upper bounds of h(T, B) for a piece T of a triangle of A, from its corners v1, v2, v3, their distances to B and the triangles
+// S1, S2, S3 of B nearest to them. Sacht and Jacobson 2024, section 3.2, names the four that its cascade tries u1 to u4.
+//
+// They rest on two facts. The distance to a convex set (a triangle, a point) is convex, so over a polygon it is largest at a
+// corner. And cutting T anywhere covers it all the same: where exactly a piece is cut makes a bound tight, never right or wrong.
+// So rounding matters only in the lengths that are added or compared, and in how far a computed point is from T.
+//
+// Each bound holds for the exact piece that stands behind one whose corners were rounded `level` times (kernel/rounding.h).
+#pragma once
+
+#include "kernel/rounding.h"
+#include "target.h"
+
+#include <array>
+#include <limits>
+#include <optional>
+
+namespace hausbench {
+
+using PieceCorners = std::array<MeasuredPoint, 3>;
+
+// g: no point of the triangle is farther than this from the nearest corner. The circumradius of an acute triangle, half of the
+// longest edge of any other.
+double covering_radius_at_most(const std::array<Vec3, 3>& corners);
+
+// The barycentre, within level_of_inner_point of the piece.
+inline Vec3 barycentre(const PieceCorners& v) { return (v[0].point + v[1].point + v[2].point) / 3.0; }
+
+class PieceBounds {
+public:
+    // Both are kept; `magnitude` as in kernel/rounding.h. Distances to single triangles are counted, and every bound as a test.
+    PieceBounds(const Target& target, double magnitude, Counters& counters)
+        : target_(target), magnitude_(magnitude), counters_(counters) {}
+
+    // Exact where one triangle of B is named nearest to all three corners (Eq. 6); infinite otherwise.
+    double same_triangle(const PieceCorners& corners, int level) const;
+
+    // The same where some S_i is as near to all three as any, but ties named others: at shared edges and vertices of B.
+    double tied_triangle(const PieceCorners& corners, int level);
+
+    double u1(const PieceCorners& corners, int level);  // a corner's distance and the longest edge there (Eq. 9)
+    double u2(const PieceCorners& corners, int level);  // the largest distance of a corner and covering_radius (Eq. 11)
+    double u3(const PieceCorners& corners,
+              int level);  // Kang et al. 2018: cut in two or three, each against its S (Eqs. 14, 18)
+    double u4(const PieceCorners& corners, int level);  // against pairs of the corners' closest points (Eq. 19)
+
+    // Zheng et al. 2022: the least of the h(T, S_i), and for `fourth` >= 0 of h(T, that triangle).
+    double nearest_triangles(const PieceCorners& corners, int level, Index fourth = -1);
+
+private:
+    double at_most(double squared, int level) const { return surface_distance_at_most(squared, magnitude_, level); }
+    double squared_to_triangle(const PieceCorners& corners, Index triangle);
+    double in_two(const PieceCorners& corners, std::size_t alone);
+    double in_three(const PieceCorners& corners, double& whole);
+    BlockFeet distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle);
+
+    const Target& target_;
+    double magnitude_;
+    Counters& counters_;
+};
+
+}  // namespace hausbench
