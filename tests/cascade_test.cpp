@@ -424,6 +424,20 @@ TEST(Cascade, VerticesOfNoTriangleDoNotCount) {
     }
 }
 
+// The barycentre is within 6uM of A, which is in the lower bound; no split is needed to find it.
+TEST(Zheng, ABarycentreThatIsFarthestIsWidened) {
+    const TriangleMesh a = soup(rows({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+    const TriangleMesh b = points_as_triangles({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    Query query = asking(1e-9);
+    query.budget = 0;
+    const Result result = solve("zheng", {a, b}, query);
+    Counters counters;
+    const double far = certified_distance_by_scan(b, result.witness.source_point, counters);
+    EXPECT_NEAR(far, std::sqrt(2.0 / 3), 1e-9);
+    EXPECT_LE(result.bounds.lower, far - 2 * level_of_inner_point * u);
+    EXPECT_GE(result.bounds.lower, far - 1e-14);
+}
+
 TEST(Sacht, MaxFactorEndsAsABudget) {
     Random random(8);
     const Scene scene{soup(cloud(random, 30)), soup(cloud(random, 300))};  // 10 triangles
