@@ -252,7 +252,6 @@ TEST(PieceBounds, AreWidenedByTheirLevel) {
     // The plane between the two points cuts at x = 1/2, where the distance is sqrt(1.25), or sqrt(1.3125) at the third corner.
     const double cut = std::sqrt(1.3125), inner = 2 * level_of_inner_point * u * (1 << 20);
     EXPECT_GE(pieces.u4(v, 0), cut + 7 * u * (1 << 20) + inner);
-    EXPECT_GE(pieces.u3(v, 0), cut + 7 * u * (1 << 20) + inner);
 }
 
 TEST(PieceBounds, TwoTrianglesWithACommonEdgeAreExactForThePieceOverIt) {
@@ -280,6 +279,50 @@ TEST(PieceBounds, TheFourthSettlesAThinPieceThatTheThirdDoesNot) {
     EXPECT_GT(pieces.u3(v, 0), 0.6);
     EXPECT_GT(pieces.u1(v, 0), 0.9);
     EXPECT_GT(pieces.nearest_triangles(v, 0), 0.9);
+}
+
+// Two triangles that lie on one side of their common edge: no plane parts them, so the piece is cut at midpoints, and each cut counts
+// against both. From (1, 1, 0) it is sqrt(1/2) to the one and less to the other.
+TEST(PieceBounds, TheThirdCountsEachCutAgainstBothTriangles) {
+    const TriangleMesh folded = soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {2, 1, 0}}));
+    const Target target(folded, nullptr);
+    Counters counters;
+    PieceBounds pieces(target, 1 << 20, counters);
+    const double most = std::sqrt(0.5), off = (7 + 2 * level_of_inner_point) * u * (1 << 20);
+    const Vec3 one(0, 1, 0), below_one(0, 0.9, 0), two(2, 1, 0), below_two(2, 0.9, 0);
+    for (const auto& piece :
+         {std::array{one, two, below_two}, {one, below_two, two}, {two, one, below_one}, {two, below_one, one}}) {
+        const PieceCorners v = measured(piece, folded);
+        EXPECT_GE(pieces.u3(v, 0), most + off);
+        EXPECT_LE(pieces.u3(v, 0), most + off + 2 * u * (1 << 20));
+        EXPECT_TRUE(std::isinf(pieces.tied_triangle(v, 0)));
+    }
+}
+
+// Three corners, each at a point of B: the barycentre is farthest.
+TEST(PieceBounds, TheThirdIsWidenedByWhatItsBarycentreIsOff) {
+    const std::array<Vec3, 3> piece{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.75, 0)};
+    const TriangleMesh points = points_as_triangles({piece[0], piece[1], piece[2]});
+    const Target target(points, nullptr);
+    Counters counters;
+    PieceBounds pieces(target, 1 << 20, counters);
+    const double most = std::sqrt(0.3125), off = (7 + 2 * level_of_inner_point) * u * (1 << 20);
+    EXPECT_GE(pieces.u3(measured(piece, points), 0), most + off);
+    EXPECT_LE(pieces.u3(measured(piece, points), 0), most + off + 2 * u * (1 << 20));
+}
+
+// What is taken for a tie may be farther by rounding, here by 5e-4, and that is in the bound.
+TEST(PieceBounds, ATieCountsItsOwnDistances) {
+    const TriangleMesh points = points_as_triangles({{0, 0, 0}, {3, 0, 2.9995}});
+    const PieceCorners v = measured({Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(3, 0, 0)}, points);
+    ASSERT_EQ(v[0].triangle, 0);
+    ASSERT_EQ(v[1].triangle, 1);
+    const Target target(points, nullptr);
+    Counters counters;
+    const double magnitude = 0x1p40;
+    PieceBounds pieces(target, magnitude, counters);
+    EXPECT_GE(pieces.tied_triangle(v, 0), 3 + 7 * u * magnitude);
+    EXPECT_LE(pieces.tied_triangle(v, 0), 3 + 9 * u * magnitude);
 }
 
 TEST(PieceBounds, TheFourthDividesNothingByZero) {
@@ -400,15 +443,17 @@ TEST(Cascade, AllOrdersAgree) {
 }
 
 // Every corner of the one lies in several triangles of the other, and which of them is named is chance.
-TEST(Cascade, IdenticalMeshesAreDoneWithoutASplit) {
+TEST(Cascade, IdenticalMeshesAreDoneAfterFewSplits) {
     const Scene scene{sheet(8, 0, 0.3), sheet(8, 0, 0.3)};
+    Query query = asking(1e-9);
+    query.budget = 1000;
     for (const char* name : {"kang", "zheng", "sacht"}) {
-        const Result result = solve(name, scene, asking(1e-9));
+        const Result result = solve(name, scene, query);
         EXPECT_EQ(to_string(result.status), "converged") << name;
         EXPECT_EQ(result.bounds.lower, 0) << name;
     }
     for (const std::string& order : orders())
-        EXPECT_EQ(to_string(solve("sacht", scene, asking(1e-9), {{"order", order}}).status), "converged") << order;
+        EXPECT_EQ(to_string(solve("sacht", scene, query, {{"order", order}}).status), "converged") << order;
 }
 
 TEST(Cascade, VerticesOfNoTriangleDoNotCount) {
