@@ -68,7 +68,8 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
     ax.spines[:].set_visible(False)
     witness = results.cases.witness_source[case] @ axes.T
     ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="#D55E00", markeredgewidth=1.6)
-    ax.annotate("witness", witness[:2], xytext=(8, 8), textcoords="offset points", color="#D55E00")
+    ax.annotate("witness", witness[:2], xytext=(38, 24), textcoords="offset points", color="#D55E00",
+                arrowprops={"arrowstyle": "-", "color": "#D55E00", "linewidth": 0.8, "shrinkB": 5})
     ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each is\nfrom B, "
                  f"{results.cases.target_elements[case]:,} triangles (not shown)")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02)
