@@ -2,8 +2,8 @@
 
 #include "earlier.h"
 #include "error.h"
+#include "row_choice.h"
 #include "row_times.h"
-#include "show.h"
 #include "statistics.h"
 
 #include <fmt/format.h>

@@ -92,7 +92,7 @@ private:
             std::optional<Asked> asked;
             try {
                 asked.emplace(profile == now_ ? plan_.experiment : read_experiment(plan_.experiment.file, profile));
-            } catch (const InputError&) {
+            } catch (const InputError&) {  // nobody can ask for it; a run in that profile says why
             }
             at = asked_.emplace(profile, std::move(asked)).first;
         }

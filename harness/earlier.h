@@ -20,7 +20,8 @@ std::string joined_profiles(const std::string& a, const std::string& b);
 // scene. A row of several profiles loses that one; where both have the same case, the row of the plan is that of all of them.
 //
 // Rows also go where nothing asks for them any more: their scene, solver or tolerance is no longer in the experiment's profile,
-// or a model of that name has other bytes now. A case that an interrupted run did not come to keeps its earlier outcome. Returns a line for each such reason, and one where rows of other builds stay.
+// or a model of that name has other bytes now. A case that an interrupted run did not come to keeps its earlier outcome.
+// Returns a line for each such reason, and one where rows of other builds stay.
 //
 // `places` gets where each row belongs: a part of an experiment takes the places that its rows had, and a run of the whole
 // stands before what stays.

@@ -16,6 +16,7 @@
 #include "plan.h"
 #include "plugin.h"
 #include "progress.h"
+#include "row_choice.h"
 #include "runner.h"
 #include "shape_file.h"
 #include "show.h"

@@ -133,6 +133,13 @@ std::string_view to_string(RowStatus status) {
     return names[std::size_t(status)];
 }
 
+std::string to_string(const std::map<RowStatus, std::size_t>& counts) {
+    std::string text;
+    for (const auto& [status, count] : counts)
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(status));
+    return text;
+}
+
 std::string_view to_string(Verdict verdict) {
     constexpr std::string_view names[] = {"holds", "unsound", "no witness", "not checked"};
     return names[std::size_t(verdict)];

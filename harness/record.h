@@ -22,6 +22,7 @@ inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 // What became of a case; results/README.md says when.
 enum class RowStatus { ok, timeout, out_of_memory, signal, skipped, failed, unsound, not_built, floor, budget };
 std::string_view to_string(RowStatus status);
+std::string to_string(const std::map<RowStatus, std::size_t>& counts);  // "24 ok, 3 timeout"
 
 template <class E> inline constexpr int count_of = 0;  // of the values of an enumeration that a column holds by name
 template <> inline constexpr int count_of<RowStatus> = 10;

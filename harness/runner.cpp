@@ -180,7 +180,7 @@ private:
         progress_.done(job.cases.size() - places.size());
         if (places.empty()) return;
         progress_.doing(job.label);
-        std::map<RowStatus, int> statuses;
+        std::map<RowStatus, std::size_t> statuses;
         while (!places.empty() && !interrupted) {
             std::set<std::size_t> finished;
             supervise(order(job, round, places),
@@ -198,10 +198,7 @@ private:
                        .interrupted = [] { return interrupted != 0; }});
             std::erase_if(places, [&](std::size_t place) { return finished.contains(job.cases[place]); });
         }
-        std::string text;
-        for (const auto& [status, count] : statuses)
-            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(status));
-        if (!text.empty()) progress_.line(fmt::format("{}: {}", job.label, text));
+        if (!statuses.empty()) progress_.line(fmt::format("{}: {}", job.label, to_string(statuses)));
     }
 
     WorkOrder order(const Job& job, int round, const std::vector<std::size_t>& places) const {

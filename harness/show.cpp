@@ -1,8 +1,5 @@
 #include "show.h"
 
-#include "columns.h"
-#include "earlier.h"
-#include "error.h"
 #include "row_times.h"
 
 #include <fmt/format.h>
@@ -74,17 +71,10 @@ Colour colour_of(RowStatus status) {
     }
 }
 
-std::string statuses_text(const std::map<RowStatus, std::size_t>& counts) {
-    std::string text;
-    for (const auto& [status, count] : counts)
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, to_string(status));
-    return text;
-}
-
 double gap_of(const Outcome& outcome) { return outcome.bounds.upper - outcome.bounds.lower; }
 
-// What programs get, with all digits.
-json row_object(const Row& row) {
+// What programs get, with all digits; its names, in this order, are also those of the columns of CSV.
+nlohmann::ordered_json row_object(const Row& row) {
     const Case& c = row.asked;
     const Outcome& o = row.outcome;
     const Estimate time = time_of(o);
@@ -115,32 +105,7 @@ json row_object(const Row& row) {
             {"reason", o.reason}};
 }
 
-constexpr const char* names_of_values[] = {"solver",
-                                           "label",
-                                           "variant",
-                                           "profile",
-                                           "scene",
-                                           "pose",
-                                           "quantity",
-                                           "tolerance",
-                                           "tolerance_of",
-                                           "lower",
-                                           "upper",
-                                           "gap",
-                                           "check",
-                                           "certified",
-                                           "prepare_seconds",
-                                           "solve_seconds",
-                                           "solve_seconds_low",
-                                           "solve_seconds_high",
-                                           "confidence",
-                                           "times",
-                                           "clock",
-                                           "peak_bytes",
-                                           "status",
-                                           "reason"};
-
-std::string csv_field(const json& value) {
+std::string csv_field(const nlohmann::ordered_json& value) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
     std::string quoted = "\"";
@@ -149,21 +114,23 @@ std::string csv_field(const json& value) {
 }
 
 std::string as_csv(const ResultFile& result, const std::vector<std::size_t>& rows) {
-    std::string out = fmt::format("{}\n", fmt::join(names_of_values, ","));
+    std::vector<std::string> names;
+    const auto usual = row_object(Row{});  // outlives its items()
+    for (const auto& [name, value] : usual.items()) names.push_back(name);
+    std::string out = fmt::format("{}\n", fmt::join(names, ","));
     for (const std::size_t row : rows) {
-        const json values = row_object(result.rows[row]);
-        bool first = true;
-        for (const char* name : names_of_values) {
-            out += (first ? "" : ",") + csv_field(values.at(name));
-            first = false;
-        }
-        out += '\n';
+        std::vector<std::string> fields;
+        const auto values = row_object(result.rows[row]);
+        for (const auto& value : values) fields.push_back(csv_field(value));
+        out += fmt::format("{}\n", fmt::join(fields, ","));
     }
     return out;
 }
 
 std::string as_json(const ResultFile& result, const std::vector<std::size_t>& rows) {
-    json out = {{"stem", result.texts.at("stem")}, {"profile", result.texts.at("profile")}, {"rows", json::array()}};
+    nlohmann::ordered_json out = {{"stem", result.texts.at("stem")},
+                                  {"profile", result.texts.at("profile")},
+                                  {"rows", nlohmann::ordered_json::array()}};
     for (const std::size_t row : rows) out["rows"].push_back(row_object(result.rows[row]));
     return out.dump(1, ' ', false, json::error_handler_t::replace) + '\n';
 }
@@ -226,8 +193,8 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
     std::string out = table.text(paper, &left);
     std::map<RowStatus, std::size_t> counts;
     for (const std::size_t number : rows) ++counts[result.rows[number].outcome.status];
-    out += wrapped(fmt::format("{} of {} rows: {}", rows.size(), result.rows.size(), statuses_text(counts)), 0,
-                   paper.width);
+    out +=
+        wrapped(fmt::format("{} of {} rows: {}", rows.size(), result.rows.size(), to_string(counts)), 0, paper.width);
     if (!left.empty())
         out += wrapped(fmt::format("left out for want of room: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
                        paper.width);
@@ -257,98 +224,6 @@ std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>
     return out;
 }
 
-// One --where: COLUMN=VALUE or COLUMN!=VALUE.
-struct Condition {
-    std::function<std::string(const Row&)> text;  // of a column of texts
-    std::function<double(const Row&)> value;      // or of one of numbers
-    std::string wanted;
-    double number = 0;
-    bool differs = false;
-    bool profile = false;  // a list of names, of which one is wanted
-
-    bool holds(const Row& row) const {
-        if (profile)
-            return differs !=
-                   (wanted.find(',') == wanted.npos ? share_profile(text(row), wanted) : text(row) == wanted);
-        if (text) return differs != (text(row) == wanted);
-        const double is = value(row);
-        return differs != (is == number || (std::isnan(is) && std::isnan(number)));
-    }
-};
-
-template <class Part>
-bool find_column(const Columns<Part>& columns, const std::string& name,
-                 const std::function<const Part&(const Row&)>& part, Condition& condition) {
-    for (const Column<Part>& column : columns) {
-        if (column.name != name) continue;
-        if (const auto* text = std::get_if<typename Column<Part>::Text>(&column.value)) {
-            condition.text = [get = text->get, part](const Row& row) { return get(part(row)); };
-        } else if (const auto* integer = std::get_if<typename Column<Part>::Integer>(&column.value)) {
-            condition.value = [get = integer->get, part](const Row& row) { return double(get(part(row))); };
-        } else {
-            const auto& real = std::get<typename Column<Part>::Real>(column.value);
-            if (real.width != 1) return false;
-            condition.value = [get = real.get, part](const Row& row) {
-                double value = 0;
-                get(part(row), &value);
-                return value;
-            };
-        }
-        return true;
-    }
-    return false;
-}
-
-Condition condition_of(const std::string& where) {
-    const auto equals = where.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw InputError(fmt::format("--where {}: write it as column=value or column!=value", where));
-    Condition condition;
-    condition.differs = where[equals - 1] == '!';
-    std::string name = where.substr(0, equals - condition.differs);
-    if (name == "pose") name = "pose_index";  // as tables call it; the column of that name holds the motion
-    condition.wanted = where.substr(equals + 1);
-    condition.profile = name == "profile";
-    const bool found =
-        find_column<Case>(
-            case_columns(), name, [](const Row& row) -> const Case& { return row.asked; }, condition) ||
-        find_column<Outcome>(
-            outcome_columns(), name, [](const Row& row) -> const Outcome& { return row.outcome; }, condition) ||
-        find_column<Check>(
-            check_columns(), name, [](const Row& row) -> const Check& { return row.check; }, condition);
-    if (!found) {
-        std::vector<std::string> names;
-        const auto add = [&]<class Part>(const Columns<Part>& columns) {
-            for (const Column<Part>& column : columns) {
-                const auto* real = std::get_if<typename Column<Part>::Real>(&column.value);
-                if (!real || real->width == 1) names.emplace_back(column.name);
-            }
-        };
-        add(case_columns()), add(outcome_columns()), add(check_columns());
-        throw InputError(fmt::format("--where {}: no column of single values is called '{}'{}", where, name,
-                                     nearest_hint(name, names)));
-    }
-    if (condition.value) {
-        char* end = nullptr;
-        condition.number = std::strtod(condition.wanted.c_str(), &end);
-        if (condition.wanted.empty() || *end)
-            throw InputError(fmt::format("--where {}: '{}' holds numbers", where, name));
-    }
-    return condition;
-}
-
-void check_known(const std::vector<std::string>& wanted, const std::set<std::string>& known, const char* what) {
-    for (const std::string& name : wanted) {
-        if (!known.contains(name))
-            throw InputError(fmt::format("--{} {}: the result has no such {}{}", what, name, what,
-                                         nearest_hint(name, {known.begin(), known.end()})));
-    }
-}
-
-bool among(const std::vector<std::string>& names, const std::string& one) {
-    return std::find(names.begin(), names.end(), one) != names.end();
-}
-
 }  // namespace
 
 std::string duration_text(double seconds) {
@@ -373,30 +248,7 @@ std::string SummaryNames::of(const Case& asked) const {
 std::string count_statuses(const std::vector<Row>& rows) {
     std::map<RowStatus, std::size_t> counts;
     for (const Row& row : rows) ++counts[row.outcome.status];
-    return statuses_text(counts);
-}
-
-std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& choice) {
-    std::set<std::string> solvers, scenes;
-    for (const Row& row : result.rows) {
-        solvers.insert({row.asked.label, shown(row.asked)});
-        scenes.insert(row.asked.scene);
-    }
-    check_known(choice.solvers, solvers, "solver");
-    check_known(choice.scenes, scenes, "scene");
-    std::vector<Condition> conditions;
-    for (const std::string& where : choice.where) conditions.push_back(condition_of(where));
-    std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < result.rows.size(); ++i) {
-        const Row& row = result.rows[i];
-        const bool solver =
-            choice.solvers.empty() || among(choice.solvers, row.asked.label) || among(choice.solvers, shown(row.asked));
-        const bool scene = choice.scenes.empty() || among(choice.scenes, row.asked.scene);
-        if (solver && scene &&
-            std::all_of(conditions.begin(), conditions.end(), [&](const Condition& c) { return c.holds(row); }))
-            rows.push_back(i);
-    }
-    return rows;
+    return to_string(counts);
 }
 
 std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, Form form, const Paper& paper) {
@@ -448,8 +300,8 @@ TextTable::Row summary_line(const std::string& name, const std::vector<const Row
         if (row->outcome.status != RowStatus::ok) colour = colour_of(row->outcome.status);
     }
     return {
-        {name, std::to_string(rows.size()), statuses_text(counts),
-         times.empty() ? "" : duration_text(median(times).value), std::isnan(gap) ? "" : fmt::format("{:.2g}", gap)},
+        {name, std::to_string(rows.size()), to_string(counts), times.empty() ? "" : duration_text(median(times).value),
+         std::isnan(gap) ? "" : fmt::format("{:.2g}", gap)},
         "",
         colour};
 }

@@ -11,15 +11,6 @@
 
 namespace hausbench {
 
-// Which rows: each list is empty for all. A condition is COLUMN=VALUE or COLUMN!=VALUE, of any column of /cases.
-struct RowChoice {
-    std::vector<std::string> solvers;  // a label, or with its parameters: "guthe(samples=8)"
-    std::vector<std::string> scenes, where;
-};
-
-// Their numbers, in the order of the file. Throws InputError for a solver, scene or column that the result does not have.
-std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& choice);
-
 enum class Form { text, csv, json, markdown };
 std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, Form form, const Paper& paper);
 

@@ -3,6 +3,7 @@
 #include "compare.h"
 #include "error.h"
 #include "progress.h"
+#include "row_choice.h"
 #include "row_times.h"
 
 #include <fmt/format.h>
