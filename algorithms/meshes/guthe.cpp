@@ -28,13 +28,11 @@
 // bytes for each piece in the queue.
 #include "search/bounds.h"
 #include "search/elements.h"
+#include "search/mesh_solver.h"
 #include "search/queue.h"
 #include "search/stages.h"
-#include "search/subdivision.h"
-#include "search/target.h"
 #include "search/vertices.h"
 #include "search/warm_start.h"
-#include "solver.h"
 #include "structures/octree.h"
 
 #include <algorithm>
@@ -60,16 +58,16 @@ struct Choices {
 // One query.
 class Search {
 public:
-    Search(const TriangleMesh& a, const Target& target, const Points& posed_vertices, const SurfaceRounding& rounding,
-           const Query& query, WarmStart* warm_start, Trace& trace, Split split)
-        : a_(a),
-          target_(target),
-          points_(posed_vertices),
-          split_(split),
-          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
+    Search(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Choices& choices)
+        : a_(pair.source),
+          target_(pair.target),
+          points_(pair.points),
+          split_(choices.split),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           stages_(query.wanted.stages),
-          bounds_(query, target, rounding, counters_, trace, elements_ ? &*elements_ : nullptr),
-          vertices_(a, points_, target, warm_start, most_levels(split), bounds_, counters_) {}
+          bounds_(query, target_, {pair.magnitude, choices.certify}, counters_, trace,
+                  elements_ ? &*elements_ : nullptr),
+          vertices_(a_, points_, target_, warm_start, most_levels(split_), bounds_, counters_) {}
 
     Result run() {
         Result result = search();
@@ -192,57 +190,30 @@ Result Search::search() {
     }
 }
 
-class Guthe final : public Solver {
+class Guthe final : public MeshSolver<TriangleOctree> {
 public:
-    explicit Guthe(const Options& options)
-        : choices_{options.text("kernel") == "textbook", options.flag("certify"),
-                   options.text("split") == "longest_edge" ? Split::longest_edge : Split::midpoint} {}
+    explicit Guthe(const Options& options) : Guthe(options.text("kernel") == "textbook", options) {}
 
     bool certified() const override { return choices_.certify && !choices_.textbook; }
 
-    Needs needs(const Scene& scene, const QuerySet&) const override {
-        if (element_count(scene.target) <= scan_at_most) return {};
-        return {need<TriangleOctree>(Side::target)};
-    }
-
-    void prepare(const Scene&, const Prepared& prepared) override {
-        source_ = &prepared.triangles(Side::source);
-        target_ = &prepared.triangles(Side::target);
-        octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
-    }
-
     std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
 
-    Result solve(const Query& query, State* state, Trace& trace) const override {
-        const Points points = posed(source_->vertices, query.source_pose);
-        const double most = std::max(magnitude(points), magnitude(target_->vertices));
-        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        const Target target(*target_, octree_, choices_.textbook);
-        return Search(*source_, target, points, {most, choices_.certify}, query, static_cast<WarmStart*>(state), trace,
-                      choices_.split)
-            .run();
+private:
+    Guthe(bool textbook, const Options& options)
+        : MeshSolver(textbook), choices_{textbook, options.flag("certify"), split_of(options)} {}
+
+    Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
+        return Search(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
     }
 
-private:
     Choices choices_;
-    const TriangleMesh* source_ = nullptr;
-    const TriangleMesh* target_ = nullptr;
-    const TriangleOctree* octree_ = nullptr;
 };
 
 }  // namespace
 
 SolverEntry guthe_solver() {
-    SolverInfo info;
-    info.name = "guthe";
-    info.title = "Guthe et al.";
-    info.paper = "guthe2005";
-    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
-    info.certified = true;
+    SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe et al.", "guthe2005");
     info.warm = true;
-    info.traces = true;
-    info.fields = true;
-    info.may_need = {need<TriangleOctree>(Side::target)};
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),
@@ -256,14 +227,7 @@ SolverEntry guthe_solver() {
          .paper_value = "",
          .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
          .choices = {}},
-        {.name = "split",
-         .default_value = std::string("midpoint"),
-         .unit = "",
-         .paper_value = "midpoint",
-         .description =
-             "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that of the longest "
-             "edge, for needles",
-         .choices = {"midpoint", "longest_edge"}},
+        split_parameter(),
     };
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
 }

@@ -23,10 +23,9 @@
 #include "kernel/deadline.h"
 #include "search/bounds.h"
 #include "search/elements.h"
+#include "search/mesh_solver.h"
 #include "search/stages.h"
-#include "search/target.h"
 #include "search/vertices.h"
-#include "solver.h"
 #include "structures/octree.h"
 
 #include <algorithm>
@@ -49,18 +48,17 @@ struct EdgeSamples {
 // One query.
 class Sampling {
 public:
-    Sampling(const TriangleMesh& a, const Target& target, const Points& posed_vertices, const SurfaceRounding& rounding,
-             const Query& query, Trace& trace, double step)
-        : a_(a),
-          points_(posed_vertices),
+    Sampling(const MeshPair& pair, const Query& query, Trace& trace, double step)
+        : a_(pair.source),
+          points_(pair.points),
           query_(query),
-          rounding_(rounding),
+          rounding_{pair.magnitude},
           trace_(trace),
           step_(step),
-          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           stages_(query.wanted.stages),
-          bounds_(query, target, rounding, counters_, trace, elements_ ? &*elements_ : nullptr),
-          vertices_(a, points_, target, nullptr, 0, bounds_, counters_) {}
+          bounds_(query, pair.target, rounding_, counters_, trace, elements_ ? &*elements_ : nullptr),
+          vertices_(a_, points_, pair.target, nullptr, 0, bounds_, counters_) {}
 
     Result run() {
         Result result = sample();
@@ -235,51 +233,29 @@ Result Sampling::sample() {
     return result;
 }
 
-class SamplingSolver final : public Solver {
+class SamplingSolver final : public MeshSolver<TriangleOctree> {
 public:
     explicit SamplingSolver(const Options& options) : step_(options.real("step")) {}
 
-    Needs needs(const Scene& scene, const QuerySet&) const override {
-        if (element_count(scene.target) <= scan_at_most) return {};
-        return {need<TriangleOctree>(Side::target)};
-    }
-
-    void prepare(const Scene&, const Prepared& prepared) override {
-        source_ = &prepared.triangles(Side::source);
-        target_ = &prepared.triangles(Side::target);
-        octree_ = prepared.has<TriangleOctree>(Side::target) ? &prepared.get<TriangleOctree>(Side::target) : nullptr;
-        length_ = step_ * diagonal(source_->vertices);
-    }
-
-    Result solve(const Query& query, State*, Trace& trace) const override {
-        const Points points = posed(source_->vertices, query.source_pose);
-        const double most = std::max(magnitude(points), magnitude(target_->vertices));
-        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        const Target target(*target_, octree_);
-        return Sampling(*source_, target, points, {most}, query, trace, length_).run();
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        MeshSolver::prepare(scene, prepared);
+        length_ = step_ * diagonal(source().vertices);
     }
 
 private:
+    Result search(const MeshPair& pair, const Query& query, State*, Trace& trace) const override {
+        return Sampling(pair, query, trace, length_).run();
+    }
+
     double step_;
     double length_ = 0;  // of a step
-    const TriangleMesh* source_ = nullptr;
-    const TriangleMesh* target_ = nullptr;
-    const TriangleOctree* octree_ = nullptr;
 };
 
 }  // namespace
 
 SolverEntry sampling_solver() {
-    SolverInfo info;
-    info.name = "sampling";
-    info.title = "sampling";
-    info.paper = "cignoni1998";
-    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
-    info.certified = true;
+    SolverInfo info = mesh_solver_info<TriangleOctree>("sampling", "sampling", "cignoni1998");
     info.ignores_tolerance = true;
-    info.traces = true;
-    info.fields = true;
-    info.may_need = {need<TriangleOctree>(Side::target)};
     info.parameters = {
         {.name = "step",
          .default_value = 0.005,

@@ -2,6 +2,7 @@
 
 #include "bounds.h"
 #include "elements.h"
+#include "mesh_solver.h"
 #include "piece_bounds.h"
 #include "queue.h"
 #include "stages.h"
@@ -38,20 +39,19 @@ Query with_budget(Query query, std::uint64_t budget) {
 // One query.
 class Search {
 public:
-    Search(const TriangleMesh& a, const Target& target, const Points& posed_vertices, double magnitude,
-           const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
-        : a_(a),
-          points_(posed_vertices),
+    Search(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
+        : a_(pair.source),
+          points_(pair.points),
           cascade_(cascade),
           most_levels_(most_levels(cascade.split)),
-          factor_budget_(subdivisions_of(cascade, a.triangles.rows())),
+          factor_budget_(subdivisions_of(cascade, a_.triangles.rows())),
           query_(with_budget(query, factor_budget_)),
-          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a.triangles.rows()) : std::nullopt),
-          last_bound_(elements_ ? static_cast<std::size_t>(a.triangles.rows()) : 0),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
+          last_bound_(elements_ ? static_cast<std::size_t>(a_.triangles.rows()) : 0),
           stages_(query.wanted.stages),
-          bounds_(query_, target, {magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
-          pieces_(target, magnitude, counters_),
-          vertices_(a, points_, target, warm_start, most_levels_, bounds_, counters_) {}
+          bounds_(query_, pair.target, {pair.magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
+          pieces_(pair.target, pair.magnitude, counters_),
+          vertices_(a_, points_, pair.target, warm_start, most_levels_, bounds_, counters_) {}
 
     Result run() {
         Result result = search();
@@ -166,64 +166,27 @@ Result Search::search() {
     }
 }
 
-class CascadeSolver final : public Solver {
+class CascadeSolver final : public MeshSolver<TriangleBvh> {
 public:
     explicit CascadeSolver(Cascade cascade) : cascade_(std::move(cascade)) {}
 
-    Needs needs(const Scene& scene, const QuerySet&) const override {
-        if (element_count(scene.target) <= scan_at_most) return {};
-        return {need<TriangleBvh>(Side::target)};
-    }
-
-    void prepare(const Scene&, const Prepared& prepared) override {
-        source_ = &prepared.triangles(Side::source);
-        target_ = &prepared.triangles(Side::target);
-        bvh_ = prepared.has<TriangleBvh>(Side::target) ? &prepared.get<TriangleBvh>(Side::target) : nullptr;
-    }
-
     std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
 
-    Result solve(const Query& query, State* state, Trace& trace) const override {
-        const Points points = posed(source_->vertices, query.source_pose);
-        const double most = std::max(magnitude(points), magnitude(target_->vertices));
-        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        const Target target(*target_, bvh_);
-        return Search(*source_, target, points, most, query, static_cast<WarmStart*>(state), trace, cascade_).run();
+private:
+    Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
+        return Search(pair, query, static_cast<WarmStart*>(state), trace, cascade_).run();
     }
 
-private:
     Cascade cascade_;
-    const TriangleMesh* source_ = nullptr;
-    const TriangleMesh* target_ = nullptr;
-    const TriangleBvh* bvh_ = nullptr;
 };
 
 }  // namespace
 
 SolverInfo cascade_info(std::string name, std::string title, std::string paper) {
-    SolverInfo info;
-    info.name = std::move(name);
-    info.title = std::move(title);
-    info.paper = std::move(paper);
-    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
-    info.certified = true;
+    SolverInfo info = mesh_solver_info<TriangleBvh>(std::move(name), std::move(title), std::move(paper));
     info.warm = true;
-    info.traces = true;
-    info.fields = true;
-    info.may_need = {need<TriangleBvh>(Side::target)};
-    info.parameters = {{.name = "split",
-                        .default_value = std::string("midpoint"),
-                        .unit = "",
-                        .paper_value = "midpoint",
-                        .description =
-                            "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that "
-                            "of the longest edge, for needles",
-                        .choices = {"midpoint", "longest_edge"}}};
+    info.parameters = {split_parameter()};
     return info;
-}
-
-Split split_of(const Options& options) {
-    return options.text("split") == "longest_edge" ? Split::longest_edge : Split::midpoint;
 }
 
 std::unique_ptr<Solver> cascade_solver(Cascade cascade) { return std::make_unique<CascadeSolver>(std::move(cascade)); }

@@ -10,8 +10,7 @@
 // Vertices that no triangle of A uses never count, and an empty queue is the end: what left it has kept its bound.
 #pragma once
 
-#include "solver.h"
-#include "subdivision.h"
+#include "mesh_solver.h"
 
 #include <limits>
 #include <string>
@@ -30,7 +29,6 @@ struct Cascade {
 
 // What the solvers have in common: shapes, structures, and the parameter `split`.
 SolverInfo cascade_info(std::string name, std::string title, std::string paper);
-Split split_of(const Options& options);
 
 std::unique_ptr<Solver> cascade_solver(Cascade cascade);
 
