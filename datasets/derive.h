@@ -28,6 +28,9 @@ const std::vector<Recipe>& operations();
 // As check_numbers(); also checks that simplify has exactly one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);
 
+// Whether the operation is CGAL's, which may crash on a mesh that it cannot process, or take very long: see isolated.h.
+bool made_in_a_process(const std::string& operation);
+
 // Throws InputError if the operation does not take this shape, or fails on it (simplify and remesh need a soup that can be
 // made a manifold, and a program built with CGAL's GPL parts).
 LoadedShape derive(const std::string& operation, const Numbers& numbers, const LoadedShape& origin);

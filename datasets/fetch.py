@@ -2,6 +2,10 @@
 """Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a cache.
 
     fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin
+    fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments ask for
+    fetch.py --corpus --check                also the whole corpus; the files that exist are hashed again
+
+datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them.
 
 Each mesh becomes CACHE/raw/<sha256>/<file name>, only if its SHA-256 is that of the manifest; the file is complete or
 absent (renamed into place). Meshes that exist are not fetched again. Root is not needed.
@@ -69,6 +73,63 @@ def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
     except (OSError, KeyError, tomllib.TOMLDecodeError) as error:
         raise ManifestError(f"{file}: {error or 'no [model.NAME] table'}") from error
     return models
+
+
+RULES = ("_half", "_remeshed")  # what each mesh of the corpus has without a table, see datasets/corpus.h
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """The models of the manifest, and what corpus.toml beside it adds."""
+
+    models: dict[str, dict[str, Any]]  # of both, with what the rules derive
+    manifest: list[str]
+    corpus: list[str]  # sorted
+
+
+def read_catalogue(manifest: Path) -> Catalogue:
+    models, file = read_manifest(manifest), manifest.with_name("corpus.toml")
+    names = list(models)
+    if not file.is_file():
+        return Catalogue(models, names, [])
+    try:
+        with file.open("rb") as stream:
+            root = tomllib.load(stream)
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise ManifestError(f"{file}: {error}") from error
+    own: dict[str, dict[str, Any]] = root.get("model", {})
+    shared: list[str] = root.get("manifest", [])
+    for name in [n for n in own if n in models] + [n for n in shared if n not in models]:
+        raise ManifestError(f"{file}: {name}: " + ("the manifest has it too: list it under 'manifest'" if name in own else
+                                                   "'manifest' names it, and the manifest does not have it"))
+    corpus = sorted([*own, *shared])
+    derived = {name + ending: {"source": "derived", "from": name} for name in corpus for ending in RULES}
+    return Catalogue({**derived, **models, **own}, names, corpus)
+
+
+def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
+    """The [[scene]] tables of a profile."""
+    asked = {**experiment, **experiment.get("profile", {}).get(profile, {})}
+    return [scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])]
+
+
+def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
+    """Models of the catalogue that the experiment's scenes name in this profile; what else they name is not fetched."""
+    try:
+        with file.open("rb") as stream:
+            experiment = tomllib.load(stream)
+    except tomllib.TOMLDecodeError:  # the run of this experiment says so; the others get their models
+        return []
+    except OSError as error:
+        raise ManifestError(f"{file}: {error.strerror}: name an experiment file") from error
+    found: dict[str, None] = {}
+    for scene in scenes_of(experiment, profile):
+        each = scene.get("each", [""])
+        names = [scene.get("source", ""), scene.get("target", ""), *scene.get("sources", []), *scene.get("targets", [])]
+        for one in catalogue.corpus if each == "corpus" else each:
+            found.update(dict.fromkeys(name.replace("{}", one) for name in names))
+    own = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}
+    return [name for name in [*found, *own] if name in catalogue.models]
 
 
 def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[str]:
@@ -306,10 +367,45 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
     return problems
 
 
-def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None) -> int:
-    """Fetches what is missing of the named models (all, if none is named); returns the exit status."""
-    models = read_manifest(manifest)
-    todo, there = missing(models, origins(models, names or models), cache)
+@dataclass(frozen=True)
+class Asked:
+    """What a command line asks for besides the models that it names."""
+
+    corpus: bool = False
+    experiments: tuple[Path, ...] = ()
+    profile: str = "quick"
+    check: bool = False
+
+    def models(self, catalogue: Catalogue) -> list[str]:
+        """Without any name all of the manifest, which `make` always fetches."""
+        more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
+        return [*catalogue.manifest, *(catalogue.corpus if self.corpus else []), *more]
+
+
+def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:
+    """Errors of files that are there and are not those of the tables; they are deleted, to be fetched again."""
+    import hashlib
+
+    problems = []
+    for name in names:
+        if models[name]["source"] not in ("debian", "npm"):
+            continue
+        mesh = Mesh(name, *(models[name][key] for key in ("source", "package", "version", "path", "sha256")))
+        place = mesh.place(cache)
+        if place.exists() and hashlib.sha256(place.read_bytes()).hexdigest() != mesh.sha256:
+            place.unlink()
+            problems.append(f"model {name}: {place} was damaged; it is deleted, and fetched again")
+    return problems
+
+
+def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, asked: Asked = Asked()) -> int:
+    """Fetches what is missing of the named models, or, if none is named, of those asked for; returns the exit status."""
+    catalogue = read_catalogue(manifest)
+    models = catalogue.models
+    wanted = origins(models, names or asked.models(catalogue))
+    for problem in damaged(models, wanted, cache) if asked.check else []:
+        print(problem, file=sys.stderr, flush=True)
+    todo, there = missing(models, wanted, cache)
     if not todo:
         print(f"all {there} mesh files are present")
         return 0
@@ -337,12 +433,18 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None)
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
+    parser.add_argument("--corpus", action="store_true", help="the whole corpus too")
+    parser.add_argument("--experiment", type=Path, nargs="+", default=[], metavar="FILE",
+                        help="the meshes of the corpus that these experiments ask for too")
+    parser.add_argument("--profile", default="quick", help="of the experiments (default: quick)")
+    parser.add_argument("--check", action="store_true", help="hash the files that exist; fetch a damaged one again")
     parser.add_argument("--manifest", type=Path, default=HERE / "manifest.toml")
     parser.add_argument("--cache", type=Path, default=Path(os.environ.get("HAUSBENCH_CACHE") or HERE / "cache"),
                         help="where the meshes go (default: $HAUSBENCH_CACHE, or datasets/cache)")
     given = parser.parse_args(arguments)
     try:
-        return fetch(given.manifest, given.cache.absolute(), given.models)
+        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)
+        return fetch(given.manifest, given.cache.absolute(), given.models, asked=asked)
     except ManifestError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

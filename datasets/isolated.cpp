@@ -121,6 +121,38 @@ std::string last_line(std::string text) {
     return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
 }
 
+// What is done in the process, in the words of errors.
+struct Task {
+    std::string subject, doer, cause;  // "a.obj", "the reader", "the file is damaged"
+};
+
+// Runs the program, which writes a shape to `out`; throws InputError where it does not.
+LoadedShape shape_of(const Task& task, std::vector<std::string> words, const std::filesystem::path& out,
+                     double seconds_limit, std::int64_t bytes_limit) {
+    const std::string program = words.front();
+    if (bytes_limit == 0) bytes_limit = spare_bytes();
+    const Outcome outcome = run(std::move(words), seconds_limit, bytes_limit);
+    const auto fail = [&](const std::string& what) { throw InputError(task.subject + ": " + what); };
+    if (outcome.interrupted) fail("interrupted while " + task.doer + " worked");
+    if (outcome.too_big)
+        fail(fmt::format("{} was stopped when it took more than {} MB of memory: {}, or too large for this machine",
+                         task.doer, bytes_limit / 1'000'000, task.cause));
+    if (outcome.timed_out) fail(fmt::format("{} did not finish within {} s", task.doer, seconds_limit));
+    const std::string said = last_line(outcome.errors);
+    if (WIFSIGNALED(outcome.status)) {
+        const int number = WTERMSIG(outcome.status);
+        fail(fmt::format("{} was killed by signal {} ({}): {}, or {} cannot process it", task.doer, number,
+                         ::strsignal(number), task.cause, task.doer == "the reader" ? "its reader" : task.doer));
+    }
+    const int code = WEXITSTATUS(outcome.status);
+    if (code == 127) throw InputError(program + ": cannot be started");
+    if (code == 2 && !said.empty()) throw InputError(said);
+    if (code == 4)  // the program's own, where an allocation failed
+        fail(fmt::format("{} ran out of memory: {}, or too large for this machine", task.doer, task.cause));
+    if (code != 0) fail(fmt::format("{} failed with exit code {}: {}", task.doer, code, said));
+    return read_shape(out);
+}
+
 }  // namespace
 
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
@@ -131,33 +163,19 @@ LoadedShape load_isolated(const std::filesystem::path& program, const std::files
     std::vector<std::string> words = {program.string(), "load"};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
     words.insert(words.end(), {"--", file.string(), out.string()});  // its name may begin with a dash
-    if (bytes_limit == 0) bytes_limit = spare_bytes();
-    const Outcome outcome = run(words, seconds_limit, bytes_limit);
-    if (outcome.interrupted) throw InputError(file.string() + ": interrupted while it was read");
-    if (outcome.too_big)
-        throw InputError(
-            fmt::format("{}: the reader was stopped when it took more than {} MB of memory: the file is damaged, or "
-                        "too large for this machine",
-                        file.string(), bytes_limit / 1'000'000));
-    if (outcome.timed_out)
-        throw InputError(fmt::format("{}: the reader did not finish within {} s", file.string(), seconds_limit));
-    const std::string said = last_line(outcome.errors);
-    if (WIFSIGNALED(outcome.status)) {
-        const int number = WTERMSIG(outcome.status);
-        throw InputError(
-            fmt::format("{}: the reader was killed by signal {} ({}): the file is damaged, or its reader cannot "
-                        "process it",
-                        file.string(), number, ::strsignal(number)));
-    }
-    const int code = WEXITSTATUS(outcome.status);
-    if (code == 127) throw InputError(program.string() + ": cannot be started");
-    if (code == 2 && !said.empty()) throw InputError(said);
-    if (code == 4)  // the program's own, where an allocation failed
-        throw InputError(file.string() +
-                         ": the reader ran out of memory: the file is damaged, or too large for this machine");
-    if (code != 0)
-        throw InputError(fmt::format("{}: the reader failed with exit code {}: {}", file.string(), code, said));
-    return read_shape(out);
+    return shape_of({file.string(), "the reader", "the file is damaged"}, std::move(words), out, seconds_limit,
+                    bytes_limit);
+}
+
+LoadedShape derive_isolated(const std::filesystem::path& program, const std::string& operation, const Numbers& numbers,
+                            const std::filesystem::path& origin, double seconds_limit, std::int64_t bytes_limit) {
+    const HoldInterrupts hold;
+    const ScratchFolder folder("derive");
+    const std::filesystem::path out = folder.path() / "shape.h5";
+    std::vector<std::string> words = {program.string(), "derive"};
+    for (const auto& [name, value] : numbers) words.insert(words.end(), {"--set", fmt::format("{}={:a}", name, value)});
+    words.insert(words.end(), {"--", operation, origin.string(), out.string()});
+    return shape_of({operation, "CGAL", "the mesh is degenerate"}, std::move(words), out, seconds_limit, bytes_limit);
 }
 
 }  // namespace hausbench

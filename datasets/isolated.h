@@ -1,6 +1,7 @@
-// Reads foreign files in a separate process, so that a crash of a reader does no harm.
+// Reads foreign files, and simplifies and remeshes, in a separate process, so that a crash of a library does no harm.
 #pragma once
 
+#include "generate.h"
 #include "load.h"
 
 #include <cstdint>
@@ -13,5 +14,10 @@ namespace hausbench {
 // space would end sanitizer builds at once); 0: three quarters of the memory that is free.
 LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
                           const std::string& format = "", double seconds_limit = 120, std::int64_t bytes_limit = 0);
+
+// derive() in a process of its own, `program derive --set NAME=VALUE... -- OPERATION ORIGIN.h5 OUT.h5`; errors likewise.
+LoadedShape derive_isolated(const std::filesystem::path& program, const std::string& operation, const Numbers& numbers,
+                            const std::filesystem::path& origin, double seconds_limit = 120,
+                            std::int64_t bytes_limit = 0);
 
 }  // namespace hausbench

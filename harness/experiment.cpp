@@ -1,7 +1,9 @@
 #include "experiment.h"
 
+#include "corpus.h"
 #include "error.h"
 #include "model_table.h"
+#include "paths.h"
 #include "registry.h"
 
 #include <fmt/format.h>
@@ -281,8 +283,59 @@ void expect_pose_files(const Reader& reader, const ScenePlan& scene) {
     }
 }
 
-// One scene for each source and each target, source by source; without `sources` the one that it is.
+constexpr std::string_view place = "{}";  // of the model's name, in a scene with `each`
+
+bool has_place(const std::string& text) { return text.find(place) != std::string::npos; }
+
+std::string with(std::string text, const std::string& name) {
+    for (std::size_t at = text.find(place); at != std::string::npos; at = text.find(place, at + name.size()))
+        text.replace(at, place.size(), name);
+    return text;
+}
+
+std::vector<std::string> names_of_corpus(const Reader& reader, const toml::node& node) {
+    if (node.value<std::string>() != "corpus")
+        reader.fail(node, "'each' must be \"corpus\" or a list of names of models");
+    const fs::path file = corpus_beside(manifest_file());
+    if (file.empty()) reader.fail(node, "'each': there is no datasets/corpus.toml beside the manifest: add it");
+    return corpus_names(file);
+}
+
+// One scene for each model that `each` names.
+std::vector<ScenePlan> expand_each(const Reader& reader, const ScenePlan& scene) {
+    const toml::node& node = *reader.find("each");
+    for (const char* key : {"exact", "sources", "targets"}) {
+        if (const toml::node* other = reader.find(key))
+            reader.fail(*other, fmt::format("'{}' does not go with 'each': remove one of the two", key));
+    }
+    if (!has_place(scene.name)) reader.fail(*reader.find("name"), "'name' has no {}, the place of each model's name");
+    if (!has_place(scene.source) && !has_place(scene.target))
+        reader.fail(node, "neither 'source' nor 'target' has {}, the place of each model's name");
+    const bool listed = node.is_array();
+    const std::vector<std::string> names = listed ? reader.texts("each") : names_of_corpus(reader, node);
+    if (names.empty()) reader.fail(node, "'each' names no model: list some, or remove the scene");
+    if (std::set<std::string>(names.begin(), names.end()).size() != names.size())
+        reader.fail(node, "'each' names a model twice");
+    std::vector<ScenePlan> scenes;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        ScenePlan one = scene;
+        one.each = scene.name;
+        for (std::string ScenePlan::*text :
+             {&ScenePlan::name, &ScenePlan::source, &ScenePlan::target, &ScenePlan::note})
+            one.*text = with(scene.*text, names[i]);
+        one.source_line = one.target_line = line_of(listed ? *node.as_array()->get(i) : node);
+        scenes.push_back(std::move(one));
+    }
+    return scenes;
+}
+
+// One scene for each source and each target, source by source, or for each model; else the one that it is.
 std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
+    if (reader.find("each")) return expand_each(reader, scene);
+    for (const auto& [key, text] :
+         {std::pair{"name", &scene.name}, {"source", &scene.source}, {"target", &scene.target}})
+        if (has_place(*text))
+            reader.fail(*reader.find(key), fmt::format("'{}' has {{}}, but the scene no 'each'", key));
     if (!reader.find("sources")) return {scene};
     for (const char* key : {"source", "target", "exact"}) {
         if (const toml::node* node = reader.find(key))
@@ -465,7 +518,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
-                              {"name", "source", "target", "sources", "targets", "note", "exact", "motion",
+                              {"name", "source", "target", "sources", "targets", "each", "note", "exact", "motion",
                                "target_motion", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 const ScenePlan scene = read_scene(file, reader);
@@ -476,7 +529,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                 experiment.scenes.insert(experiment.scenes.end(), pairs.begin(), pairs.end());
                 bool fresh = names.insert(scene.name).second;
                 for (const ScenePlan& pair : pairs)
-                    fresh = fresh && (pair.matrix.empty() || names.insert(pair.name).second);
+                    fresh = fresh && ((pair.matrix.empty() && pair.each.empty()) || names.insert(pair.name).second);
                 if (!fresh)
                     reader.fail(fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, profile));
             } else {

@@ -31,6 +31,7 @@ struct ScenePlan {
     std::string name, source, target;      // models, by name, or files, by path (own_models.h)
     int source_line = 0, target_line = 0;  // of the experiment's file
     std::string matrix;  // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
+    std::string each;    // of which it is one: the name, with {}, of the [[scene]] with `each`; else empty
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
     Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses
@@ -68,6 +69,7 @@ struct Experiment {
     std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
 };
 
+// `each = "corpus"` takes the names of corpus.toml beside the manifest (paths.h).
 // Throws InputError naming file, line and key for anything unknown (with the nearest known name), missing or out of range:
 // keys, solvers, parameters and their values, own models, files of poses; names of models are checked by own_models.h.
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile);

@@ -1,6 +1,7 @@
 #include "list.h"
 
 #include "catalogue.h"
+#include "corpus.h"
 #include "error.h"
 #include "experiment.h"
 #include "paths.h"
@@ -12,6 +13,7 @@
 #include <array>
 #include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace hausbench {
@@ -97,6 +99,7 @@ json experiment_json(const std::filesystem::path& file) {
     for (const auto& [s, profiles] : scenes) {
         out["scenes"].push_back(
             {{"name", s.name}, {"profiles", profiles}, {"source", s.source}, {"target", s.target}, {"note", s.note}});
+        if (!s.each.empty()) out["scenes"].back()["each"] = s.each;
     }
     return out;
 }
@@ -145,11 +148,35 @@ std::string experiments_text(const json& all, const Paper& paper) {
     return table.text(paper);
 }
 
+// Those that the manifest does not list.
+std::size_t meshes_of_corpus(const json& all) {
+    const json& corpus = all["corpus"];
+    return std::size_t(
+        std::count_if(corpus.begin(), corpus.end(), [](const json& m) { return text_of(m, "source") != "derived"; }));
+}
+
 std::string models_text(const json& all, const Paper& paper) {
     if (all["models"].empty()) return "no models: there is no project here, see HAUSBENCH_ROOT in the README\n";
     TextTable table({{"model"}, {"made by, or from", false, 1}, {"what it is", false, 0, true}});
     for (const json& m : all["models"]) table.add({{text_of(m, "name"), origin(m), text_of(m, "note")}});
-    return table.text(paper);
+    const std::size_t meshes = meshes_of_corpus(all);
+    if (meshes == 0) return table.text(paper);
+    return table.text(paper) +
+           wrapped(fmt::format("and {} more meshes of the corpus, see `hausbench list corpus`", meshes), 0,
+                   paper.width);
+}
+
+std::string corpus_text(const json& all, const Paper& paper) {
+    TextTable table({{"model"}, {"from", false, 1}, {"file", false, 0, true}});
+    for (const json& m : all["corpus"]) {
+        if (text_of(m, "source") != "derived") table.add({{text_of(m, "name"), origin(m), text_of(m, "path")}});
+    }
+    std::string text = meshes_of_corpus(all) ? table.text(paper) : "no corpus: there is no datasets/corpus.toml here\n";
+    for (const CorpusRule& rule : corpus_rules())
+        text += wrapped(fmt::format("NAME{}: NAME{} ({}, {} = {})", rule.ending, rule.note, rule.operation, rule.number,
+                                    rule.value),
+                        0, paper.width);
+    return text;
 }
 
 std::string one_solver(const json& s, const Paper& paper) {
@@ -178,14 +205,26 @@ std::string one_solver(const json& s, const Paper& paper) {
     return text;
 }
 
+std::string each_of(const json& scene) { return scene.value("each", ""); }
+
 std::string one_experiment(const json& e, const Paper& paper) {
     std::string text = wrapped(text_of(e, "stem") + ": " + text_of(e, "title"), 0, paper.width);
     text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
     TextTable table(
         {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
-    for (const json& s : e["scenes"])
+    std::map<std::string, std::size_t> of_each;  // how many scenes
+    for (const json& s : e["scenes"]) ++of_each[each_of(s)];
+    for (const json& s : e["scenes"]) {
+        const std::string each = each_of(s);
+        const std::size_t count = std::exchange(of_each[each], 0);
+        if (!each.empty() && count)
+            table.add({{each, "", "", joined(s["profiles"]),
+                        fmt::format("{} scenes, such as '{}': {} to {}", count, text_of(s, "name"),
+                                    text_of(s, "source"), text_of(s, "target"))}});
+        if (!each.empty()) continue;
         table.add({{text_of(s, "name"), text_of(s, "source"), text_of(s, "target"), joined(s["profiles"]),
                     text_of(s, "note")}});
+    }
     return text + table.text(paper);
 }
 
@@ -214,7 +253,8 @@ json list_as_json() {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
                 {"experiments", json::array()},
-                {"models", json::array()}};
+                {"models", json::array()},
+                {"corpus", json::array()}};
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
@@ -225,7 +265,7 @@ json list_as_json() {
     }
     if (manifest_file().empty()) return out;
     const Catalogue catalogue(manifest_file(), cache_folder(), program_path());
-    for (const ModelInfo& m : catalogue.models()) out["models"].push_back(model_json(m));
+    for (const ModelInfo& m : catalogue.models()) out[m.of_corpus ? "corpus" : "models"].push_back(model_json(m));
     return out;
 }
 
@@ -235,14 +275,17 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
     if (what == "solvers") return solvers_text(all, paper);
     if (what == "experiments") return experiments_text(all, paper);
     if (what == "models") return models_text(all, paper);
+    if (what == "corpus") return corpus_text(all, paper);
     struct Kind {
         const char *group, *key;
         std::string (*text)(const json&, const Paper&);
     };
-    constexpr Kind kinds[] = {
-        {"solvers", "name", one_solver}, {"experiments", "stem", one_experiment}, {"models", "name", one_model}};
+    constexpr Kind kinds[] = {{"solvers", "name", one_solver},
+                              {"experiments", "stem", one_experiment},
+                              {"models", "name", one_model},
+                              {"corpus", "name", one_model}};
     std::string text;  // a name may be that of a solver and of a model
-    std::vector<std::string> known = {"solvers", "experiments", "models", "columns"};
+    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {
             known.push_back(text_of(one, kind.key));

@@ -3,6 +3,7 @@
 #include "columns.h"
 #include "combine.h"
 #include "compare.h"
+#include "derive.h"
 #include "error.h"
 #include "experiment.h"
 #include "explain.h"
@@ -99,6 +100,16 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
             to = text.substr(equals + 1);
     }
     return parameters;
+}
+
+void derive_file(const std::string& operation, const std::vector<std::string>& texts, const fs::path& origin,
+                 const fs::path& out) {
+    Numbers numbers;
+    for (const std::string& text : texts) {
+        const auto equals = std::min(text.find('='), text.size() - 1);
+        numbers[text.substr(0, equals)] = std::strtod(text.c_str() + equals + 1, nullptr);  // hexadecimal: exact
+    }
+    write_shape(out, derive(operation, numbers, read_shape(origin)));
 }
 
 // The error in a command line, with the nearest known name for an unknown one.
@@ -384,6 +395,14 @@ int dispatch(int argc, char** argv) {
     load_verb->add_option("out", load_out)->required();
     load_verb->add_option("--format", load_format);
     load_verb->callback([&] { write_shape(load_out, load_file(load_in, load_format)); });
+    std::string operation;
+    std::vector<std::string> numbers;
+    auto* derive_verb = app.add_subcommand("derive")->group("");
+    derive_verb->add_option("operation", operation)->required();
+    derive_verb->add_option("origin", load_in)->required();
+    derive_verb->add_option("out", load_out)->required();
+    derive_verb->add_option("--set", numbers);
+    derive_verb->callback([&] { derive_file(operation, numbers, load_in, load_out); });
     int events = -1;
     auto* worker_verb = app.add_subcommand("worker")->group("");
     worker_verb->add_option("--events", events)->required();

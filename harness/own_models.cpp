@@ -1,5 +1,6 @@
 #include "own_models.h"
 
+#include "corpus.h"
 #include "earlier.h"
 #include "error.h"
 
@@ -26,6 +27,13 @@ ModelInfo file_model(const std::string& path, const fs::path& folder) {
                               : fmt::format("{}: {}", file.string(), why));
 }
 
+// "cow" of "cow_half": what a rule of the corpus would derive it from; empty: none would.
+std::string origin_by_rule(const std::string& name) {
+    for (const CorpusRule& rule : corpus_rules())
+        if (name.ends_with(rule.ending)) return name.substr(0, name.size() - rule.ending.size());
+    return "";
+}
+
 void expect_file(const fs::path& experiment, int line, const ModelInfo& model) {
     const fs::path file = model.folder / model.path;
     std::error_code ignored;
@@ -48,6 +56,11 @@ void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
     for (const ModelInfo& model : catalogue.models()) names.push_back(model.name);
     const auto use = [&](const std::string& name, int line) {
         if (catalogue.has(name)) return;
+        if (const std::string origin = origin_by_rule(name); catalogue.has(origin))
+            refuse(file, line,
+                   fmt::format("no model '{}': '{}' is not of the corpus: list it under 'manifest' in "
+                               "datasets/corpus.toml, or define [model.{}]",
+                               name, origin, name));
         if (!names_a_file(name))
             refuse(file, line,
                    fmt::format("no model '{}'{}: define [model.{}] with a path, or give a path such as \"{}.ply\"",

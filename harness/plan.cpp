@@ -47,9 +47,12 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
-// A matrix is chosen as a whole, or by a pair of it.
+// The name of the [[scene]] in the file, where it makes several.
+const std::string& group_of(const ScenePlan& scene) { return scene.each.empty() ? scene.matrix : scene.each; }
+
+// A matrix, or what `each` makes, is chosen as a whole, or one by one.
 bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
-    return chosen(choice, scene.name) || (!scene.matrix.empty() && chosen(choice, scene.matrix));
+    return chosen(choice, scene.name) || (!group_of(scene).empty() && chosen(choice, group_of(scene)));
 }
 
 class Planner {
@@ -65,9 +68,9 @@ public:
         std::vector<std::string> scene_names, solver_names;
         for (const ScenePlan& scene : experiment.scenes) {
             scene_names.push_back(scene.name);
-            if (!scene.matrix.empty() &&
-                std::find(scene_names.begin(), scene_names.end(), scene.matrix) == scene_names.end())
-                scene_names.push_back(scene.matrix);
+            if (!group_of(scene).empty() &&
+                std::find(scene_names.begin(), scene_names.end(), group_of(scene)) == scene_names.end())
+                scene_names.push_back(group_of(scene));
         }
         for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
         plan_.leave_nothing_out = choice.leave_nothing_out;

@@ -493,6 +493,75 @@ TEST_F(Manifest, WhatIsNotThereIsMissingWithItsReason) {
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("mine")).elements, 20);
 }
 
+TEST_F(Manifest, TheCorpusAddsItsMeshesAndWhatItsRulesDerive) {
+    std::ofstream(folder_.path() / "corpus.toml")
+        << "manifest = ['ball']\n[model.cube]\nsource = 'generated'\nrecipe = 'cube'\nsubdivisions = 4\n";
+    const std::string mine = "[model.ball_half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'weld'\n";
+    Catalogue all = catalogue(ball + mine);
+    EXPECT_EQ(all.corpus(), (std::vector<std::string>{"ball", "cube"}));
+    EXPECT_EQ(all.models().size(), 2u + 1 + 3);  // of ball the manifest has a half of its own
+    EXPECT_EQ(all.find("ball_half").recipe, "weld");
+    EXPECT_FALSE(all.find("ball").of_corpus);
+    EXPECT_TRUE(all.find("cube").of_corpus && !all.find("cube").by_rule() && all.find("cube_half").by_rule());
+    const auto& halved = std::get<ResolvedModel>(all.resolve("cube_half"));
+    EXPECT_EQ(halved.elements, 96);
+    EXPECT_GT(std::get<ResolvedModel>(all.resolve("cube_remeshed")).elements, 10'000);  // edges of 0.017
+    // By hand it is the same shape, under the same key.
+    const std::string by_hand =
+        "[model.c]\nsource = 'generated'\nrecipe = 'cube'\nsubdivisions = 4\n"
+        "[model.h]\nsource = 'derived'\nfrom = 'c'\noperation = 'simplify'\nratio = 0.5\n";
+    EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + by_hand).resolve("h")).shape_file, halved.shape_file);
+    // An experiment's own model takes the place of a rule's, and of no other.
+    ModelInfo own = all.find("ball");
+    own.name = "cube_half";
+    all.add("s.toml", {own});
+    EXPECT_FALSE(all.find("cube_half").of_corpus);
+    own.name = "cube";
+    EXPECT_THROW(all.add("s.toml", {own}), InputError);
+}
+
+TEST_F(Manifest, MistakesInTheCorpusAreNamedWithTheirLine) {
+    const auto expect_of = [&](const std::string& text, const std::vector<std::string>& parts) {
+        std::ofstream(folder_.path() / "corpus.toml") << text;
+        try {
+            catalogue(ball);
+            FAIL() << text;
+        } catch (const InputError& problem) {
+            for (const std::string& part : parts)
+                EXPECT_NE(std::string(problem.what()).find(part), std::string::npos) << problem.what();
+        }
+    };
+    expect_of("manifest = ['ball', 'bal']\n", {"corpus.toml: line 1", "'bal'", "did you mean 'ball'"});
+    expect_of("manifest = 'ball'\n", {"corpus.toml: line 1", "list of names"});
+    expect_of("\nmanifset = ['ball']\n", {"corpus.toml: line 2", "did you mean 'manifest'"});
+    expect_of("manifest = ['ball', 'ball']\n", {"'ball' is listed twice"});
+    expect_of(ball, {"corpus.toml", "'ball' is one of datasets/manifest.toml too"});
+    expect_of("[model.a]\nsource = 'debian'\n", {"corpus.toml: line 1", "'package'"});
+    expect_of("[model.a\n", {"corpus.toml: line 1"});
+}
+
+TEST_F(Manifest, ACrashOfCgalIsToldWithTheModel) {
+    const std::filesystem::path script = folder_.path() / "broken";
+    std::ofstream(script) << fmt::format("#!/bin/sh\necho \"$*\" >> {}/calls\nkill -SEGV $$\n",
+                                         folder_.path().string());
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    const std::string quarter =
+        "[model.quarter]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\nratio = 0.25\n";
+    try {
+        catalogue(ball + half + quarter, script.string()).resolve("quarter");
+        FAIL();
+    } catch (const InputError& problem) {
+        for (const char* part : {"model 'quarter'", "simplify", "CGAL was killed by signal 11"})
+            EXPECT_NE(std::string(problem.what()).find(part), std::string::npos) << problem.what();
+    }
+    std::ifstream in(folder_.path() / "calls");
+    std::string line;
+    std::getline(in, line);
+    EXPECT_TRUE(line.starts_with("derive --set ratio=0x1p-2 -- simplify /")) << line;
+    // What is not CGAL's needs no process.
+    EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + half, script.string()).resolve("half")).elements, 80);
+}
+
 TEST_F(Manifest, AReaderThatFailsIsToldWithTheModel) {
     const std::string hash = fetch("bunny.obj", "x");
     const std::filesystem::path script = folder_.path() / "broken";

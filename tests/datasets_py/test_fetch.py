@@ -253,6 +253,113 @@ def test_the_command_line(world: World, monkeypatch: pytest.MonkeyPatch, capsys:
     assert fetch.main(["--manifest", str(world.manifest), "--cache", str(world.folder / "file")]) == 2
 
 
+# ---- the corpus
+
+
+def with_corpus(world: World) -> None:
+    """In the manifest a; in the corpus a, b and c."""
+    (world.shelf / "pack=1.0.deb").write_bytes(tar({f"{name}.obj": name.encode() for name in "abc"}))
+    world.model("a", "debian", "a.obj", sha(b"a"))
+    manifest, world.manifest = world.manifest, world.folder / "corpus.toml"
+    world.manifest.write_text('manifest = ["a"]\n')
+    for name in "bc":
+        world.model(name, "debian", f"{name}.obj", sha(name.encode()))
+    world.manifest = manifest
+
+
+def kept_of(world: World) -> str:
+    return "".join(sorted(data.decode() for data in world.kept().values()))
+
+
+def test_the_corpus_is_fetched_only_where_it_is_asked_for(world: World) -> None:
+    with_corpus(world)
+    assert world.fetch() == 0 and kept_of(world) == "a"
+    assert world.fetch("b_half") == 0 and kept_of(world) == "ab"  # by rule
+    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), fetch.Asked(corpus=True)) == 0
+    assert kept_of(world) == "abc"
+    with pytest.raises(fetch.ManifestError, match="no model d"):
+        world.fetch("d")
+
+
+@pytest.mark.parametrize(("scene", "quick", "paper"), [
+    ('source = "{}"\ntarget = "{}_half"\neach = ["b"]', "ab", "ab"),
+    ('source = "{}"\ntarget = "{}_half"\neach = "corpus"\nprofiles = ["paper"]', "a", "abc"),
+    ('source = "a"\ntarget = "c_remeshed"\nprofiles = ["quick"]', "ac", "a"),
+    ('sources = ["b"]\ntargets = ["mine.off", "c"]', "abc", "abc"),
+    ('source = "mine"\ntarget = "a"\n[model.mine]\nfrom = "c"\noperation = "weld"', "ac", "ac")])
+def test_an_experiment_brings_what_it_names(world: World, scene: str, quick: str, paper: str) -> None:
+    import shutil
+
+    with_corpus(world)
+    file = world.folder / "s.toml"
+    file.write_text(f"[[scene]]\n{scene}\n")
+    for profile, kept in (("quick", quick), ("paper", paper)):
+        shutil.rmtree(world.cache, ignore_errors=True)
+        asked = fetch.Asked(experiments=(file,), profile=profile)
+        assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+        assert kept_of(world) == kept, profile
+
+
+def test_an_experiment_that_cannot_be_parsed_keeps_nobody_from_fetching(world: World) -> None:
+    with_corpus(world)
+    bad = world.folder / "bad.toml"
+    bad.write_text("[[scene")
+    assert fetch.main(["--manifest", str(world.manifest), "--cache", str(world.cache), "--experiment", str(bad)]) == 0
+    assert kept_of(world) == "a"
+    assert fetch.main(["--manifest", str(world.manifest), "--experiment", str(world.folder / "gone.toml")]) == 2
+
+
+def test_damaged_files_are_found_and_fetched_again(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+    with_corpus(world)
+    asked = fetch.Asked(corpus=True, check=True)
+    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+    (world.cache / "raw" / sha(b"b") / "b.obj").write_bytes(b"damaged")
+    assert world.fetch() == 0 and kept_of(world) == "acdamaged"
+    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+    assert kept_of(world) == "abc" and "model b:" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("corpus", "words"), [
+    ('manifest = ["d"]', "d: 'manifest' names it"), ("[model.a]\nsource = 'file'", "a: the manifest has it too"), ("[", "corpus.toml")])
+def test_a_corpus_at_odds_with_the_manifest_is_an_error(world: World, corpus: str, words: str) -> None:
+    world.model("a", "debian", "a.obj", sha(b"a"))
+    (world.folder / "corpus.toml").write_text(corpus)
+    with pytest.raises(fetch.ManifestError, match=re.escape(words)):
+        world.fetch()
+
+
+def test_the_corpus_of_the_project() -> None:
+    catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
+    own = {name: table for name, table in tomllib.loads((DATASETS / "corpus.toml").read_text())["model"].items()}
+    assert len(catalogue.corpus) == len(set(catalogue.corpus)) >= 330
+    for name, table in own.items():
+        assert re.fullmatch(r"corpus_[a-z0-9_]+", name)
+        assert table.keys() == REAL_KEYS - {"note"} | {"triangles"}, name
+        assert table["source"] in ("debian", "npm") and re.fullmatch(r"[0-9a-f]{64}", table["sha256"]), name
+        assert all(isinstance(table[key], str) and table[key].strip() for key in REAL_KEYS - {"note"}), name
+        assert not table["path"].startswith("/") and ".." not in table["path"].split("/"), name
+        assert 200 <= table["triangles"] <= 120_000, name
+    # A file is listed once: one that the manifest has is in `manifest`.
+    hashes = [table["sha256"] for table in [*REAL.values(), *own.values()]]
+    assert len(set(hashes)) == len(hashes)
+    assert all(catalogue.models[name]["source"] in ("debian", "npm") for name in catalogue.corpus)
+    for name in catalogue.corpus:
+        for ending, operation in (("_half", "simplify"), ("_remeshed", "remesh")):
+            table = catalogue.models[name + ending]
+            assert table["from"] == name and table.get("operation", operation) == operation
+
+
+@pytest.mark.parametrize(("stem", "quick", "paper"), [("sacht2024_fig2", 20, 388), ("sacht2024_fig10", 6, 100)])
+def test_the_sweeps_over_the_corpus(stem: str, quick: int, paper: int) -> None:
+    catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
+    file = DATASETS.parent / "experiments" / "sacht2024" / f"{stem}.toml"
+    for profile, count in (("quick", quick), ("paper", paper)):
+        asked = [name for name in fetch.asked_by(file, profile, catalogue) if name in catalogue.corpus]
+        assert len(asked) == count, profile
+        most = max(catalogue.models[name]["triangles"] for name in asked)
+        assert profile == "paper" or most <= (5000 if quick == 20 else 500)
+
+
 # ---- the manifest
 
 MODELS: dict[str, dict[str, Any]] = tomllib.loads((DATASETS / "manifest.toml").read_text())["model"]

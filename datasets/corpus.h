@@ -1,0 +1,35 @@
+// The corpus: many real meshes, for experiments with each = "corpus". datasets/corpus.toml, beside the manifest, lists them.
+#pragma once
+
+#include "catalogue.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct Corpus {
+    std::vector<std::string> names;  // of its meshes, sorted
+    std::vector<ModelInfo> models;   // those that the manifest does not have, and what the rules derive from all
+};
+
+// What every mesh NAME of the corpus has without a table of its own, unless the manifest has a model of that name:
+// NAME_half      half of its triangles, by edge collapse
+// NAME_remeshed  even edges, 0.01 of its diagonal
+struct CorpusRule {
+    std::string ending, operation, number, note;
+    double value;
+};
+const std::vector<CorpusRule>& corpus_rules();
+
+// The corpus.toml in the folder of the manifest; empty if there is none.
+std::filesystem::path corpus_beside(const std::filesystem::path& manifest);
+
+// Throws InputError with file and line for an unknown key, a name in `manifest` that the manifest does not have, a bad table.
+Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest);
+
+// Names alone, sorted; nothing of the tables is checked.
+std::vector<std::string> corpus_names(const std::filesystem::path& file);
+
+}  // namespace hausbench
