@@ -1,0 +1,191 @@
+"""Means and wins over pairs, and the two stems of Sacht 2024 that use them, from rows with known numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from stem_runner import Make, stem_runner
+from synthetic import ResultFile, without_bounds
+
+from analysis import over_pairs, sacht2024_fig2, sacht2024_fig10
+from analysis.load import load
+from analysis.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, share_near, shared_wins, wins_more
+from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+
+
+@pytest.fixture()
+def make(tmp_path: Path) -> Make:
+    return stem_runner(tmp_path)
+
+
+def wins(text: str) -> over_pairs.Wins:
+    return np.array([c == "w" for c in text], dtype=bool)
+
+
+def test_means() -> None:
+    assert geometric_mean([2.0, 8.0]).value == pytest.approx(4) and arithmetic_mean([2.0, 8.0]).value == 5
+    mean = arithmetic_mean([1.0, 2.0, 3.0, 4.0])
+    # t(0.975, 3) = 3.18245, of a standard error of sqrt(5/3) / 2.
+    assert mean.low == pytest.approx(2.5 - 3.18245 * math.sqrt(5 / 3) / 2, rel=1e-5)
+    turned = geometric_mean([1 / 3, 1 / 5, 2.0])
+    straight = geometric_mean([3.0, 5.0, 0.5])
+    assert turned.low == pytest.approx(1 / straight.high) and turned.value == pytest.approx(1 / straight.value)
+    assert arithmetic_mean([7.0]).coverage == 0 and not geometric_mean([]).n
+
+
+@pytest.mark.parametrize(("ratios", "outcome"), [
+    ([15.0, 20.0, 18.0, 22.0] * 3, HOLDS), ([1.0, 1.2, 3.0] * 4, FAILS), ([3.0, 90.0, 16.0, 20.0], OPEN), ([20.0], OPEN), ([], UNTESTED)])
+def test_mean_at_least(ratios: Sequence[float], outcome: str) -> None:
+    for mean in (geometric_mean, arithmetic_mean):
+        assert mean_at_least("x", mean(ratios), 16, "mean").outcome == outcome
+
+
+@pytest.mark.parametrize(("count", "of", "outcome"), [(750, 1000, HOLDS), (500, 1000, FAILS), (990, 1000, FAILS), (7, 10, OPEN),
+                                                      (670, 1000, OPEN), (0, 0, UNTESTED)])
+def test_share_near(count: int, of: int, outcome: str) -> None:
+    assert share_near("x", count, of, 0.753, 0.1).outcome == outcome
+
+
+@pytest.mark.parametrize(("ahead", "behind", "outcome"), [
+    (["wwwwwwww"], ["........"], HOLDS), (["........"], ["wwwwwwww"], FAILS), (["wwww...."], ["....wwww"], OPEN),
+    (["wwwwwwww"], ["wwwwwwww"], OPEN),
+    # Five tosses of a coin: 1/32 for one comparison, and 2/32 for one of two that depend on each other.
+    (["wwwww"], ["....."], HOLDS), (["....."], ["wwwww"], FAILS), ([".....", "....."], ["wwwww"], FAILS),
+    (["....."], ["wwwww", "wwwww", "....."], OPEN), (["wwww"], ["...."], OPEN),
+    (["wwwwwwww", "wwww...."], ["........", "....wwww"], OPEN),  # one of the four is not separated
+    ([], ["w"], UNTESTED), (["w"], [], UNTESTED), ([""], [""], UNTESTED)])
+def test_wins_more(ahead: list[str], behind: list[str], outcome: str) -> None:
+    verdict = wins_more("x", {f"a{i}": wins(x) for i, x in enumerate(ahead)}, {f"b{i}": wins(x) for i, x in enumerate(behind)})
+    if ahead == [".....", "....."]:  # 2 / 32 is above 5 %
+        outcome = OPEN
+    assert verdict.outcome == outcome, verdict
+
+
+def test_wins_are_shared_within_five_percent_of_the_least() -> None:
+    found = shared_wins({"a": [1.0, 1.0, math.nan, math.nan], "b": [1.05, 1.06, 3.0, math.nan], "c": [2.0, 0.9, 3.1, math.nan]})
+    assert {name: list(x) for name, x in found.items()} == {
+        "a": [True, False, False, False], "b": [True, False, True, False], "c": [False, True, True, False]}
+
+
+# ---- Fig. 2
+
+
+def fig2(ratios: Sequence[float], work: Sequence[float], late: str = "") -> ResultFile:
+    """Of each pair the time and the counted work of Zheng, in units of Sacht's; `late` holds z or s a pair that one did not end."""
+    file = ResultFile("sacht2024_fig2", cpu=1.0)
+    for i, (ratio, counted) in enumerate(zip(ratios, work)):
+        common: dict[str, Any] = {"source_elements": 700 * (i + 1), "lower": 0.25, "upper": 0.25, "case_seconds_limit": 180.0}
+        for solver, factor, units in (("sacht", 1.0, 1.0), ("zheng", ratio, counted)):
+            if i < len(late) and late[i] in (solver[0], "2"):
+                file.case(solver, f"mesh {i}", **without_bounds("timeout", "not within 180 s", common))
+            else:
+                file.case(solver, f"mesh {i}", [0.01 * factor] * 3, rounds=3, prepare_seconds=0.0,
+                          counters={"point_triangle_distances": round(1000 * units), "node_visits": round(1000 * units)}, **common)
+    return file
+
+
+def verdicts_of(file: ResultFile, folder: Path) -> list[Verdict]:
+    results = load(file.write(folder))
+    if file.stem == "sacht2024_fig2":
+        return sacht2024_fig2.verdicts(sacht2024_fig2.Pairs(results))
+    return sacht2024_fig10.verdicts(sacht2024_fig10.Orders(results))
+
+
+def test_fig2_cells(make: Make) -> None:
+    file = fig2([2.0, 8.0, 1.0, 4.0, 99.0], [4.0] * 5, "....z")
+    file.case("sacht", "no mesh", status="failed", reason="model 'x': simplify: no manifold")
+    file.case("zheng", "no mesh", status="failed", reason="model 'x': simplify: no manifold")
+    records, rows, text = make(file)
+    header, small, whole = rows["triangles of A"][0], rows["0 to 1,000"][0], rows["all"][0]
+    assert small[:3] == ["1", "0", "0"] and small[header.index("geometric mean")] == "2.00"
+    assert whole[:3] == ["5", "1", "0"] and whole[header.index("geometric mean")].startswith("2.83 [")
+    assert whole[header.index("arithmetic mean")].startswith("3.75 [") and whole[header.index("Sacht faster, %")] == "75.0"
+    assert whole[header.index("distances: geometric mean")] == "4.00 [4.00, 4.00]" and whole[header.index("greatest")] == "8.00"
+    assert "Left out: mesh 4 (zheng timeout)." in text and "1 pairs have no rows with an answer (no mesh: model 'x'" in text
+    assert "stand in for Thingi10K" in text and "CGAL's edge collapse for Blender's" in text and "n = 3 rounds" in text
+    assert "The three greatest ratios and the least: mesh 1 8.00 (80.0 against 10.0 ms)" in text
+    assert sum(r["scene"] == "no mesh" for r in records) == 1
+    assert float(next(r for r in records if r["scene"] == "mesh 3")["ratio"]) == pytest.approx(4)
+
+
+@pytest.mark.parametrize(("ratios", "work", "late", "expected"), [
+    ([18.0, 20.0, 22.0, 19.0], [18.0, 19.0, 20.0, 21.0], "", (HOLDS, HOLDS, HOLDS, OPEN)),
+    ([0.5, 0.6, 0.4, 0.5], [0.5, 0.6, 0.4, 0.5], "", (FAILS, FAILS, FAILS, OPEN)),
+    ([0.1, 300.0, 0.2, 40.0], [0.1, 300.0, 0.2, 40.0], "", (OPEN, OPEN, OPEN, OPEN)),
+    ([20.0] * 8, [20.0] * 8, "zzzzzz22", (UNTESTED, UNTESTED, UNTESTED, HOLDS)),
+    ([20.0] * 8, [20.0] * 8, "ssssss22", (UNTESTED, UNTESTED, UNTESTED, FAILS))])
+def test_fig2_verdicts(tmp_path: Path, ratios: list[float], work: list[float], late: str, expected: tuple[str, ...]) -> None:
+    found = verdicts_of(fig2(ratios, work, late), tmp_path)
+    assert tuple(verdict.outcome for verdict in found) == expected
+    for verdict in found[:3]:
+        assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
+
+
+def test_fig2_time_and_work_are_judged_apart(tmp_path: Path) -> None:
+    found = verdicts_of(fig2([20.0, 21.0, 22.0, 23.0], [0.5, 0.6, 0.4, 0.5]), tmp_path)[0]
+    assert found.outcome == HOLDS and {x.outcome for x in found.counted.values()} == {FAILS}
+
+
+@pytest.mark.parametrize("late", ["22", "z2", "s2"])
+def test_fig2_is_drawn_with_hardly_a_ratio(make: Make, late: str) -> None:
+    make(fig2([2.0, 2.0], [2.0, 2.0], late))
+
+
+# ---- Fig. 10
+
+
+def fig10(costs: Mapping[str, Sequence[float]], unsolved: int = 0) -> ResultFile:
+    """Time, and work, of each order on each pair; NaN: it spent m. Of `unsolved` more pairs every order did."""
+    file = ResultFile("sacht2024_fig10", cpu=1.0)
+    for i in range(len(next(iter(costs.values()))) + unsolved):
+        for order, of in costs.items():
+            cost = of[i] if i < len(of) else math.nan
+            common: dict[str, Any] = {"label": "sacht", "variant": f"order={order}", "options": {"order": order, "max_factor": 1000.0},
+                      "lower": 0.25, "upper": 0.5, "case_seconds_limit": 60.0}
+            if math.isnan(cost):
+                file.case("sacht", f"mesh {i}", [0.5], status="budget", reason="max_factor was spent", **common)
+            else:
+                file.case("sacht", f"mesh {i}", [0.01 * cost], prepare_seconds=0.0,
+                          counters={"point_triangle_distances": round(1000 * cost)}, **common)
+    return file
+
+
+def test_fig10_cells(make: Make) -> None:
+    file = fig10({"1": [9.0, math.nan, math.nan, 9.0], "3": [1.04, 3.0, 3.0, 3.0], "1234": [1.0, 1.0, 1.0, 1.2], "4321": [2.0, 2.0, 2.0, 1.0]}, 1)
+    file.case("sacht", "no mesh", status="skipped", reason="package p was not fetched", options={"order": "1"}, label="sacht")
+    records, rows, text = make(file)
+    assert rows["1234"][0] == ["100", "1", "0", "75.0", "75.0", "75.0", "best"]
+    assert rows["3"][0][:4] == ["100", "1", "0", "25.0"] and rows["3"][0][-1] == "in between"
+    assert rows["1"][0][:4] == ["50.0", "3", "0", "0"] and rows["4321"][0][-1] == "—"
+    assert "(4 of 5)" in text and "1 pairs have no rows with an answer (no mesh: package p" in text
+    assert "stand in for Thingi10K" in text and "for TetWild" in text and "n = 1" in text and "4 of 64 orders were run" in text
+    assert [r["wins: time"] for r in records if r["order"] == "3"] == ["1", "0", "0", "0", "0"]
+
+
+GOOD, SLOW = [1.0] * 8, [2.0] * 8
+NEVER = [math.nan] * 8
+
+
+@pytest.mark.parametrize(("costs", "unsolved", "expected"), [
+    ({"1": NEVER, "2": SLOW, "4": SLOW, "3": [1.5] * 8, "1234": GOOD}, 0, (HOLDS, OPEN, HOLDS, OPEN)),
+    ({"1": SLOW, "2": SLOW, "4": NEVER, "3": GOOD, "1234": GOOD}, 0, (OPEN, HOLDS, HOLDS, OPEN)),
+    ({"1": GOOD, "2": SLOW, "4": SLOW, "3": SLOW, "1234": SLOW}, 0, (FAILS, FAILS, FAILS, OPEN)),
+    ({"1": GOOD, "1234": [1.0, 2.0] * 4, "3": [2.0, 1.0] * 4}, 0, (OPEN, OPEN, OPEN, OPEN)),
+    ({"1": GOOD}, 40, (UNTESTED, UNTESTED, UNTESTED, FAILS)),
+    ({"1234": [1.0] * 226, "3": [2.0] * 226}, 74, (HOLDS, UNTESTED, UNTESTED, HOLDS)),
+    ({"1": NEVER, "1234": NEVER, "3": NEVER}, 0, (UNTESTED, UNTESTED, UNTESTED, FAILS))])
+def test_fig10_verdicts(tmp_path: Path, costs: dict[str, list[float]], unsolved: int, expected: tuple[str, ...]) -> None:
+    found = verdicts_of(fig10(costs, unsolved), tmp_path)
+    assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]
+    for verdict in found[:3]:
+        assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
+
+
+def test_fig10_is_drawn_without_a_winner(make: Make) -> None:
+    _, rows, _ = make(fig10({"1": NEVER, "1234": NEVER}))
+    assert rows["1234"][0][0] == "—"
