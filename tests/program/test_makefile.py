@@ -44,3 +44,25 @@ def test_unsound_rows_are_drawn_named_and_a_failure(tmp_path: Path) -> None:
     code, said, drawn = make({"bad": 2, "good": 0, "internal": 3, "wrong": 1})
     assert code == 2 and drawn == ["analysis.good", "analysis.wrong"]
     assert "failed: bad (run) internal (run) wrong (unsound rows)" in said
+
+
+def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> None:
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    (tmp_path / "packages.txt").write_text("")
+    (tmp_path / "program").write_text("#!/bin/bash\n")
+    (tmp_path / "program").chmod(0o755)
+    (tmp_path / "experiments" / "paper").mkdir(parents=True)
+    for stem in ("paper_fig1", "other", "paper_fig2"):
+        (tmp_path / "experiments" / ("" if stem == "other" else "paper") / f"{stem}.toml").write_text("")
+    files = {stem: f"experiments/paper/{stem}.toml" for stem in ("paper_fig1", "paper_fig2")} | {"other": "experiments/other.toml"}
+
+    def fetched(*arguments: str) -> list[str]:
+        done = subprocess.run(["make", "-o", "build", "SKIP_DEPS=1", "FETCH=echo fetched", f"HAUSBENCH_PROGRAM={tmp_path / 'program'}",
+                               *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        return next(line for line in done.stdout.splitlines() if line.startswith("fetched")).split()[1:]
+
+    assert fetched("paper_fig1") == ["--profile", "quick", "--experiment", files["paper_fig1"]]
+    assert fetched("paper", "PROFILE=paper") == ["--profile", "paper", "--experiment", files["paper_fig1"], files["paper_fig2"]]
+    assert fetched("experiments") == ["--profile", "quick", "--experiment", files["other"], files["paper_fig1"], files["paper_fig2"]]
+    assert fetched("corpus") == ["--corpus", "--check"]
