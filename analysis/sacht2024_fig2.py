@@ -39,6 +39,9 @@ class Pair:
         """It did not come to the tolerance: it was stopped at the limit, or failed."""
         return bool(self.cells[solver].failures)
 
+    def late(self, solver: str) -> bool:
+        return bool(self.cells[solver].failures["timeout"])
+
     @property
     def both(self) -> bool:
         return not self.over(FAST) and not self.over(SLOW)
@@ -181,7 +184,7 @@ def draw(found: Pairs) -> Any:
                title=f"counted {work}" if what else f"{clock_word(found.results)} to prepare and solve")
     for pair in found.pairs:  # at the limit: the ratio is beyond this
         late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
-        if len(late) == 1:
+        if len(late) == 1 and pair.late(late[0]):
             seconds = [pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)]
             axes[0].plot(pair.triangles, seconds[0] / seconds[1], "^" if late == [SLOW] else "v", color=looks.colour,
                          markerfacecolor="white", markersize=4.2, markeredgewidth=0.8, zorder=3)
@@ -198,7 +201,7 @@ def draw(found: Pairs) -> Any:
         ax.yaxis.set_major_formatter(plt.FuncFormatter(lambda y, _: f"{y:,g}"))
     entries = [plt.Line2D([], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair")]
     for slow, other, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
-        if any(pair.over(slow) and not pair.over(other) for pair in found.pairs):
+        if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
             entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
                                       markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
     entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), label="geometric mean, 95 %"),

@@ -189,3 +189,14 @@ def test_fig10_verdicts(tmp_path: Path, costs: dict[str, list[float]], unsolved:
 def test_fig10_is_drawn_without_a_winner(make: Make) -> None:
     _, rows, _ = make(fig10({"1": NEVER, "1234": NEVER}))
     assert rows["1234"][0][0] == "—"
+
+
+def test_fig2_draws_no_bound_for_a_pair_that_was_not_stopped_by_the_clock(tmp_path: Path) -> None:
+    file = fig2([2.0, 2.0, 2.0], [2.0, 2.0, 2.0], "z")
+    common: dict[str, Any] = {"source_elements": 9000, "case_seconds_limit": 180.0}
+    file.case("sacht", "large", [0.01], lower=0.25, upper=0.25, **common)
+    file.case("zheng", "large", **without_bounds("out_of_memory", "more than 8192 MB", common))
+    found = sacht2024_fig2.Pairs(load(file.write(tmp_path)))
+    assert found.over("zheng") == 2
+    hollow = [line for line in sacht2024_fig2.draw(found).axes[0].lines if line.get_marker() == "^"]
+    assert [list(line.get_xdata()) for line in hollow] == [[700]] and list(hollow[0].get_ydata()) == [pytest.approx(180 / 0.01)]
