@@ -1,6 +1,7 @@
-// Octree and BVH must give the bits of a plain scan, on tame and on hostile meshes.
+// Octree, BVH and uniform grid must give the bits of a plain scan, on tame and on hostile meshes.
 #include "structures/bvh.h"
 #include "structures/octree.h"
+#include "structures/triangle_grid.h"
 #include "tree_meshes.h"
 
 #include <array>
@@ -22,7 +23,8 @@ void expect_same(const ClosestPoint& a, const ClosestPoint& b, const std::string
     EXPECT_EQ(a.point, b.point) << where;
 }
 
-void expect_same_as_scan(const TriangleTree& tree, const TriangleMesh& mesh, Random& random, int queries,
+template <class Tree>
+void expect_same_as_scan(const Tree& tree, const TriangleMesh& mesh, Random& random, int queries,
                          const std::string& name) {
     Counters counters;
     for (int i = 0; i < queries; ++i) {
@@ -59,6 +61,35 @@ TYPED_TEST(Trees, SameBitsAsAScanOn200Meshes) {
         std::sort(order.begin(), order.end());
         for (std::size_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], static_cast<Index>(i)) << name;
         ASSERT_EQ(order.size(), static_cast<std::size_t>(mesh.triangles.rows())) << name;
+    }
+}
+
+TEST(TriangleGrid, SameBitsAsAScanOn200Meshes) {
+    Random random(4);
+    for (const auto& [name, mesh] : tree_meshes())
+        expect_same_as_scan(TriangleGrid(mesh), mesh, random, mesh.triangles.rows() > 1000 ? 50 : 100, name);
+}
+
+// Points far from the mesh, and on its outermost planes.
+TEST(TriangleGrid, SameBitsAsAScanFarAway) {
+    Random random(8);
+    const TriangleMesh mesh = triangle_soup(random, 3000, 0.05);
+    const TriangleGrid grid(mesh);
+    Counters counters;
+    for (int i = 0; i < 300; ++i) {
+        Vec3 point = random.vector(std::pow(10, random.real(-1, 6)));
+        if (i % 3 == 0) point[i % 2] = mesh.vertices(i, i % 2);
+        expect_same(grid.closest(point, {}, counters), closest_by_scan(mesh, point, {}, counters), std::to_string(i));
+    }
+}
+
+// One triangle spans the grid, the others lie in one cell: what belongs to many cells must not fill the memory.
+TEST(TriangleGrid, TakesLinearMemoryHoweverTheTrianglesLie) {
+    Random random(9);
+    for (const double size : {1e-9, 1e-4, 0.05, 0.5, 3.0}) {
+        TriangleMesh mesh = triangle_soup(random, 4000, size);
+        for (int k = 0; k < 3; ++k) mesh.vertices.row(k) = 100 * random.vector();
+        EXPECT_LE(TriangleGrid(mesh).bytes(), 100 * 4000U) << size;
     }
 }
 

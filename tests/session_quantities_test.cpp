@@ -173,6 +173,8 @@ Query turned_round(Query query) {
 
 void expect_at_most_the_sum(const Counters& whole, const Counters& one, const Counters& two, const std::string& where) {
     for (const CounterField& field : counter_fields) {
+        // A floor makes bounds of groups of triangles worth computing, which cost less than the queries that they save.
+        if (field.member == &Counters::bound_tests) continue;
         EXPECT_LE(whole.*field.member, one.*field.member + two.*field.member) << where << ", " << field.name;
     }
 }

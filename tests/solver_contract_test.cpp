@@ -271,10 +271,24 @@ TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
     });
 }
 
+// The defaults, and each flag and each choice otherwise.
+std::vector<ParameterMap> variants_of(const SolverEntry& entry) {
+    std::vector<ParameterMap> variants{{}};
+    for (const ParameterSpec& spec : entry.info.parameters) {
+        if (const bool* flag = std::get_if<bool>(&spec.default_value)) variants.push_back({{spec.name, !*flag}});
+        for (const std::string& choice : spec.choices) {
+            if (std::get<std::string>(spec.default_value) != choice) variants.push_back({{spec.name, choice}});
+        }
+    }
+    return variants;
+}
+
 TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     std::map<std::string, std::set<std::string>> asked;
-    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
-        const Session lean = session_of(entry, c.test), full = session_of(entry, c.test, Leave::nothing_out);
+    const auto compare = [&](const SolverEntry& entry, const Case& c, const ParameterMap& given,
+                             const std::string& where) {
+        const Session lean = session_of(entry, c.test, Leave::out_what_is_not_needed, given),
+                      full = session_of(entry, c.test, Leave::nothing_out, given);
         Trace trace;
         for (std::size_t i = 0; i < c.truths.size(); ++i) {
             const Query query = query_of(c.test.poses[i], c.truths[i]);
@@ -287,6 +301,13 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
         }
         EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
         EXPECT_GE(full.preparation().size(), full.needs().size() + 1) << where;  // and "solver"
+    };
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
+        for (const ParameterMap& given : variants_of(entry)) {
+            const std::string variant = given.empty() ? "" : ", " + given.begin()->first;
+            const bool certified = entry.info.certified && entry.make(quick_options(entry, given))->certified();
+            if (certified || given.empty()) compare(entry, c, given, where + variant);
+        }
     });
     for (const SolverEntry& entry : solvers()) {
         for (const Need& need : entry.info.may_need) {

@@ -10,6 +10,9 @@
 // edge from v, cannot be less than that of the S nearest to v, so there is none.
 // The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
 //
+// Regions: groups of triangles of A are settled by the boxes of an octree over A (search/regions.h). Off: every vertex of A is
+// measured.
+//
 // Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k pieces
 // where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a needle.
 //
@@ -67,7 +70,9 @@ public:
           stages_(query.wanted.stages),
           bounds_(query, target_, {pair.magnitude, choices.certify}, counters_, trace,
                   elements_ ? &*elements_ : nullptr),
-          vertices_(a_, points_, target_, warm_start, most_levels(split_), bounds_, counters_) {}
+          vertices_(a_, points_, target_, warm_start, most_levels(split_), bounds_, counters_) {
+        if (pair.source_tree) vertices_.use_regions(*pair.source_tree, query.source_pose);
+    }
 
     Result run() {
         Result result = search();
@@ -200,7 +205,8 @@ public:
 
 private:
     Guthe(bool textbook, const Options& options)
-        : MeshSolver(textbook), choices_{textbook, options.flag("certify"), split_of(options)} {}
+        : MeshSolver(textbook, options.flag("regions")),
+          choices_{textbook, options.flag("certify"), split_of(options)} {}
 
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
         return Search(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
@@ -228,7 +234,9 @@ SolverEntry guthe_solver() {
          .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
          .choices = {}},
         split_parameter(),
+        regions_parameter(true, "as described: only regions that can attain the maximum"),
     };
+    info.may_need.push_back(need<TriangleOctree>(Side::source));
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
 }
 

@@ -2,8 +2,8 @@
 // computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric Design 62, 2018.
 //
 // After public code, and after Sacht and Jacobson 2024, section 3.2.3, who call the bound u3; that paper was not at hand. The
-// search is search/cascade.h, the bound is search/piece_bounds.h. Closest points are found by a BVH. The published program
-// finds them by a uniform grid, which is not here yet; B is a triangle mesh here, not one of quadrilaterals.
+// search is search/cascade.h, the bound is search/piece_bounds.h. Closest points are found by a uniform grid
+// (structures/triangle_grid.h), or by a BVH, which is better far from B; B is a triangle mesh here, not one of quadrilaterals.
 //
 // Fields: those of guthe.cpp, and "bound": 0 where the last piece of the triangle was exact, otherwise 3.
 // Budget: subdivisions.
@@ -12,8 +12,18 @@
 namespace hausbench {
 
 SolverEntry kang_solver() {
-    return {cascade_info("kang", "Kang et al.", "kang2018"), [](const Options& options) {
-                return cascade_solver({{PieceBound::u3}, split_of(options)});
+    SolverInfo info = cascade_info("kang", "Kang et al.", "kang2018");
+    info.may_need.push_back(need<TriangleGrid>(Side::target));
+    info.parameters.push_back({.name = "closest",
+                               .default_value = std::string("grid"),
+                               .unit = "",
+                               .paper_value = "grid",
+                               .description = "what closest points of B are found by: a uniform grid, or a BVH",
+                               .choices = {"grid", "bvh"}});
+    return {info, [](const Options& options) {
+                Cascade cascade = cascade_of(options, {PieceBound::u3});
+                cascade.grid = options.text("closest") == "grid";
+                return cascade_solver(std::move(cascade));
             }};
 }
 

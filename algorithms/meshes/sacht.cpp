@@ -54,7 +54,9 @@ SolverEntry sacht_solver() {
          .choices = {},
          .least = 1});
     return {info, [](const Options& options) {
-                return cascade_solver({order_of(options.text("order")), split_of(options), options.real("max_factor")});
+                Cascade cascade = cascade_of(options, order_of(options.text("order")));
+                cascade.max_factor = options.real("max_factor");
+                return cascade_solver(std::move(cascade));
             }};
 }
 

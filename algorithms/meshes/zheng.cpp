@@ -4,7 +4,7 @@
 // After public code, and after Sacht and Jacobson 2024, section 3.2.4; that paper was not at hand. The search is search/cascade.h:
 // the bound of a piece T is the least h(T, S) over the triangles S nearest to its three corners and to its barycentre
 // (search/piece_bounds.h). Ours: the barycentre is measured only where the three do not settle the piece, and counts for the lower
-// bound as any point of A does. Not taken over: the BVH of A, by whose boxes whole groups of triangles are purged.
+// bound as any point of A does. Groups of triangles of A are purged by the boxes of a BVH of A (`regions`, search/regions.h).
 //
 // Fields: those of guthe.cpp, and "bound": 0 where the last piece of the triangle was exact, otherwise 5.
 // Budget: subdivisions.
@@ -13,8 +13,8 @@
 namespace hausbench {
 
 SolverEntry zheng_solver() {
-    return {cascade_info("zheng", "Zheng et al.", "zheng2022"), [](const Options& options) {
-                return cascade_solver({{PieceBound::nearest_triangles}, split_of(options)});
+    return {cascade_info("zheng", "Zheng et al.", "zheng2022", true), [](const Options& options) {
+                return cascade_solver(cascade_of(options, {PieceBound::nearest_triangles}));
             }};
 }
 

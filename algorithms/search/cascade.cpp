@@ -51,7 +51,9 @@ public:
           stages_(query.wanted.stages),
           bounds_(query_, pair.target, {pair.magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
           pieces_(pair.target, pair.magnitude, counters_),
-          vertices_(a_, points_, pair.target, warm_start, most_levels_, bounds_, counters_) {}
+          vertices_(a_, points_, pair.target, warm_start, most_levels_, bounds_, counters_) {
+        if (pair.source_tree) vertices_.use_regions(*pair.source_tree, query.source_pose);
+    }
 
     Result run() {
         Result result = search();
@@ -166,9 +168,9 @@ Result Search::search() {
     }
 }
 
-class CascadeSolver final : public MeshSolver<TriangleBvh> {
+template <class Tree> class CascadeSolver final : public MeshSolver<Tree> {
 public:
-    explicit CascadeSolver(Cascade cascade) : cascade_(std::move(cascade)) {}
+    explicit CascadeSolver(Cascade cascade) : MeshSolver<Tree>(false, cascade.regions), cascade_(std::move(cascade)) {}
 
     std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
 
@@ -182,13 +184,25 @@ private:
 
 }  // namespace
 
-SolverInfo cascade_info(std::string name, std::string title, std::string paper) {
+SolverInfo cascade_info(std::string name, std::string title, std::string paper, bool regions) {
     SolverInfo info = mesh_solver_info<TriangleBvh>(std::move(name), std::move(title), std::move(paper));
     info.warm = true;
-    info.parameters = {split_parameter()};
+    info.parameters = {split_parameter(), regions_parameter(regions, regions ? "on" : "off")};
+    info.may_need.push_back(need<TriangleBvh>(Side::source));
     return info;
 }
 
-std::unique_ptr<Solver> cascade_solver(Cascade cascade) { return std::make_unique<CascadeSolver>(std::move(cascade)); }
+Cascade cascade_of(const Options& options, std::vector<PieceBound> order) {
+    Cascade cascade;
+    cascade.order = std::move(order);
+    cascade.split = split_of(options);
+    cascade.regions = options.flag("regions");
+    return cascade;
+}
+
+std::unique_ptr<Solver> cascade_solver(Cascade cascade) {
+    if (cascade.grid) return std::make_unique<CascadeSolver<TriangleGrid>>(std::move(cascade));
+    return std::make_unique<CascadeSolver<TriangleBvh>>(std::move(cascade));
+}
 
 }  // namespace hausbench

@@ -25,10 +25,14 @@ struct Cascade {
     Split split = Split::midpoint;
     // At most so many triangles and pieces, for each triangle of A.
     double max_factor = std::numeric_limits<double>::infinity();
+    bool regions = false;  // search/regions.h
+    bool grid = false;     // closest points of B are found by a uniform grid, not by a BVH
 };
 
-// What the solvers have in common: shapes, structures, and the parameter `split`.
-SolverInfo cascade_info(std::string name, std::string title, std::string paper);
+// What the solvers have in common: shapes, structures, and the parameters `split` and `regions`.
+SolverInfo cascade_info(std::string name, std::string title, std::string paper, bool regions = false);
+
+Cascade cascade_of(const Options& options, std::vector<PieceBound> order);
 
 std::unique_ptr<Solver> cascade_solver(Cascade cascade);
 

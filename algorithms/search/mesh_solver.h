@@ -4,10 +4,13 @@
 
 #include "kernel/rounding.h"
 #include "solver.h"
+#include "structures/bvh.h"
 #include "subdivision.h"
 #include "target.h"
 
 #include <algorithm>
+#include <concepts>
+#include <type_traits>
 #include <utility>
 
 namespace hausbench {
@@ -18,33 +21,49 @@ struct MeshPair {
     const Points& points;
     const Target& target;
     double magnitude;
+    const TriangleTree* source_tree;  // over A, unposed; null: none is asked for
 };
 
-// `Tree`: what a solver has over B, unless B is so small that a scan is as fast. A solver that needs more overrides needs() and
+// `Tree`: what a solver has over B, unless B is so small that a scan is as fast: a tree or a grid. A solver that needs more overrides needs() and
 // prepare(), and calls these.
 template <class Tree> class MeshSolver : public Solver {
+    static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
+
 public:
+    using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;  // over A, where a solver uses regions of it
+
     Needs needs(const Scene& scene, const QuerySet&) const override {
-        if (element_count(scene.target) <= scan_at_most) return {};
-        return {need<Tree>(Side::target)};
+        Needs needs;
+        if (element_count(scene.target) > scan_at_most) needs.push_back(need<Tree>(Side::target));
+        if (has_regions(scene)) needs.push_back(need<RegionTree>(Side::source));
+        return needs;
     }
 
-    void prepare(const Scene&, const Prepared& prepared) override {
+    void prepare(const Scene& scene, const Prepared& prepared) override {
         source_ = &prepared.triangles(Side::source);
         target_ = &prepared.triangles(Side::target);
         tree_ = prepared.has<Tree>(Side::target) ? &prepared.get<Tree>(Side::target) : nullptr;
+        source_tree_ = has_regions(scene) ? &prepared.get<RegionTree>(Side::source) : nullptr;
     }
 
     Result solve(const Query& query, State* state, Trace& trace) const final {
         const Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
-        const Target target(*target_, tree_, textbook_);
-        return search({*source_, points, target, most}, query, state, trace);
+        const Target target = [&] {
+            if constexpr (is_tree)
+                return Target(*target_, tree_, textbook_);
+            else
+                return Target(*target_, tree_);
+        }();
+        return search({*source_, points, target, most, source_tree_}, query, state, trace);
     }
 
 protected:
-    explicit MeshSolver(bool textbook = false) : textbook_(textbook) {}
+    explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
+
+    // Even where a tree over A was built for nothing: answers must not depend on what was left out.
+    bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }
     const Tree* tree() const { return tree_; }  // null: B is scanned
@@ -53,9 +72,11 @@ private:
     virtual Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const = 0;
 
     bool textbook_;  // as Target takes it
+    bool regions_;   // whether there is a tree over A too
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const Tree* tree_ = nullptr;
+    const RegionTree* source_tree_ = nullptr;
 };
 
 // Meshes or points on either side, certified, with a trace and fields. The rest is the solver's.
@@ -82,6 +103,18 @@ inline ParameterSpec split_parameter() {
                 "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that of the "
                 "longest edge, for needles",
             .choices = {"midpoint", "longest_edge"}};
+}
+
+// The parameter `regions`; info.may_need must then have a tree over A.
+inline ParameterSpec regions_parameter(bool by_default, std::string paper_value) {
+    return {.name = "regions",
+            .default_value = by_default,
+            .unit = "",
+            .paper_value = std::move(paper_value),
+            .description =
+                "settle whole groups of triangles of A by the boxes of a tree over A, which must be built; off: "
+                "measure every vertex of A",
+            .choices = {}};
 }
 
 inline Split split_of(const Options& options) {

@@ -21,6 +21,7 @@ ClosestPoint textbook_closest_by_scan(const TriangleMesh& mesh, const Vec3& poin
 ClosestPoint Target::closest(const Vec3& point, Index warm, Counters& counters) const {
     ClosestHints hints;
     hints.warm_triangle = warm;
+    if (grid_) return grid_->closest(point, hints, counters);
     if (!textbook_)
         return tree_ ? tree_->closest(point, hints, counters) : closest_by_scan(mesh_, point, hints, counters);
 
@@ -45,6 +46,7 @@ void Target::squared_distances(const PointBlock& block, std::size_t count, const
 }
 
 double Target::certified_distance(const Vec3& point, Counters& counters) const {
+    if (grid_) return grid_->certified_distance(point, counters);
     return tree_ ? tree_->certified_distance(point, counters) : certified_distance_by_scan(mesh_, point, counters);
 }
 

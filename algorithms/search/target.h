@@ -1,8 +1,9 @@
-// Distances to the target B, by its tree, or by a scan where B is so small that it has none.
+// Distances to the target B, by its tree or its grid, or by a scan where B is so small that it has neither.
 #pragma once
 
 #include "kernel/closest.h"
 #include "kernel/triangle_block.h"
+#include "structures/triangle_grid.h"
 #include "structures/triangle_tree.h"
 
 namespace hausbench {
@@ -24,6 +25,9 @@ public:
     Target(const TriangleMesh& mesh, const TriangleTree* tree, bool textbook = false)
         : mesh_(mesh), tree_(tree), textbook_(textbook) {}
 
+    Target(const TriangleMesh& mesh, const TriangleGrid* grid) : mesh_(mesh), grid_(grid) {}
+    Target(const TriangleMesh& mesh, std::nullptr_t) : mesh_(mesh) {}
+
     const TriangleMesh& mesh() const { return mesh_; }
     Triangle triangle(Index i) const { return triangle_of(mesh_, i); }
 
@@ -41,8 +45,9 @@ public:
 
 private:
     const TriangleMesh& mesh_;
-    const TriangleTree* tree_;
-    bool textbook_;
+    const TriangleTree* tree_ = nullptr;
+    const TriangleGrid* grid_ = nullptr;
+    bool textbook_ = false;
 };
 
 }  // namespace hausbench

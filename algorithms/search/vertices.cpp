@@ -9,7 +9,6 @@ Triangle SourceVertices::posed_triangle(Index i) const {
 
 // What was farthest is measured first, so that the lower bound is large from the start.
 void SourceVertices::begin_warm() {
-    settled_.resize(static_cast<std::size_t>(a_.triangles.rows()));
     WarmStart& last = *warm_start_;
     last.nearest.resize(vertices_.size(), -1);
     if (last.source < 0) return;
@@ -34,7 +33,7 @@ bool SourceVertices::settle_by_last_pose(Index i) {
         for (const Index other : corners) most = std::max(most, target_.squared_distance(points_.row(other), near));
         counters_.point_triangle_distances += 3;
         ++counters_.bound_tests;
-        if (bounds_.settle(bounds_.at_most(most, 0), i, 0, most_levels_)) return true;
+        if (leave_out(i, bounds_.at_most(most, 0))) return true;
     }
     return false;
 }
@@ -54,27 +53,45 @@ bool SourceVertices::measure() {
     return done;
 }
 
+bool SourceVertices::leave_out(Index i, double upper) {
+    if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
+    settled_[static_cast<std::size_t>(i)] = true;
+    return true;
+}
+
+// `near`: a triangle of B where to begin, or -1. Returns one that is nearest to one of its corners, or `near`.
+Index SourceVertices::measure_triangle(Index i, Index near) {
+    if (warm_start_ && settle_by_last_pose(i)) return near;
+    const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };
+    for (const Index v : a_.triangles.row(i)) {
+        if (vertex(v).triangle >= 0) near = vertex(v).triangle;
+    }
+    for (const Index v : a_.triangles.row(i)) {
+        if (vertex(v).triangle < 0) {
+            const Index last = warm_start_ ? warm_start_->nearest[static_cast<std::size_t>(v)] : -1;
+            vertex(v) = bounds_.measure(points_.row(v), last >= 0 ? last : near, i, 0);
+        }
+        near = vertex(v).triangle;
+    }
+    return near;
+}
+
+// One triangle is measured whatever the regions say, so that there is a witness, and a lower bound to begin with.
+bool SourceVertices::measure_regions() {
+    measure_triangle(0, -1);
+    return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },
+                          [&](Index i, double upper) { leave_out(i, upper); });
+}
+
 bool SourceVertices::measure_triangles() {
     vertices_.resize(static_cast<std::size_t>(points_.rows()));
+    if (warm_start_ || regions_) settled_.resize(static_cast<std::size_t>(a_.triangles.rows()));
     if (warm_start_) begin_warm();
-    const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };
-    Index warm = -1;
+    if (regions_) return measure_regions();
+    Index near = -1;
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (i % 128 == 0 && bounds_.out_of_time()) return false;
-        if (warm_start_ && settle_by_last_pose(i)) {
-            settled_[static_cast<std::size_t>(i)] = true;
-            continue;
-        }
-        for (const Index v : a_.triangles.row(i)) {
-            if (vertex(v).triangle >= 0) warm = vertex(v).triangle;
-        }
-        for (const Index v : a_.triangles.row(i)) {
-            if (vertex(v).triangle < 0) {
-                const Index last = warm_start_ ? warm_start_->nearest[static_cast<std::size_t>(v)] : -1;
-                vertex(v) = bounds_.measure(points_.row(v), last >= 0 ? last : warm, i, 0);
-            }
-            warm = vertex(v).triangle;
-        }
+        near = measure_triangle(i, near);
     }
     return true;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bounds.h"
+#include "regions.h"
 #include "warm_start.h"
 
 #include <array>
@@ -22,9 +23,14 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
+    // Groups of triangles of A that cannot hold the farthest point are left out from now on. `tree` is over A, unposed.
+    void use_regions(const TriangleTree& tree, const Pose& pose) {
+        regions_.emplace(tree, points_, pose, target_, bounds_, counters_);
+    }
+
     // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
     // before. With a warm start: at the one that was nearest at the pose before; and triangles of A that this pose's distances to
-    // those settle are left out. Where the bounds of each triangle are kept, a vertex is offered to all its triangles. False: out of time.
+    // those settle are left out, as those of regions are. Where the bounds of each triangle are kept, a vertex is offered to all its triangles. False: out of time.
     bool measure();
 
     // Whether triangle i of A was left out: its bound is kept. After measure().
@@ -42,6 +48,9 @@ public:
 private:
     void begin_warm();
     bool measure_triangles();
+    bool measure_regions();
+    Index measure_triangle(Index i, Index near);
+    bool leave_out(Index i, double upper);
     void offer_to_all_triangles() const;
     bool settle_by_last_pose(Index i);
     Triangle posed_triangle(Index i) const;
@@ -54,7 +63,8 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     std::vector<MeasuredPoint> vertices_;
-    std::vector<bool> settled_;  // triangles of A; empty without a warm start
+    std::vector<bool> settled_;  // triangles of A; empty without a warm start and regions
+    std::optional<SourceRegions> regions_;
 };
 
 }  // namespace hausbench

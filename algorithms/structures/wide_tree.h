@@ -37,6 +37,12 @@ struct QuantisedBoxes {
     // As computed: q step is exact, the sum is rounded.
     double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
+    // That of child i, by its planes as computed: it holds the content of the child.
+    Box box(int i) const {
+        return {{plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
+                {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]), plane(2, high_z[i])}};
+    }
+
     // plane(k, low(k, i)) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high(k, i)). Not as computed but in real
     // numbers, origin + (q -+ 2^-45) step is no farther inside either. What is not in use repeats the first. One to eight
     // boxes; coordinates up to 2^400. Returns the box around all of them, exactly.

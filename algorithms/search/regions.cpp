@@ -1,0 +1,63 @@
+#include "regions.h"
+
+#include "queue.h"
+
+#include <cmath>
+
+namespace hausbench {
+
+double SourceRegions::upper_of(const Box& box, const Vec3& q) {
+    ++counters_.bound_tests;
+    return bounds_.at_most(squared_distance_at_most(q, box), 0);
+}
+
+// Whether its upper bound may have changed. Half of the diagonal is the least bound that any q can give.
+bool SourceRegions::improve(Region& region) {
+    if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
+        return false;
+    const ClosestPoint nearest = target_.closest(0.5 * (region.box.low + region.box.high), region.near, counters_);
+    region.own = true;
+    region.q = nearest.point;
+    region.near = nearest.triangle;
+    region.upper = std::min(region.upper, upper_of(region.box, region.q));
+    return true;
+}
+
+void SourceRegions::for_each_triangle(std::int32_t child, const std::function<void(Index)>& call) const {
+    if (child < 0) {
+        for (const Index i : tree_.leaf(static_cast<std::size_t>(~child))) call(i);
+        return;
+    }
+    const WideNode& node = tree_.nodes[static_cast<std::size_t>(child)];
+    for (int k = 0; k < node.count; ++k) for_each_triangle(node.child[k], call);
+}
+
+bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
+                         const std::function<void(Index, double)>& settle) {
+    PieceQueue<Region> queue;
+    queue.push({std::numeric_limits<double>::infinity(), all_, Vec3::Zero(), -1, 0, false});
+    for (std::size_t steps = 0; !queue.empty(); ++steps) {
+        if (steps % 32 == 0 && bounds_.out_of_time()) return false;
+        Region region = queue.pop();
+        if (region.upper <= bounds_.purged_at_most(0)) {
+            for_each_triangle(region.child, [&](Index i) { settle(i, region.upper); });
+        } else if (improve(region)) {
+            queue.push(region);
+        } else if (region.child < 0) {
+            for_each_triangle(region.child, [&](Index i) { look(i, region.near); });
+        } else {
+            const WideNode& node = tree_.nodes[static_cast<std::size_t>(region.child)];
+            for (int k = 0; k < node.count; ++k) {
+                Region part = region;
+                part.child = node.child[k];
+                part.own = false;
+                part.box = posed_box(node.boxes.box(k), pose_, all_);
+                if (region.near >= 0) part.upper = std::min(part.upper, upper_of(part.box, part.q));
+                queue.push(part);
+            }
+        }
+    }
+    return true;
+}
+
+}  // namespace hausbench

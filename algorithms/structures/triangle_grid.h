@@ -1,0 +1,71 @@
+// A uniform grid over the triangles of a mesh, for closest point queries near its surface: as Kang et al. 2018 find them.
+//
+// A triangle belongs to every cell that its box touches. A query looks into the cells around the point, shell by shell, until a shell
+// is farther than what was found. Good where triangles are of one size and the point is near; far away a query looks at most
+// cells, and where sizes differ much a few cells hold most triangles. Trees (triangle_tree.h) know neither weakness.
+//
+// No slack for rounding: cells are numbered by a function that is monotone in each coordinate, as computed, and distances to cells
+// are those to planes beyond which it gives another number. So each cell is left out only where no computed distance to a point in
+// it could win, and the closest point of a triangle, which is clamped to its box, lies in a cell that the triangle belongs to.
+#pragma once
+
+#include "kernel/closest.h"
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+class TriangleGrid {
+public:
+    static constexpr std::string_view structure_name = "uniform grid";
+    static constexpr int structure_layout = 1;
+
+    // `mesh` must outlive this. Cubes, about as many as triangles; fewer where triangles would belong to more than 8 cells each on
+    // average. O(n) time and memory.
+    explicit TriangleGrid(const TriangleMesh& mesh);
+
+    // As closest_by_scan (kernel/closest.h), to the bit; hints as there. O(1) near a surface of even triangles, O(n) at worst.
+    ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
+
+    // As certified_distance_by_scan, to the bit.
+    double certified_distance(const Vec3& point, Counters& counters) const;
+
+    const TriangleMesh& mesh() const { return *mesh_; }
+    std::size_t bytes() const;
+
+private:
+    struct Axis {
+        double low = 0, cells_per_length = 0;
+        int cells = 1;
+        std::vector<double> before,
+            after;  // no coordinate of cell i or of a later one is below before[i]; after[i] likewise
+
+        int cell(double x) const;
+    };
+    struct Block {
+        int low[3], high[3];  // cells
+    };
+
+    void lay(const Box& box, double edge);
+    std::size_t entries() const;
+    void fill();
+    Block block_of(const Box& box) const;
+    std::size_t number(int x, int y, int z) const {
+        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(axes_[1].cells) + static_cast<std::size_t>(y)) *
+                   static_cast<std::size_t>(axes_[0].cells) +
+               static_cast<std::size_t>(x);
+    }
+    double beyond(const Vec3& point, const Block& block) const;
+    template <class Look>
+    void search(const Vec3& point, const double& squared, Counters& counters, const Look& look) const;
+
+    const TriangleMesh* mesh_;
+    Box box_;
+    Axis axes_[3];
+    std::vector<std::int32_t> cell_begin_;  // cell i holds order_[cell_begin_[i]] to order_[cell_begin_[i + 1] - 1]
+    std::vector<Index> order_;
+};
+
+}  // namespace hausbench
