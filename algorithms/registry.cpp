@@ -17,6 +17,7 @@ SolverEntry nohd_as_printed_solver();       // points/nohd_as_printed.cpp
 SolverEntry ohd_as_printed_solver();        // points/ohd_as_printed.cpp
 SolverEntry scan_solver();                  // points/scan.cpp
 SolverEntry guthe_solver();                 // meshes/guthe.cpp
+SolverEntry tang_solver();                  // meshes/tang.cpp
 SolverEntry kang_solver();                  // meshes/kang.cpp
 SolverEntry sacht_solver();                 // meshes/sacht.cpp
 SolverEntry zheng_solver();                 // meshes/zheng.cpp
@@ -42,6 +43,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         ohd_as_printed_solver(),
         scan_solver(),
         guthe_solver(),
+        tang_solver(),
         kang_solver(),
         zheng_solver(),
         sacht_solver(),

@@ -160,7 +160,9 @@ std::map<std::string, Counts> all_counts() {
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
     all["sampling"] = solver_counts("sampling", {{"step", 0.02}});
-    for (const char* name : {"kang", "zheng", "sacht"}) all[name] = solver_counts(name);
+    for (const char* name : {"tang", "kang", "zheng", "sacht"}) all[name] = solver_counts(name);
+    all["tang_boxes"] = solver_counts("tang", {{"volumes", std::string("boxes")}, {"split", std::string("midpoint")}});
+    all["tang_without_group"] = solver_counts("tang", {{"group", false}});
     all["closest_by_scan"] = scan_counts();
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();

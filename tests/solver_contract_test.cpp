@@ -309,6 +309,14 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
             if (certified || given.empty()) compare(entry, c, given, where + variant);
         }
     });
+    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string&) {
+        for (const ParameterSpec& parameter : entry.info.parameters) {
+            for (const std::string& choice : parameter.choices) {
+                const auto solver = entry.make(quick_options(entry, {{parameter.name, choice}}));
+                for (const Need& need : solver->needs(c.test.scene, {})) asked[entry.info.name].insert(to_string(need));
+            }
+        }
+    });
     for (const SolverEntry& entry : solvers()) {
         for (const Need& need : entry.info.may_need) {
             EXPECT_TRUE(asked[entry.info.name].contains(to_string(need)))

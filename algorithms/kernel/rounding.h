@@ -88,6 +88,18 @@ inline constexpr int level_of_closest_point = 4;
 // the sums a + b and + c err by 2uM and 3uM, a third of that and uM for the division make less than 3uM; sqrt(3) 3 < 6.
 inline constexpr int level_of_inner_point = 3;
 
+// A point of the edge ab, 0 <= t <= 1. b - a errs by u |b - a| in each coordinate, its product with t by as much again, the sum by uM:
+// uM + 2.01u e in all, e the largest |coordinate| of b - a. That is at most 5.1uM, as e <= 2M, and sqrt(3) 5.1 < 10: like a vertex
+// after five halvings. Where e <= M / 16 it is 1.13uM, and sqrt(3) 1.13 < 2: like one after one halving. M = 0: nothing errs.
+inline Vec3 point_of_edge(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
+
+inline constexpr int level_of_long_edge = 5;
+
+// `longest`: the largest e as computed, which may be u of it too small; the 1.13 above has room for that.
+inline int level_of_point_of_edge(double longest, double magnitude) {
+    return longest <= magnitude / 16 ? 1 : level_of_long_edge;
+}
+
 // `sum` = fl(f + g): f is the distance of a point of A to B as closest_point computes it, or the largest of some, and g a length
 // between points of A, computed in the same way, or more than that length. f and g err by 3.5u, their sum rounds by u: 1 + 5u
 // makes up for these. The point of B is off it by 7uM, and underflow is far below the eighth uM. Each next_up gives back what the

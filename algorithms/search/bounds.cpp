@@ -17,7 +17,7 @@ double SearchBounds::certified_lower() {
     return certified_;
 }
 
-std::optional<Status> SearchBounds::end(double queued, std::uint64_t spent) {
+std::optional<Status> SearchBounds::answered(double queued) {
     while (true) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
@@ -27,11 +27,15 @@ std::optional<Status> SearchBounds::end(double queued, std::uint64_t spent) {
         if (seems || done) {
             if (const auto answer = query_.answer(certified_lower(), high)) return answer;
         }
-        if (seems != Status::converged && !done) break;
+        if (seems != Status::converged && !done) return std::nullopt;
         if (!seems) return Status::precision_floor;
         loss_ = std::max(2 * loss_, std::sqrt(farthest_squared()) - certified_lower());
         if (!(loss_ < query_.tolerance.gap(certified_lower()))) return Status::precision_floor;
     }
+}
+
+std::optional<Status> SearchBounds::end(double queued, std::uint64_t spent) {
+    if (const auto answer = answered(queued)) return answer;
     if (spent >= query_.budget) return Status::budget;
     if (spent % 64 == 0 && deadline_.passed()) return Status::time_limit;
     return std::nullopt;

@@ -69,6 +69,9 @@ public:
         return true;
     }
 
+    // Whether the bounds, or the lack of anything left to split, end the search; `queued` as below.
+    std::optional<Status> answered(double queued);
+
     // Whether the search is over, and how; asked before a piece is taken from the queue, which is not empty if the answer is
     // no. `queued` is the largest upper bound in the queue, 0 where it is empty; `spent` is what the budget is compared with.
     std::optional<Status> end(double queued, std::uint64_t spent);

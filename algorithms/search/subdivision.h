@@ -30,22 +30,28 @@ template <class Vertex> struct Cut {
     }
 };
 
-// `Vertex` has a member `point`; `measure(point, near)` returns that of a new point, which is beside the vertex `near`. It
-// is called once for each new vertex, in order.
-template <class Vertex, class Measure>
-Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
+// `Vertex` has a member `point`. `place(one, two)` returns a point of the edge between two vertices, and `measure(point, near)` the
+// vertex there; `near` is beside it. Four pieces, with a new vertex on each edge.
+template <class Vertex, class Place, class Measure>
+Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place, const Measure& measure) {
     Cut<Vertex> cut;
     for (std::size_t k = 0; k < 3; ++k) cut.vertices[k] = corners[k];
-    const auto add_midpoint = [&](std::size_t a, std::size_t b) {
-        const Vertex &one = cut.vertices[a], &two = cut.vertices[b];
-        cut.vertices[cut.vertex_count++] = measure(Vec3(0.5 * (one.point + two.point)), one);
-    };
-    if (split == Split::midpoint) {  // 3, 4, 5 are the midpoints opposite 0, 1, 2
-        for (std::size_t k = 0; k < 3; ++k) add_midpoint((k + 1) % 3, (k + 2) % 3);
-        cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
-        cut.piece_count = 4;
-        return cut;
+    for (std::size_t k = 0; k < 3; ++k) {  // 3, 4, 5 are opposite 0, 1, 2
+        const Vertex &one = cut.vertices[(k + 1) % 3], &two = cut.vertices[(k + 2) % 3];
+        cut.vertices[cut.vertex_count++] = measure(place(one, two), one);
     }
+    cut.pieces = {{{0, 5, 4}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}}};
+    cut.piece_count = 4;
+    return cut;
+}
+
+// Likewise, at midpoints. `measure` is called once for each new vertex, in order.
+template <class Vertex, class Measure>
+Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
+    const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };
+    if (split == Split::midpoint) return cut_in_four(corners, midpoint, measure);
+    Cut<Vertex> cut;
+    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // so that none is undefined
     std::size_t opposite = 0;
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -53,7 +59,7 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
         if (length > longest) longest = length, opposite = k;
     }
     const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
-    add_midpoint(one, two);
+    cut.vertices[cut.vertex_count++] = measure(midpoint(corners[one], corners[two]), corners[one]);
     cut.pieces[0] = {opposite, one, 3};
     cut.pieces[1] = {opposite, 3, two};
     cut.piece_count = 2;

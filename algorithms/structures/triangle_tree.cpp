@@ -91,6 +91,26 @@ static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& lea
     }
 }
 
+unsigned tree_leaf_distances(const TriangleLeaves& leaves, std::size_t i, const std::array<Vec3, 3>& points,
+                             const Vec3& centre, double squared_radius, double (&squared)[3][leaf_capacity]) {
+    const Doubles d;
+    const TriangleLeaf& leaf = leaves.leaf[i];
+    const double* vertices = leaves.vertices + 3 * std::size_t{leaf.first_vertex};
+    BoxDistances distances;
+    const unsigned mask = near_boxes(leaf.boxes, leaf.count, centre, squared_radius, distances);
+    for (std::size_t lane = 0; lane < leaf_capacity; lane += hn::Lanes(d)) {
+        if ((mask >> lane & ((1U << hn::Lanes(d)) - 1)) == 0) continue;
+        const double* place[3][4];
+        for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+            for (int v = 0; v < 3; ++v) place[v][k] = vertices + leaf.corner[v][lane + k];
+        }
+        const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
+        for (std::size_t k = 0; k < 3; ++k)
+            hn::StoreU(closest_point(set(points[k]), a, b, c, box_of(a, b, c)).squared, d, squared[k] + lane);
+    }
+    return mask;
+}
+
 // `first_leaf`: that of the hint, or negative. A hint that turns out farther than the size of a triangle is as good as
 // none: searching with such a radius takes longer than finding a better leaf. Where one corner is farther than twice that,
 // the leaf is not even looked at.
@@ -158,6 +178,7 @@ HWY_AFTER_NAMESPACE();
 namespace hausbench {
 
 HWY_EXPORT(tree_closest);
+HWY_EXPORT(tree_leaf_distances);
 HWY_EXPORT(tree_textbook);
 HWY_EXPORT(tree_certify);
 
@@ -232,6 +253,12 @@ double TriangleTree::certified_distance(const Vec3& point, Counters& counters) c
     HWY_DYNAMIC_DISPATCH(tree_certify)
     (tree_, {leaves_.get(), vertices_.get(), tree_.order.data()}, point, nearest, least, counters);
     return least;
+}
+
+unsigned TriangleTree::leaf_distances(std::size_t leaf, const std::array<Vec3, 3>& points, const Vec3& centre,
+                                      double squared_radius, double (&squared)[3][leaf_capacity]) const {
+    return HWY_DYNAMIC_DISPATCH(tree_leaf_distances)({leaves_.get(), vertices_.get(), tree_.order.data()}, leaf, points,
+                                                     centre, squared_radius, squared);
 }
 
 std::size_t TriangleTree::bytes() const {

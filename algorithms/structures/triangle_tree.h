@@ -5,6 +5,7 @@
 #include "triangle_leaf.h"
 #include "wide_tree.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -26,6 +27,12 @@ public:
 
     // As certified_distance_by_scan, to the bit. O(log n) and what is equally near.
     double certified_distance(const Vec3& point, Counters& counters) const;
+
+    // Squared distances of three points to the triangles of a leaf, as closest_point: squared[k][i] is that of points[k] to triangle
+    // i, where bit i of the answer is set, and undefined otherwise. It is set unless the triangle's box is farther from `centre`
+    // than `squared_radius`, squared.
+    unsigned leaf_distances(std::size_t leaf, const std::array<Vec3, 3>& points, const Vec3& centre,
+                            double squared_radius, double (&squared)[3][leaf_capacity]) const;
 
     const WideTree& tree() const { return tree_; }
     const TriangleMesh& mesh() const { return *mesh_; }
