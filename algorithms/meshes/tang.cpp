@@ -19,11 +19,14 @@
 // of itself. (32 + 8k) uM is added, and 8u of the sum. No bound rests on it: h(T, S) is an upper bound whatever S is, and the
 // farthest point is measured again against all of B. Were S missing, the search might end with `precision_floor`.
 // A list of more than `most_listed` triangles is not kept: such a piece is measured by closest point queries, and its parts are
-// given another chance. So a piece takes the same memory whatever B is, duplicates and the centre of a sphere too.
+// given another chance when they are small enough for a list to be likely. So a piece takes the same memory whatever B is,
+// duplicates and the centre of a sphere too.
 //
 // Voronoi: an edge whose ends have different nearest triangles is cut where it is as far from the plane of the one as from that of
 // the other; any other one, and where there is no such place, at its midpoint. Ours: a cut leaves at least `least_part` of the edge
-// on either side, so that pieces shrink and stay compact; below `voronoi_depth` subdivisions midpoints take over.
+// on either side, so that pieces shrink and stay compact (0.25: with 0.05 there are more splits than at midpoints); below
+// `voronoi_depth` subdivisions midpoints take over. Where neighbours in B lie in one plane, as in a mesh that was subdivided, cuts
+// do not find their common edge: `midpoint` does there if B was cut at midpoints.
 //
 // Certified: upper bounds are widened as kernel/rounding.h says, volumes as search/volumes.cpp does; the lower bound as in
 // search/bounds.h. Where A was moved, its volumes are moved with it.
@@ -33,7 +36,7 @@
 // Reports: "culled on A", the share of A's triangles that were settled before culling on B; "culled on B", the share of B's triangles
 // that were not measured against a triangle of A that was not culled; "depth", the largest number of subdivisions.
 //
-// Budget: subdivisions. Time O(n log n + m log m) to prepare. Memory O(n + m), and 172 bytes and
+// Budget: subdivisions. Time O(n log n + m log m) to prepare. Memory O(n + m), and 184 bytes and
 // its list, 4 bytes a triangle, for each piece in the queue.
 #include "search/bounds.h"
 #include "search/elements.h"
@@ -76,7 +79,8 @@ struct Piece {
     Index best = -1;    // triangle of B whose bound was least
     int level = 0;      // of rounding
     int depth = 0;
-    Lists::List list;  // empty: there is none
+    Lists::List list;         // empty: there is none
+    std::uint64_t crowd = 0;  // triangles of B that seem to be near, where there is no list
 };
 
 // A triangle of B, and its squared distance to each corner of a piece.
@@ -118,7 +122,9 @@ double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, cons
     const double sign = from_one(centre(two)) * from_two(centre(one)) < 0 ? -1 : 1;
     const double at_from = from_one(from) - sign * from_two(from), at_to = from_one(to) - sign * from_two(to);
     const double t = at_from / (at_from - at_to);
-    return t > 0 && t < 1 ? std::clamp(t, least_part, 1 - least_part) : 0.5;
+    // Where the planes are one, up to rounding, they say nothing.
+    const bool clear = std::abs(at_from - at_to) > 1e-6 * std::sqrt(squared_length(to - from));
+    return clear && t > 0 && t < 1 ? std::clamp(t, least_part, 1 - least_part) : 0.5;
 }
 
 // One query.
@@ -382,6 +388,7 @@ template <class Tree> void Search<Tree>::cull_on_b(Piece& piece) {
         if (upper < piece.upper) piece.upper = upper, piece.best = triangle;
         reach = next_up(piece.upper + radius);
     });
+    piece.crowd = tested;
     counters_.point_triangle_distances += 3 * tested;
     counters_.bound_tests += tested;
     if (piece.depth == 0) left_on_b_ += tested;
@@ -479,7 +486,7 @@ template <class Tree> void Search<Tree>::measure(Candidates& candidates, Cut<Mea
 }
 
 template <class Tree> void Search<Tree>::split(Piece piece) {
-    if (piece.list.count == 0) {
+    if (piece.list.count == 0 && piece.crowd <= most_near) {
         cull_on_b(piece);
         if (settle(piece)) return;
         list(piece);
@@ -499,7 +506,8 @@ template <class Tree> void Search<Tree>::split(Piece piece) {
     measure(found, cut);
     for (std::size_t v = 3; v < cut.vertex_count && listed; ++v) bounds_.offer(cut.vertices[v], piece.source, level);
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        Piece part{cut.corners(c), piece.upper, piece.source, piece.best, level, depth, {}};
+        Piece part{cut.corners(c), piece.upper, piece.source, piece.best,
+                   level,          depth,       {},           piece.crowd / cut.piece_count};
         near_.clear();
         double least = infinity;
         for (std::size_t s = 0; s < found.count; ++s) {
