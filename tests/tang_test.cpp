@@ -298,17 +298,41 @@ TEST(Tang, BoundsAreWidenedByTheLevelOfTheirPiece) {
     }
 }
 
-// What is culled with a node keeps the bound of its volume, widened by what the closest point of B may be off. A is one point, so that
-// its volume is too; the floor lets all of it be culled.
-TEST(Tang, ACulledNodeIsWidened) {
-    const Scene scene{points_as_triangles(std::vector<Vec3>(9, Vec3(1, 0, 0))), points_as_triangles({{0, 0, 0}})};
+// What is culled with a node keeps the bound of its volume, widened by what the closest point of B may be off. A is nine copies of each
+// of two points that are 1 from B; the floor lets all be culled, but not at the root.
+TEST(Tang, ACulledNodeKeepsItsBoundAndIsWidened) {
+    std::vector<Vec3> a(9, Vec3(1, 0, 0));
+    a.resize(18, Vec3(9, 0, 0));
+    const Scene scene{points_as_triangles(a), points_as_triangles({{0, 0, 0}, {10, 0, 0}, {-1000, 0, 0}})};
     for (const ParameterMap& given : {options()[0], options()[1]}) {
         Query query = asking(1e-30);
-        query.floor = 1.5;
+        query.floor = 2;
         query.wanted.fields = true;
         const Result result = solve(scene, query, given);
         EXPECT_EQ(to_string(result.status), "below_floor");
-        EXPECT_GE(result.bounds.upper, 1 + 7.9 * u);
+        EXPECT_EQ(reported(result, "culled on A"), 1);
+        std::vector<double> upper = (*result.fields)[1].values;
+        upper.push_back(result.bounds.upper);
+        for (const double bound : upper) {
+            EXPECT_GE(bound, 1 + 7.9 * u * 1000);
+            EXPECT_LE(bound, 1 + 1e-9);
+        }
+    }
+}
+
+// The cutoff ends culling on A early: what is left of its tree counts, at every level.
+TEST(Tang, WhatIsLeftOfTheTreeCounts) {
+    const Scene scene{sheet(60, 0.5, 0.4), sheet(30, 0, 0.1)};
+    const double h = solve(scene, asking(1e-6)).bounds.lower;
+    for (const ParameterMap& given : options()) {
+        Query query = asking(1e-6);
+        query.cutoff = 0.5;
+        query.wanted.fields = true;
+        const Result result = solve(scene, query, given);
+        EXPECT_EQ(to_string(result.status), "above_cutoff");
+        EXPECT_GE(result.bounds.upper, h);
+        const std::vector<double>& upper = (*result.fields)[1].values;
+        EXPECT_GE(result.bounds.upper, *std::max_element(upper.begin(), upper.end()));
     }
 }
 
