@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
-from matplotlib.collections import PolyCollection
 
-from analysis import command, style
+from analysis import command, mesh_picture, style
 from analysis.load import ResultError, Results
-from analysis.program import program
 
 STEM = "overview"
-FROM = np.array([-0.5, 0.3, -1.0])  # where the eye is
-Values = npt.NDArray[np.float64]
+FROM = (-0.5, 0.3, -1.0)  # where the eye is
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -33,40 +27,12 @@ def make(results: Results, out: Path) -> list[Path]:
     return style.save(figure, out, STEM, str(results.meta.get("title", "")))
 
 
-def mesh(name: str) -> tuple[Values, npt.NDArray[np.int64]]:
-    """Corners and triangles of a model, in the order in which its fields are."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "mesh.off"
-        done = subprocess.run([program(), "export", name, file], capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ResultError(f"model '{name}' cannot be drawn: {done.stderr.strip()}")
-        lines = file.read_text(encoding="ascii").split("\n")
-    count, faces = map(int, lines[1].split()[:2])
-    corners = np.array([line.split() for line in lines[2:2 + count]], dtype=float)
-    return corners, np.array([line.split()[1:4] for line in lines[2 + count:2 + count + faces]], dtype=np.int64)
-
-
 def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
-    corners, triangles = mesh(str(results.cases.source[case]))
-    distance = results.fields_of(case)["distance"][triangles].mean(axis=1) / results.cases.source_diagonal[case]
-    eye = FROM / np.linalg.norm(FROM)
-    right = np.cross([0.0, 1.0, 0.0], eye)
-    right /= np.linalg.norm(right)
-    axes = np.stack([right, np.cross(eye, right), eye])
-    seen = corners @ axes.T
-    sides = seen[triangles]
-    normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
-    facing = normal[:, 2] > 0
-    order = np.flatnonzero(facing)[np.argsort(sides[facing, :, 2].mean(axis=1))]
-    light = 0.6 + 0.4 * normal[order, 2] / np.maximum(np.linalg.norm(normal[order], axis=1), 1e-300)
+    shown, eye = mesh_picture.mesh(str(results.cases.source[case])), mesh_picture.view(FROM)
+    distance = results.fields_of(case)["distance"][shown.triangles].mean(axis=1) / results.cases.source_diagonal[case]
     scale = plt.Normalize(0, float(distance.max()))
-    colours = plt.get_cmap("viridis")(scale(distance[order]))
-    colours[:, :3] *= light[:, None]
-    ax.add_collection(PolyCollection(sides[order][:, :, :2], facecolors=colours, edgecolors=colours, linewidths=0.1, rasterized=True))
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[])
-    ax.spines[:].set_visible(False)
-    witness = results.cases.witness_source[case] @ axes.T
+    mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(distance)))
+    witness = eye.seen(results.cases.witness_source[case])
     ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="#D55E00", markeredgewidth=1.6)
     ax.annotate("witness", witness[:2], xytext=(38, 24), textcoords="offset points", color="#D55E00",
                 arrowprops={"arrowstyle": "-", "color": "#D55E00", "linewidth": 0.8, "shrinkB": 5})
