@@ -90,7 +90,7 @@ def make(results: Results, out: Path) -> list[Path]:
                         "ratio_low": x.ratio.estimate.low, "ratio_high": x.ratio.estimate.high, "ratio_at_least": x.ratio.at_least,
                         **{f"{label}_seconds": each.time.value if each else np.nan for label, each in ((SLOW, x.slow), (FAST, x.fast))}})
     table.notes = [*[verdict.line() for verdict in verdicts(found)], *scene_notes(results),
-                   "'> n': stopped at its limit of time; so the ratio, of its time until then to the upper end of the other's interval, is at "
+                   "'> n': stopped at its limit of time or of subdivisions; so the ratio, of its time until then to the upper end of the other's interval, is at "
                    "least so much, and the work of the stopped solver is what it had counted.",
                    tables.coverage_note(each.time for x in found for each in (x.slow, x.fast) if each) + " " + clock_note(results),
                    "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a "

@@ -44,9 +44,9 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
 
     long = Bounded() if fine is None else time_ratio(fine, Row("ok", dict.fromkeys(fine.times or {0: 0.0}, PAPER_SECONDS), 0.0, {}))
     return [above("Sacht takes more than three minutes (the ratio is to these) at 1e-8 on a pair that is nearly the same", long, 1),
-            both("on it, Sacht takes more time at 1e-8 than at 1e-6", fine, coarse),
-            both("on it, Sacht takes less time than Zheng", zheng, fine),
-            both("on it, Sacht takes less time than Kang", kang, fine)]
+            both("nearly the same: Sacht takes more time at 1e-8 than at 1e-6", fine, coarse),
+            both("nearly the same: Sacht takes less time than Zheng", zheng, fine),
+            both("nearly the same: Sacht takes less time than Kang", kang, fine)]
 
 
 def make(results: Results, out: Path) -> list[Path]:
@@ -78,7 +78,7 @@ def make(results: Results, out: Path) -> list[Path]:
     table.rows.append(["paper", "Sacht 2024", f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
     table.notes = [*[verdict.line() for verdict in verdicts(results, rows)], *scene_notes(results),
                    "Neither pair is the paper's (model 104606 of Thingi10K and its half): they are as near to each other as that, by design.",
-                   "'> n': stopped at its limit of time; its bounds hold. "
+                   "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
                    + tables.coverage_note(row_of(results, row).time for row in rows.values()) + " " + clock_note(results),
                    f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]
     figure = draw(results, rows, labels, tolerances, clock_word(results))

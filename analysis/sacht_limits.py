@@ -1,4 +1,4 @@
-"""Rows that may have ended at their time limit: what is known then is that they take longer."""
+"""Rows that may have been stopped at their limit of time or of subdivisions: what is known then is that they take longer."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from analysis.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few
 
 ENDED: Final = ("ok", "floor")  # a row that ended by itself
+STOPPED: Final = ("timeout", "budget")
 
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its times by round, or the limit that it ran into."""
+    """One row: its times by round, or the time at which it was stopped."""
 
     status: str
     times: dict[int, float]
@@ -43,7 +44,7 @@ def row_of(results: Results, row: int) -> Row:
             for what, names in MEASURES.items()}
     times = results.total_by_round(row)
     # A solver that was killed says nothing of its time; the limit itself is wall time, of which it may have had less.
-    stopped = min(times.values(), default=0.0) if status == "timeout" else 0.0
+    stopped = min(times.values(), default=0.0) if status in STOPPED else 0.0
     return Row(status, times if status in ENDED else {}, stopped, work)
 
 
