@@ -14,10 +14,11 @@ from matplotlib.patches import Patch
 
 from analysis import command, mesh_picture, style, tables
 from analysis.load import ResultError, Results, machine_line, unchecked_line
-from analysis.verdicts import Verdict, all_of
+from analysis.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 STEM = "sacht2024_fig11"
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
+THIN: Final = 0.1
 COLOURS: Final = ("#999999", "#0072B2", "#56B4E9", "#E69F00", "#D55E00")
 
 
@@ -64,6 +65,21 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
     return found
 
 
+def thin(pair: Shown, a: mesh_picture.Mesh) -> Verdict:
+    """The bound that most of the thinnest triangles of A end with: of those whose height is below THIN of their longest edge."""
+    sides = a.corners[a.triangles]
+    edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
+    chosen = pair.last[area < THIN * edges * edges]  # twice the area is height times edge
+    claim = f"{pair.scene}: u4 is the most used on very thin triangles"
+    if not len(chosen):
+        return Verdict(claim, UNTESTED, "no thin triangles")
+    counts = [int((chosen == k).sum()) for k in range(len(NAMES))]
+    said = ", ".join(f"{name} {count}" for name, count in zip(NAMES, counts))
+    return Verdict(claim, HOLDS if counts[4] > max(counts[:4]) else FAILS, f"of {len(chosen)} triangles of a height below {THIN:g} of their "
+                   f"longest edge: {said}")
+
+
 def make(results: Results, out: Path) -> list[Path]:
     pairs, cases = collect(results), results.cases
     table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
@@ -76,6 +92,7 @@ def make(results: Results, out: Path) -> list[Path]:
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]
     table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
+                   *[thin(pair, mesh_picture.mesh(str(cases.source[pair.case]))).line() for pair in pairs],
                    "Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed where "
                    "those before it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints "
                    "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles.",

@@ -112,8 +112,8 @@ def make(results: Results, out: Path) -> list[Path]:
 
     traced = any(reach.read_from == "trace" for reach in found.values())
     table = tables.Table(
-        f"{'Wall time' if traced else clock_title(results)} in ms (preparation included) until the gap is within a tolerance, relative to the diagonal of A; mean "
-        f"over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
+        f"{'Wall time' if traced else clock_title(results)} in ms (preparation included) until the gap is within a tolerance, relative to "
+        f"the diagonal of A; mean over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
         ["solver", *[f"1e-{k}" for k in range(1, 9)], "paper, 1e-8"])
     for solver, label in labels:
         row = [tables.NOTHING if (label, t) not in asked else tables.estimate(average[label, t], 1e3) if average[label, t].n

@@ -86,7 +86,9 @@ def make(results: Results, out: Path) -> list[Path]:
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
-    """A frame for each pair, a line for each solver: filled at the finest tolerance, open at the coarser ones."""
+    """A frame for each pair, a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
+    leads on from where a solver was stopped: how far, nobody knows.
+    """
     scenes = results.in_order("scene")
     figure, axes = plt.subplots(1, len(scenes), figsize=(style.DOUBLE_COLUMN, 0.9 + 0.28 * len(labels)), sharey=True, squeeze=False)
     for ax, scene in zip(axes[0], scenes):
@@ -104,6 +106,8 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
                     ax.plot(1e3 * found.time.value, at, **marker)
                 elif found.limit:
                     ax.plot(1e3 * found.limit, at, **(marker | {"marker": ">"}))
+                    ax.annotate("", (0.99, at), (1e3 * found.limit, at), xycoords=("axes fraction", "data"), textcoords="data",
+                                arrowprops={"arrowstyle": "->", "color": looks.colour, "linewidth": 0.7, "linestyle": (0, (1, 2)), "shrinkA": 4})
                     ax.annotate("stopped", (1e3 * found.limit, at), xytext=(-5, -2), textcoords="offset points", fontsize=6, ha="right",
                                 color="#333333")
                 else:

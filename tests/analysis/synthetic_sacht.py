@@ -87,14 +87,14 @@ def fig13(kang: Ratio = 2.0, zheng: Ratio = 3.0) -> ResultFile:
 
 
 def fig14(thousands: Ratio = 2000.0, stopped: float = 0.0, twentieth: Ratio = 1 / 30, fast: float = 0.01) -> ResultFile:
-    """Known: zheng over sacht `thousands` on the gear (or `stopped`, so many seconds of zheng, which did not end), `twentieth` on the cube."""
+    """Known: zheng over sacht `thousands` on the square (or `stopped`, so many seconds of zheng, which did not end), `twentieth` on the cube."""
     file = ResultFile("sacht2024_fig14", cpu=1.0)
     common: dict[str, Any] = {"tolerance": 1e-8, "lower": 0.1, "upper": 0.1, "prepare_seconds": 0.0}
-    for scene, ratio, base in (("pinion, decimated", thousands, 0.01), ("cube, finer", twentieth, fast)):
+    for scene, ratio, base in (("square, cut the other way", thousands, 0.01), ("cube, finer", twentieth, fast)):
         size = size_of(ratio)
         file.case("sacht", scene, rounds_of(base, 1.0), rounds=ROUNDS, counters={"point_triangle_distances": 30_000}, **common)
         work = {"point_triangle_distances": round(30_000 * size)}
-        if stopped and scene.startswith("pinion"):
+        if stopped and scene.startswith("square"):
             file.case("zheng", scene, [stopped], counters=work, status="budget", reason="the budget was spent", **common)
         else:
             file.case("zheng", scene, rounds_of(base, ratio), rounds=ROUNDS, counters=work, **common)

@@ -118,9 +118,9 @@ def test_fig14_knows_of_stopped_solvers(make: Make, ratio: Ratio, stopped: float
     records, rows, text = make(synthetic_sacht.fig14(thousands=ratio, stopped=stopped))
     found = claim(text, "thousands of times")
     assert found.startswith(outcome) and "against 1,000" in found
-    cells = rows["pinion, decimated"][0]
+    cells = rows["square, cut the other way"][0]
     assert cells[3] == (f"> {stopped * 1000:.0f}" if stopped else cells[3]) and cells[5].startswith("> " if stopped else f"{size_of(ratio):.0f}")
-    record = next(r for r in records if r["scene"] == "pinion, decimated")
+    record = next(r for r in records if r["scene"] == "square, cut the other way")
     assert float(record["ratio_at_least"]) == pytest.approx(stopped / 0.015)
 
 
@@ -175,8 +175,9 @@ def test_a_ratio_to_a_stopped_solver_is_known_from_one_side() -> None:
     assert below.text() == "< 0.333" and [sacht_limits.above("x", below, times).outcome for times in (0.2, 0.5)] == ["not separated", "does not hold"]
 
 
-@pytest.mark.parametrize("wrong,found", [({}, "ends, gap 1.0e-9"), ({"upper": 0.25 + 2e-8}, "gap above the tolerance"), ({"status": "unsound"}, "unsound"),
-                                         ({"upper": 0.24}, "lower above upper"), ({"exact": 0.3}, "misses h"), ({"lower_check": "unsound"}, "unsound"),
+@pytest.mark.parametrize("wrong,found", [({}, "ends, gap 1.0e-9"), ({"upper": 0.25 + 2e-8}, "gap above the tolerance"),
+                                         ({"status": "unsound"}, "unsound"), ({"lower_check": "unsound"}, "unsound"),
+                                         ({"upper": 0.24}, "lower above upper"), ({"exact": 0.3}, "misses h"),
                                          ({"upper": math.nan, "status": "signal"}, "no bounds (crashed)")])
 def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], found: str) -> None:
     _, rows, text = make(synthetic_sacht.section52(**wrong))
@@ -232,6 +233,12 @@ def test_fig11_counts_the_last_bounds(last: tuple[int, ...], used: str, least: s
     shown = sacht2024_fig11.Shown("wuson", 0, np.array(last))
     lines = [verdict.line() for verdict in sacht2024_fig11.verdicts([shown])]
     assert used in lines[0] and least in lines[1]
+
+
+@pytest.mark.parametrize("height,last,outcome", [(0.05, 4, "holds"), (0.05, 3, "does not hold"), (0.2, 4, "not tested")])
+def test_fig11_looks_at_thin_triangles(height: float, last: int, outcome: str) -> None:
+    shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]]))
+    assert sacht2024_fig11.thin(sacht2024_fig11.Shown("x", 0, np.array([last])), shape).outcome == outcome
 
 
 def test_fig11_prints_shares(make: Make, tetrahedra: None) -> None:
