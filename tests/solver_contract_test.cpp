@@ -271,18 +271,6 @@ TEST(SolverContract, SameBitsEveryTimeInAnyOrder) {
     });
 }
 
-// The defaults, and each flag and each choice otherwise.
-std::vector<ParameterMap> variants_of(const SolverEntry& entry) {
-    std::vector<ParameterMap> variants{{}};
-    for (const ParameterSpec& spec : entry.info.parameters) {
-        if (const bool* flag = std::get_if<bool>(&spec.default_value)) variants.push_back({{spec.name, !*flag}});
-        for (const std::string& choice : spec.choices) {
-            if (std::get<std::string>(spec.default_value) != choice) variants.push_back({{spec.name, choice}});
-        }
-    }
-    return variants;
-}
-
 TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     std::map<std::string, std::set<std::string>> asked;
     const auto compare = [&](const SolverEntry& entry, const Case& c, const ParameterMap& given,
@@ -307,14 +295,6 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
             const std::string variant = given.empty() ? "" : ", " + given.begin()->first;
             const bool certified = entry.info.certified && entry.make(quick_options(entry, given))->certified();
             if (certified || given.empty()) compare(entry, c, given, where + variant);
-        }
-    });
-    for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string&) {
-        for (const ParameterSpec& parameter : entry.info.parameters) {
-            for (const std::string& choice : parameter.choices) {
-                const auto solver = entry.make(quick_options(entry, {{parameter.name, choice}}));
-                for (const Need& need : solver->needs(c.test.scene, {})) asked[entry.info.name].insert(to_string(need));
-            }
         }
     });
     for (const SolverEntry& entry : solvers()) {
