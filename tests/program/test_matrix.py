@@ -88,7 +88,7 @@ def test_each_shape_is_prepared_once_and_the_ledger_says_so(hausbench: Program, 
     assert done.returncode == 0, done.stderr
     result = tmp_path / "ten.h5"
     assert texts(result, "cases/status") == ["ok"] * 200
-    assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 100 times by 100 pairs", 90)]
+    assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 200 times by 100 pairs", 190)]  # as target and as source
     shown = run_in(hausbench, root, "explain", file)
     assert "each of 10 shapes is loaded and prepared once for all 100 pairs" in shown.stdout
     # A pair, or the matrix as a whole, can be chosen.
@@ -110,9 +110,9 @@ def test_directions_and_pairs_are_counted_apart(hausbench: Program, root: Path, 
     assert run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet").returncode == 0
     result = tmp_path / "matrix.h5"
     assert len(texts(result, "cases/scene")) == 4 * 2 + 2 * 2
-    # H builds the octrees of both shapes at its first pair, and finds them at the second.
+    # H builds the octrees of both shapes at its first pair, and finds them at the second. Each pair asks for both.
     assert ledger(result, "structures for each pair") == [
-        ("guthe on all", "octree: built over 2 shapes and used 4 times by 4 pairs", 2),
+        ("guthe on all", "octree: built over 2 shapes and used 8 times by 4 pairs", 6),
         ("guthe on all", "octree: built over 2 shapes and used 4 times by 2 pairs", 2)]
 
 

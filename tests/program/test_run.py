@@ -134,7 +134,8 @@ def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, 
     experiment.write_text('expected_unsound = ["guthe"]\n' + experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
     file = run(hausbench, experiment, tmp_path)
     for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
-        assert certified == (json.loads(options) == {"kernel": "robust", "certify": True, "split": "midpoint"})
+        given = json.loads(options)
+        assert certified == (given["kernel"] == "robust" and given["certify"])
 
 
 def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
