@@ -117,7 +117,8 @@ def make(results: Results, out: Path) -> list[Path]:
     table.notes = [*[verdict.line() for verdict in verdicts(found)], *notes(found),
                    "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's "
                    "decimation. Both solvers are ours, after the papers, with the same kernels and trees: the paper compares two programs.",
-                   "Time is that of preparing and the first answer, the median of " + rounds_text(found) + ". " + clock_note(results),
+                   "Time is that of preparing and the first answer, the median of " + rounds_text(found) + "; ratios are paired by round. " +
+                   clock_note(results),
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [
         {"scene": pair.scene, "triangles": pair.triangles, "solver": solver, "status": cell.status(), "n": cell.time.n,

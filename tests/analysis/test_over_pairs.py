@@ -107,7 +107,8 @@ def test_fig2_cells(make: Make) -> None:
     assert whole[header.index("arithmetic mean")].startswith("3.75 [") and whole[header.index("Sacht faster, %")] == "75.0"
     assert whole[header.index("distances: geometric mean")] == "4.00 [4.00, 4.00]" and whole[header.index("greatest")] == "8.00"
     assert "Left out: mesh 4 (zheng timeout)." in text and "1 pairs have no rows with an answer (no mesh: model 'x'" in text
-    assert "stand in for Thingi10K" in text and "CGAL's edge collapse for Blender's" in text and "n = 3 rounds" in text
+    assert "stand in for Thingi10K" in text and "CGAL's edge collapse for Blender's" in text
+    assert "n = 3 rounds (fresh processes); ratios are paired by round." in text
     assert "The three greatest ratios and the least: mesh 1 8.00 (80.0 against 10.0 ms)" in text
     assert sum(r["scene"] == "no mesh" for r in records) == 1
     assert float(next(r for r in records if r["scene"] == "mesh 3")["ratio"]) == pytest.approx(4)
