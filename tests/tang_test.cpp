@@ -50,7 +50,7 @@ const std::vector<ParameterMap>& options() {
         {{"group", false}},
         {{"split", text("midpoint")}},
         {{"split", text("longest_edge")}},
-        {{"least_part", 0.05}},
+        {{"least_part", 0.25}},
         {{"volumes", text("boxes")}, {"group", false}, {"split", text("midpoint")}}};
     return list;
 }

@@ -43,7 +43,7 @@ namespace {
 struct Choices {
     Cutting cutting = Cutting::voronoi;
     bool group = true;
-    double least_part = 0.25;
+    double least_part = 0.05;
 };
 
 // One query.

@@ -16,7 +16,7 @@ std::vector<ParameterSpec> cutting_parameters() {
              "from another, or at their midpoints; or two, at the midpoint of the longest edge, for needles",
          .choices = {"voronoi", "midpoint", "longest_edge"}},
         {.name = "least_part",
-         .default_value = 0.25,
+         .default_value = 0.05,
          .unit = "edges",
          .paper_value = "",
          .description = "a Voronoi cut leaves at least this part of an edge on either side",
