@@ -3,6 +3,7 @@
 #include "kernel/rounding.h"
 #include "registry.h"
 #include "scenes.h"
+#include "search/enclosed_move.h"
 #include "search/near_walk.h"
 #include "search/short_lists.h"
 #include "search/volumes.h"
@@ -51,6 +52,7 @@ const std::vector<ParameterMap>& options() {
         {{"split", text("midpoint")}},
         {{"split", text("longest_edge")}},
         {{"least_part", 0.25}},
+        {{"lemma4", true}},
         {{"volumes", text("boxes")}, {"group", false}, {"split", text("midpoint")}}};
     return list;
 }
@@ -216,6 +218,112 @@ TEST(ShortLists, UseTheirRoomAgain) {
     EXPECT_EQ(std::vector<Index>(lists.numbers(second).begin(), lists.numbers(second).end()), more);
     EXPECT_EQ(std::vector<Index>(lists.numbers(third).begin(), lists.numbers(third).end()), others);
     EXPECT_EQ(lists.store({}).count, 0u);
+}
+
+// --- Lemma 4 --------------------------------------------------------------------------------------------------------
+
+double bound_by_move(const TriangleMesh& b, const Triangle& t, const Vec3& move, int level = 0) {
+    const SweptSphereBvh tree(b);
+    const Target target(b, &tree);
+    Counters counters;
+    return EnclosedMove<SweptSphereBvh>(tree, target, 2, counters).upper({t.a, t.b, t.c}, level, move);
+}
+
+TriangleMesh box(const Vec3& half) {
+    TriangleMesh mesh = cube(1);
+    for (int k = 0; k < 3; ++k) mesh.vertices.col(k) *= half[k];
+    return mesh;
+}
+
+TEST(EnclosedMove, BoundsAPieceThatGoesIn) {
+    const Triangle above{{-0.5, -0.5, 1.1}, {0.6, -0.4, 1.1}, {-0.3, 0.7, 1.1}};
+    EXPECT_EQ(bound_by_move(cube(1), above, {0, 0, -0.125}), next_up(distance_at_most(0x1p-6, false) + 0x1p-500));
+    EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0, 0, -0.05})));     // stays outside
+    EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0.5, 0, -0.125})));  // T + D touches a side
+    // From inside: through the top as well.
+    const Triangle inside{{-0.5, -0.5, 0.9}, {0.6, -0.4, 0.9}, {-0.3, 0.7, 0.9}};
+    EXPECT_LT(bound_by_move(cube(1), inside, {0, 0, 0.125}), 0.1251);
+}
+
+// As printed the lemma has 0.25 for it: T + D is enclosed, and what is outside of T goes in. But part of T is inside from the start.
+TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
+    const Triangle t{{-0.2, 0.1, 1.2}, {0.3, -0.2, 1.2}, {0.9, 0.1, 0.3}};
+    const TriangleMesh b = cube(1);
+    Counters counters;
+    EXPECT_GT(Target(b, nullptr).closest(0.15 * t.a + 0.15 * t.b + 0.7 * t.c, -1, counters).squared_distance, 0.09);
+    EXPECT_TRUE(std::isinf(bound_by_move(b, t, {0, 0, -0.25})));
+}
+
+// Through a thin box and out again: a corner that is not above the box is far from it. The second time one of the crossings is at the
+// diagonal of the top, where it is in doubt which triangle is crossed.
+TEST(EnclosedMove, SaysNothingWhereBIsCrossedTwice) {
+    const TriangleMesh b = box({0.5, 0.5, 0.05});
+    EXPECT_TRUE(std::isinf(bound_by_move(b, {{0, 0.1, 0.2}, {0.2, 0, 0.2}, {1.9, 0.1, 0.2}}, {0, 0, -0.5})));
+    EXPECT_TRUE(std::isinf(bound_by_move(b, {{0, 0.4, 0.2}, {-0.3, 0.2, 0.2}, {1.9, 0.45, 0.2}}, {0.2, 0, -0.5})));
+}
+
+TEST(EnclosedMove, SaysNothingWithinRoundingOfB) {
+    for (const int level : {0, 40}) {
+        const double near = (level == 0 ? 6 : 200) * u, far = (level == 0 ? 2000 : 4000) * u;
+        const auto above = [](double z) { return Triangle{{-0.5, -0.5, z}, {0.6, -0.4, z}, {-0.3, 0.7, z}}; };
+        EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above(1 + near), {0, 0, -0.125}, level))) << level;
+        EXPECT_LT(bound_by_move(cube(1), above(1 + far), {0, 0, -0.125}, level), 0.126) << level;
+        EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above(1.125 - near), {0, 0, -0.125}, level))) << level;
+        EXPECT_LT(bound_by_move(cube(1), above(1.125 - far), {0, 0, -0.125}, level), 0.126) << level;
+    }
+}
+
+TEST(EnclosedMove, AnOrientationIsExactOrOpen) {
+    Random random(9);
+    int clear = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const Vec3 a = random.vector(), b = random.vector(), c = random.vector();
+        const Vec3 d = a + random.unit() * (b - a) + random.unit() * (c - a) + random.real(-4, 4) * u * Vec3::Ones();
+        const RVec3 o = exact::vector(d), p = exact::vector(a) - o, q = exact::vector(b) - o, r = exact::vector(c) - o;
+        const Rational determinant = p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) +
+                                     p[2] * (q[0] * r[1] - q[1] * r[0]);
+        const int sign = orientation(a, b, c, d);
+        clear += sign != 0;
+        EXPECT_TRUE(sign == 0 || sign == (determinant > 0 ? 1 : determinant < 0 ? -1 : 0)) << i;
+    }
+    EXPECT_GT(clear, 40);
+    EXPECT_LT(clear, 3900);
+}
+
+TEST(EnclosedMove, ClosedIsWhatHasEvenEdges) {
+    EXPECT_TRUE(is_closed(cube(1)));
+    EXPECT_FALSE(is_closed(sheet(4, 0)));
+    TriangleMesh open = cube(1);
+    open.triangles.conservativeResize(11, 3);
+    EXPECT_FALSE(is_closed(open));
+}
+
+// B has something below each corner of A, and below the point whose crossings are counted; what is between them is farther from it.
+TEST(Tang, AnOpenMeshIsNotTakenForAClosedOne) {
+    const Triangle t{{0, 0, 0.1}, {1, 0, 0.1}, {0, 1, 0.1}};
+    Points b(12, 3);
+    Index row = 0;
+    for (const Vec3& p : {t.a, t.b, t.c, Vec3(0.5 * t.a + 0.3 * t.b + 0.2 * t.c)}) {
+        for (const Vec3& corner : {Vec3(-0.01, -0.01, -0.1), Vec3(0.03, 0, -0.1), Vec3(0, 0.04, -0.1)})
+            b.row(row++) = p + corner;
+    }
+    const Scene scene{soup(rows({t.a, t.b, t.c})), soup(b)};
+    const Result plain = solve(scene, asking(1e-3)), moved = solve(scene, asking(1e-3), {{"lemma4", true}});
+    EXPECT_GT(plain.bounds.lower, 0.3);
+    EXPECT_EQ(plain.bounds.upper, moved.bounds.upper);
+    EXPECT_EQ(plain.counters, moved.counters);
+}
+
+// A flat top, of two triangles: their planes say nothing of where to cut.
+TEST(Tang, Lemma4SavesSubdivisions) {
+    const TriangleMesh b = cube(1);
+    const Triangle t{{-0.5, -0.5, 1.1}, {0.6, -0.4, 1.1}, {-0.3, 0.7, 1.1}};
+    const Scene scene{soup(rows({t.a, t.b, t.c})), b};
+    const Result plain = solve(scene, asking(1e-3)), moved = solve(scene, asking(1e-3), {{"lemma4", true}});
+    EXPECT_EQ(to_string(moved.status), "converged");
+    EXPECT_LE(moved.bounds.upper, 1.001 * 0.1 + 0.001);
+    EXPECT_GT(plain.counters.subdivisions, 0u);
+    EXPECT_EQ(moved.counters.subdivisions, 0u);
 }
 
 // --- the solver ------------------------------------------------------------------------------------------------------

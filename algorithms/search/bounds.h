@@ -13,6 +13,7 @@
 #include "target.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace hausbench {
@@ -53,6 +54,12 @@ public:
 
     // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
+
+    // An upper bound that ends the search, if all have it and the lower bound is what it seems to be.
+    double sought() const {
+        const double low = std::sqrt(farthest_squared());
+        return low + 0.5 * query_.tolerance.gap(low);
+    }
 
     // The largest upper bound that a piece of this level may have and be purged.
     double purged_at_most(int level) const {

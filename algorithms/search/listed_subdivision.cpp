@@ -21,11 +21,29 @@ template <class Tree> Status ListedSubdivision<Tree>::run() {
     }
 }
 
+// Whether its upper bound, got by moving it, is small enough for the search to end, or for the piece to wait.
+template <class Tree> bool ListedSubdivision<Tree>::moves(ListedPiece& piece) {
+    if (!by_moving_) return false;
+    const double sought = bounds_.sought();
+    if (!(sought < piece.upper)) return false;
+    const double upper = by_moving_->upper(piece.corners, piece.level, sought);
+    if (!(upper < piece.upper)) return false;
+    piece.upper = upper;
+    return true;
+}
+
 template <class Tree> void ListedSubdivision<Tree>::split(ListedPiece piece) {
     if (piece.list.count == 0 && piece.crowd <= most_near) {
         on_b_.cull(piece);
         if (settle(piece)) return;
         on_b_.list(piece);
+    }
+    if (moves(piece)) {
+        if (settle(piece))
+            on_b_.give_back(piece);
+        else
+            push(piece);
+        return;
     }
     ++counters_.subdivisions;
     const int depth = piece.depth + 1;

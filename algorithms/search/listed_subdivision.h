@@ -3,6 +3,7 @@
 // point queries.
 #pragma once
 
+#include "enclosed_move.h"
 #include "queue.h"
 #include "target_culling.h"
 #include "voronoi_cut.h"
@@ -12,9 +13,10 @@ namespace hausbench {
 // `Tree` is over B.
 template <class Tree> class ListedSubdivision {
 public:
-    // References are kept.
-    ListedSubdivision(TargetCulling<Tree>& on_b, const PieceCutter& cutter, SearchBounds& bounds, Counters& counters)
-        : on_b_(on_b), cutter_(cutter), bounds_(bounds), counters_(counters) {}
+    // References are kept. `by_moving`: tried before a piece is cut, or null.
+    ListedSubdivision(TargetCulling<Tree>& on_b, const PieceCutter& cutter, SearchBounds& bounds, Counters& counters,
+                      EnclosedMove<Tree>* by_moving = nullptr)
+        : on_b_(on_b), cutter_(cutter), bounds_(bounds), counters_(counters), by_moving_(by_moving) {}
 
     // Whether it needs no further work; its bound is then kept.
     bool settle(const ListedPiece& piece) {
@@ -39,12 +41,14 @@ public:
     int deepest() const { return deepest_; }
 
 private:
+    bool moves(ListedPiece& piece);
     void split(ListedPiece piece);
 
     TargetCulling<Tree>& on_b_;
     PieceCutter cutter_;
     SearchBounds& bounds_;
     Counters& counters_;
+    EnclosedMove<Tree>* by_moving_;
     PieceQueue<ListedPiece> queue_;
     int deepest_ = 0;
 };
