@@ -246,7 +246,7 @@ SolverEntry tang_solver() {
         {.name = "lemma4",
          .default_value = false,
          .unit = "",
-         .paper_value = "",
+         .paper_value = "true, for closed models",
          .description = "where B is closed: bound a piece by moving it through B",
          .choices = {}},
     };
