@@ -325,8 +325,7 @@ def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str
     legend = figure.legend(handles=style.handles(labels), loc="upper left", bbox_to_anchor=(left, top), handlelength=2.2,
                            borderaxespad=0, fontsize=6.5)
     legend.set_in_layout(False)
-    key = ", ".join(f"{letter} {style.STATUS_WORDS[status]}" for status, letter in style.STATUS_LETTERS.items()
-                    if status in statuses)
+    key = style.letters_key(statuses)
     notes = [f"Each line is relative to its first point. Dashed: {MOST:g} times that.", "Open markers: precision floor.",
              *([f"Letters: no answer ({key})."] if key else [])]
     figure.text(0.5, 0.04 / height, "  ".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)

@@ -164,8 +164,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
             lower.set_xlabel("prepare + solve (s)", labelpad=1)
     figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=5,
                   bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
-    key = ", ".join(f"{letter} {style.STATUS_WORDS[status]}" for status, letter in style.STATUS_LETTERS.items()
-                    if status in statuses)
+    key = style.letters_key(statuses)
     notes = ["Thin lines: one traced run, wall time"
              + (", or one solver at several steps" if ONE_LINE & {solver for solver, _ in shown} else "") + ". Bars: interval of the median. Open markers: bounds that hold, but the "
              "tolerance was not reached."]

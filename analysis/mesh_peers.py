@@ -21,9 +21,7 @@ from analysis.verdicts import FAILS, OPEN, Verdict, above_one
 STEM: Final = "mesh_peers"
 PEER: Final = "cgal"
 AIMS: Final = {"sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
-IDENTICAL: Final = "bunny → itself"  # CGAL matches faces: not in the means
 
-FOOTNOTE: Final = "T: time limit, M: out of memory, B: budget spent, U: unsound. "
 
 Pair = tuple[Cell, Cell]  # CGAL, and the solver
 
@@ -34,6 +32,12 @@ def ratio(pair: Pair) -> Estimate:
     if peer.failures and comparable(pair):
         return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
     return compare(peer, own)
+
+
+def identical(results: Results, scene: str) -> bool:
+    """A mesh and itself, which is not in the means: CGAL matches faces."""
+    row = int(results.rows(scene=scene)[0])
+    return bool(results.cases.source[row] == results.cases.target[row])
 
 
 def limit_of(cell: Cell) -> float:
@@ -105,7 +109,7 @@ def make(results: Results, out: Path) -> list[Path]:
                      "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
                     for (solver, label), cell, x in zip(labels, own, ratios) if cell]
     pairs = {label: [(cells[scene, PEER], cells[scene, label]) for scene in scenes
-                     if scene != IDENTICAL and {(scene, PEER), (scene, label)} <= cells.keys()]
+                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= cells.keys()]
              for _, label in labels if label != PEER}
     answered = {label: [pair for pair in known if comparable(pair)] for label, known in pairs.items()}
     table.rules.add(len(table.rows))
@@ -118,7 +122,7 @@ def make(results: Results, out: Path) -> list[Path]:
         *[judge(label, pairs[label]).line() for label in AIMS if label in pairs],
         tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
     return (tables.save(table, records, out, STEM)
-            + style.save(draw(scenes, labels, cells), out, STEM, table.caption, FOOTNOTE + unchecked_line(results)))
+            + style.save(draw(scenes, labels, cells), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
 
 
 def best_lower(cells: Sequence[Cell]) -> float:

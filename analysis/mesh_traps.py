@@ -19,7 +19,6 @@ STEM: Final = "mesh_traps"
 # From best to worst: what the cell says, and its colour.
 OUTCOMES: Final = (("converged", "#7FBF7B"), ("stopped", "#D9F0D3"), ("no bounds", "#DDDDDD"), ("wrong", "#D6604D"))
 CONVERGED, STOPPED, NO_BOUNDS, WRONG = (name for name, _ in OUTCOMES)
-FOOTNOTE: Final = "T: time limit, M: out of memory, B: budget spent, P: precision floor, C: crashed, U: unsound. "
 SLACK: Final = 1e-12  # of the diagonal of A: models' coordinates are rounded, `exact` is not
 
 
@@ -83,7 +82,7 @@ def make(results: Results, out: Path) -> list[Path]:
                     f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
                     claim(results).line(), f"{machine_line(results)}."]
     return (tables.save(table, records, out, STEM)
-            + style.save(draw(results, scenes, labels, rows), out, STEM, table.caption, FOOTNOTE + unchecked_line(results)))
+            + style.save(draw(results, scenes, labels, rows), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
 
 
 def distance(results: Results, row: int) -> str:

@@ -77,6 +77,12 @@ STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "
                        "floor": "precision floor", "budget": "budget spent"}
 
 
+def letters_key(statuses: Iterable[str]) -> str:
+    """What the letters of these statuses mean: 'T timeout, B budget spent', or nothing."""
+    there = {str(status) for status in statuses}
+    return ", ".join(f"{letter} {STATUS_WORDS[status]}" for status, letter in STATUS_LETTERS.items() if status in there)
+
+
 def look(solver: str, label: str = "") -> Look:
     """Of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is
     not listed above is grey, with a marker that depends on its name alone.

@@ -32,7 +32,9 @@ void TriangleGrid::lay(const Box& box, double edge) {
         if (!std::isfinite(axis.cells_per_length)) axis.cells = 1, axis.cells_per_length = 0;
         axis.before.assign(static_cast<std::size_t>(axis.cells), -std::numeric_limits<double>::infinity());
         axis.after.assign(static_cast<std::size_t>(axis.cells), std::numeric_limits<double>::infinity());
-        const double step = extent / axis.cells, ulp = std::max(std::abs(box.low[k]), std::abs(box.high[k])) * 0x1p-52;
+        const double step = extent / axis.cells,
+                     ulp = std::max(std::max(std::abs(box.low[k]), std::abs(box.high[k])) * 0x1p-52,
+                                    std::numeric_limits<double>::denorm_min());
         for (int i = 1; i < axis.cells; ++i) {
             double low = axis.low + i * step, high = low;
             for (double slack = ulp; axis.cell(low) >= i; slack *= 2) low -= slack;

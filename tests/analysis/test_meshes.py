@@ -9,7 +9,7 @@ import pytest
 from stem_runner import Make, stem_runner
 from synthetic import NAN, ResultFile, spread, without_bounds
 
-from analysis import mesh_peers
+from analysis import style
 
 
 @pytest.fixture()
@@ -20,11 +20,13 @@ def make(tmp_path: Path) -> Make:
 def peers(sacht: float = 0.010, zheng: float = 0.050, rounds: int = 6, stopped: bool = True) -> ResultFile:
     """Known: two pairs on which CGAL takes 100 and 25 ms, one on which it is killed at 5 s (`stopped`), and identical shapes."""
     file = ResultFile("mesh_peers", cpu=1.0)
-    for scene, peer, factor in (("near", 0.1, 1.0), ("far", 0.025, 0.25), ("hard", NAN, 10.0), (mesh_peers.IDENTICAL, 0.0001, 1.0)):
+    for scene, peer, factor in (("near", 0.1, 1.0), ("far", 0.025, 0.25), ("hard", NAN, 10.0), ("itself", 0.0001, 1.0)):
         if scene == "hard" and not stopped:
             continue
         common: dict[str, Any] = {"lower": 0.25, "upper": 0.25 + 1e-7, "tolerance": 1e-6, "source_elements": 2000, "target_elements": 1000,
                                   "source_diagonal": 2.0, "case_seconds_limit": 5.0, "peak_bytes": 3 * 2**20, "scene_note": f"note of {scene}"}
+        if scene == "itself":
+            common |= {"source": "mesh", "target": "mesh"}
         for solver, seconds in (("sacht", sacht), ("zheng", zheng)):
             file.case(solver, scene, spread(seconds * factor, rounds), prepare_seconds=0.0, **common)
         if peer > 0:
@@ -119,3 +121,8 @@ def test_traps_do_not_refute_it_where_many_rows_hold(make: Make) -> None:
     for k in range(40):
         file.case("guthe", f"pair {k}", [0.01], tolerance=1e-6, lower=0.0, upper=1e-7, certified=1)
     assert "Here: not refuted (0 of 42 answers" in claim(make(file)[2], "certified")
+
+
+def test_letters_are_explained_where_they_occur() -> None:
+    assert style.letters_key(["ok", "timeout", "unsound", "timeout"]) == "T timeout, U unsound"
+    assert style.letters_key(["ok"]) == ""
