@@ -3,7 +3,8 @@
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
 writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md.
-README's table of winners is written again from both.
+Stems of the group without a result here keep the tables that the file has, so that a long group may be measured in parts.
+README's table of winners is written again from these files.
 """
 
 from __future__ import annotations
@@ -14,21 +15,49 @@ import re
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis import winners
 from analysis.load import REFERENCE, ResultError, Results, load, measured_on
 
 
-def stems_of(group: str, folder: Path) -> list[str]:
-    """Stems with results, tables before figures, each by its number."""
+@dataclass
+class Kept:
+    """What a file has."""
+
+    machines: list[str] = field(default_factory=list)
+    rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
+    tables: dict[str, str] = field(default_factory=dict)  # by stem
+
+
+def kept_of(path: Path) -> Kept:
+    kept = Kept()
+    if not path.exists():
+        return kept
+    head, *sections = path.read_text(encoding="utf-8").split("\n## ")
+    rows = {match[1]: line for line in head.splitlines() if (match := re.match(r"\| (\w+) \| \d", line))}
+    for section in sections:
+        stem, _, body = section.partition("\n")
+        if stem in rows:
+            kept.rows[stem], kept.tables[stem] = rows[stem], body.strip("\n")
+    kept.machines = [line[2:] for line in head.splitlines() if line.startswith("- ")]
+    return kept
+
+
+def in_order(group: str, stems: set[str]) -> list[str]:
+    """Tables before figures, each by its number."""
     def order(stem: str) -> tuple[str, int]:
         match = re.search(r"([a-z_]+)(\d*)$", stem.removeprefix(group))
         word, number = (match[1], match[2]) if match else ("", "")
         return ({"_table": "1", "_fig": "2"}.get(word, "3" + word), int(number or 0))
 
-    found = [path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")]
-    return sorted(found, key=order)
+    return sorted(stems, key=order)
+
+
+def stems_of(group: str, folder: Path) -> list[str]:
+    """Stems with results."""
+    return in_order(group, {path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")})
 
 
 def check(results: Results) -> Results:
@@ -38,25 +67,31 @@ def check(results: Results) -> Results:
     return results
 
 
-def text_of(group: str, folder: Path) -> str:
+def text_of(group: str, folder: Path, kept: Kept) -> str:
+    """The whole file: of each stem what was measured, or else what was kept."""
     stems = stems_of(group, folder)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE=paper'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
-    machines = sorted({measured_on(results) for results in all_results})
-    parts = [f"# {group}, profile `paper`", "",
-             f"Measured here, and written by `make {group} PROFILE=paper && python3 -m analysis.paper_profile {group}`. "
-             "Nothing below is edited by hand.", "", *[f"- {line}" for line in machines], "",
-             "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
-    for stem, results in zip(stems, all_results):
-        counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
-        parts.append(f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
-                     f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
+    rows, texts = dict(kept.rows), dict(kept.tables)
     with tempfile.TemporaryDirectory() as out:
         for stem, results in zip(stems, all_results):
+            counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
+            rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
+                          f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
             importlib.import_module(f"analysis.{stem}").make(results, Path(out))
-            table = (Path(out) / "tables" / f"{stem}.md").read_text(encoding="utf-8")
-            parts += ["", f"## {stem}", "", table.rstrip("\n")]
+            texts[stem] = (Path(out) / "tables" / f"{stem}.md").read_text(encoding="utf-8").strip("\n")
+    still = [text for stem, text in texts.items() if stem not in stems]
+    machines = {measured_on(results) for results in all_results}
+    machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
+    parts = [f"# {group}, profile `paper`", "",
+             f"Measured here, and written by `make {group} PROFILE=paper && python3 -m analysis.paper_profile {group}`. "
+             "Nothing below is edited by hand.", "", *[f"- {line}" for line in sorted(machines)], "",
+             "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
+    ordered = in_order(group, set(rows))
+    parts += [rows[stem] for stem in ordered]
+    for stem in ordered:
+        parts += ["", f"## {stem}", "", texts[stem]]
     return "\n".join(parts) + "\n"
 
 
@@ -66,13 +101,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
     parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (results/reference)")
     chosen = parser.parse_args(arguments)
+    single = stems_of(chosen.group, chosen.results) == [chosen.group]
+    path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     try:
-        text = text_of(chosen.group, chosen.results)
+        text = text_of(chosen.group, chosen.results, kept_of(path))
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    single = stems_of(chosen.group, chosen.results) == [chosen.group]
-    path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     path.write_text(text, encoding="utf-8")
     print(path)
     if chosen.out == REFERENCE and path.name in winners.SOURCES:

@@ -1,4 +1,4 @@
-"""README's table of where the point solvers win, from the tables in results/reference/. `python3 -m analysis.winners`
+"""README's table of where solvers win, from the tables in results/reference/. `python3 -m analysis.winners`
 writes it between two marks in README.md; analysis.paper_profile does so whenever it writes those tables.
 
 A solver wins a scene where its interval lies below the interval of every other. Nobody wins where a solver has a single time,
@@ -23,14 +23,16 @@ from analysis.points_speed import TITLES
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md")
-# Stem, how its rows of times are marked in the second column, and what it is called.
-RACES: Final = (("zhang2017_table3", "here", "pairs of Table 3"), ("points_speed", "ms", "workloads of 100K and 1M points"))
+SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_paper_profile.md", "mesh_peers.md")
+# Stem, how its rows of times are marked and in which column, and what it is called.
+RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
+                ("mesh_peers", "ms", 3, "pairs of real meshes"))
 # Whose a claim is, by a part of its text; the first that matches.
 CLAIMS: Final = (("as printed", "`ohd_as_printed`, `nohd_as_printed`"), ("framework", "`adaptive`"), ("INC", "`inc`"),
                  ("EARLYBREAK takes less", "`earlybreak`"), ("(?<!N)OHD (with cells|takes less)|culling", "`ohd`"),
-                 ("NOHD", "`nohd`"))
-ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`")  # then the others
+                 ("NOHD", "`nohd`"), ("Sacht (2024 is|takes|ends)", "`sacht`"), ("Zheng 2022 is", "`zheng`"), ("Tang 2009 is", "`tang`"))
+ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`",
+                "`guthe`", "`sacht`", "`zheng`", "`tang`", "`kang`")  # then the others
 SKIPPED: Final = ("peaks where", "fastest at", "increases with", "a much ", "inner steps", "Eq. 7", "as many points")
 
 
@@ -88,10 +90,10 @@ class Race:
     least: dict[str, int] = field(default_factory=dict)  # in how many of them this interval lies below all else
 
 
-def race(section: Section, mark: str) -> Race:
+def race(section: Section, mark: str, column: int = 1) -> Race:
     titles = {i: title for i, title in enumerate(section.header)
               if title in {look.title for look in style.LOOKS.values()} | set(TITLES.values())}
-    rows = [row for row in section.rows if len(row) > 1 and row[1] == mark]
+    rows = [row for row in section.rows if len(row) > column and row[column] == mark]
     found = Race(len(rows))
     for row in rows:
         known = sorted((x, titles[i]) for i in titles if (x := interval(row[i])))
@@ -114,10 +116,10 @@ def race(section: Section, mark: str) -> Race:
 
 def victories(found: dict[str, Section]) -> dict[str, list[str]]:
     texts: dict[str, list[str]] = {}
-    for stem, mark, what in RACES:
+    for stem, mark, column, what in RACES:
         if stem not in found:
             continue
-        seen = race(found[stem], mark)
+        seen = race(found[stem], mark, column)
         for solver, factors in seen.won.items():
             low, high = tables.number(min(factors), 2), tables.number(max(factors), 2)
             texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {what}, {low if low == high else f'{low} to {high}'}"
@@ -128,8 +130,8 @@ def victories(found: dict[str, Section]) -> dict[str, list[str]]:
 def unjudged(found: dict[str, Section]) -> list[str]:
     """Why scenes have no winner, one line a table."""
     lines = []
-    for stem, mark, what in RACES:
-        seen = race(found[stem], mark) if stem in found else Race()
+    for stem, mark, column, what in RACES:
+        seen = race(found[stem], mark, column) if stem in found else Race()
         if not seen.unjudged:
             continue
         why = (f"{' and '.join(seen.unknown)} {'have' if len(seen.unknown) > 1 else 'has'} single times there, without an interval"

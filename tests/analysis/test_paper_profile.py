@@ -32,6 +32,30 @@ def test_a_single_stem_has_a_file_of_its_own_name(tmp_path: Path) -> None:
     assert "geometric mean" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")
 
 
+def test_a_group_is_measured_in_parts(tmp_path: Path) -> None:
+    """What has no result any more keeps its table, its row and its machine; what was measured again is new."""
+    arguments = ["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]
+    first, second = synthetic_zhang.table1(), synthetic_zhang.fig8()
+    for file, cpu in ((first, "Old CPU"), (second, "Other CPU")):
+        file.meta |= {"profile": "paper", "cpu": cpu}
+        file.write(tmp_path)
+    assert paper_profile.main(arguments) == 0
+    path = tmp_path / "zhang2017_paper_profile.md"
+    before = paper_profile.kept_of(path)
+    assert sorted(before.tables) == ["zhang2017_fig8", "zhang2017_table1"]
+
+    (tmp_path / "zhang2017_table1.h5").unlink()
+    second.meta["cpu"] = "New CPU"
+    second.write(tmp_path)
+    assert paper_profile.main(arguments) == 0
+    after = paper_profile.kept_of(path)
+    assert after.tables["zhang2017_table1"] == before.tables["zhang2017_table1"]
+    assert after.rows == before.rows
+    assert "New CPU" in after.tables["zhang2017_fig8"]
+    head = path.read_text(encoding="utf-8").partition("| stem |")[0]
+    assert "Old CPU" in head and "New CPU" in head and "Other CPU" not in head
+
+
 def test_refuses_other_profiles_and_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]
     assert paper_profile.main(arguments) == 2
