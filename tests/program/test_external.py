@@ -194,11 +194,12 @@ def test_a_program_that_lies(sweep: Sweep) -> None:
 
 
 def gone(pid: int) -> bool:
+    """Ended, or ended and not waited for. It may end between any two looks at it."""
     try:
         os.kill(pid, 0)
-    except ProcessLookupError:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+    except (ProcessLookupError, FileNotFoundError):
         return True
-    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
 
 
 def wait_until_gone(pid_file: Path) -> None:
