@@ -169,7 +169,11 @@ def verdicts(found: dict[str, Section]) -> dict[str, list[str]]:
                 continue
             scene, _, text = claim.rpartition(": ")
             grouped.setdefault(owner, {}).setdefault(text, {}).setdefault(outcome, []).append(scene)
-    return {owner: [f"{text}: " + ", ".join(outcome + (f" ({'; '.join(scenes)})" if len(outcomes) > 1 else "")
+    def named(outcomes: dict[str, list[str]]) -> bool:
+        """Whether the scenes are told: what came out differs between them, or the claim is of a single one."""
+        return len(outcomes) > 1 or all(len(scenes) == 1 and scenes[0] for scenes in outcomes.values())
+
+    return {owner: [f"{text}: " + ", ".join(outcome + (f" ({'; '.join(scenes)})" if named(outcomes) else "")
                                             for outcome, scenes in outcomes.items())
                     for text, outcomes in claims.items()] for owner, claims in grouped.items()}
 
