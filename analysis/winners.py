@@ -90,7 +90,7 @@ class Race:
     least: dict[str, int] = field(default_factory=dict)  # in how many of them this interval lies below all else
 
 
-def race(section: Section, mark: str, column: int = 1) -> Race:
+def race(section: Section, mark: str, column: int) -> Race:
     titles = {i: title for i, title in enumerate(section.header)
               if title in {look.title for look in style.LOOKS.values()} | set(TITLES.values())}
     rows = [row for row in section.rows if len(row) > column and row[column] == mark]
