@@ -22,6 +22,7 @@ SolverEntry kang_solver();                  // meshes/kang.cpp
 SolverEntry sacht_solver();                 // meshes/sacht.cpp
 SolverEntry zheng_solver();                 // meshes/zheng.cpp
 SolverEntry sampling_solver();              // meshes/sampling.cpp
+SolverEntry cover_solver();                 // meshes/cover.cpp
 SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
 SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
 SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
@@ -48,6 +49,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         zheng_solver(),
         sacht_solver(),
         sampling_solver(),
+        cover_solver(),
         interval_subdivision_solver(),
         surface_enclosure_solver(),
         surface_meshes_solver(),

@@ -22,6 +22,7 @@ ClosestPoint Target::closest(const Vec3& point, Index warm, Counters& counters) 
     ClosestHints hints;
     hints.warm_triangle = warm;
     if (grid_) return grid_->closest(point, hints, counters);
+    if (blocks_) return blocks_->closest(point, hints, counters);
     if (!textbook_)
         return tree_ ? tree_->closest(point, hints, counters) : closest_by_scan(mesh_, point, hints, counters);
 
@@ -47,6 +48,7 @@ void Target::squared_distances(const PointBlock& block, std::size_t count, const
 
 double Target::certified_distance(const Vec3& point, Counters& counters) const {
     if (grid_) return grid_->certified_distance(point, counters);
+    if (blocks_) return blocks_->certified_distance(point, counters);
     return tree_ ? tree_->certified_distance(point, counters) : certified_distance_by_scan(mesh_, point, counters);
 }
 

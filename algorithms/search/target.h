@@ -1,8 +1,9 @@
-// Distances to the target B, by its tree or its grid, or by a scan where B is so small that it has neither.
+// Distances to the target B, by its tree, its grid or its blocks, or by a scan where B is so small that it has neither.
 #pragma once
 
 #include "kernel/closest.h"
 #include "kernel/triangle_block.h"
+#include "structures/triangle_blocks.h"
 #include "structures/triangle_grid.h"
 #include "structures/triangle_tree.h"
 
@@ -26,6 +27,7 @@ public:
         : mesh_(mesh), tree_(tree), textbook_(textbook) {}
 
     Target(const TriangleMesh& mesh, const TriangleGrid* grid) : mesh_(mesh), grid_(grid) {}
+    Target(const TriangleMesh& mesh, const TriangleBlocks* blocks) : mesh_(mesh), blocks_(blocks) {}
     Target(const TriangleMesh& mesh, std::nullptr_t) : mesh_(mesh) {}
 
     const TriangleMesh& mesh() const { return mesh_; }
@@ -47,6 +49,7 @@ private:
     const TriangleMesh& mesh_;
     const TriangleTree* tree_ = nullptr;
     const TriangleGrid* grid_ = nullptr;
+    const TriangleBlocks* blocks_ = nullptr;
     bool textbook_ = false;
 };
 

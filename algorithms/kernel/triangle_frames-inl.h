@@ -1,0 +1,63 @@
+// The distance of a point to triangles in their frames (triangle_frames.h). Compiled once for every target: include it after
+// hwy/foreach_target.h.
+//
+// The same bits on every target: the same operations lane by lane, no fused multiply-add.
+#include "kernel/triangle_frames.h"
+
+#include <hwy/highway.h>
+
+#if defined(HAUSBENCH_TRIANGLE_FRAMES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAUSBENCH_TRIANGLE_FRAMES_INL
+#undef HAUSBENCH_TRIANGLE_FRAMES_INL
+#else
+#define HAUSBENCH_TRIANGLE_FRAMES_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Lanes of sixteen floats, or of sixteen doubles in two turns or more.
+template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
+
+// row(i): row i of the frames as a vector, or one number of it in all lanes, where the points differ.
+template <class T, class Rows>
+HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<FrameLanes<T>> px,
+                                                    hn::Vec<FrameLanes<T>> py, hn::Vec<FrameLanes<T>> pz) {
+    using V = hn::Vec<FrameLanes<T>>;
+    const FrameLanes<T> d;
+    const V zero = hn::Zero(d);
+    const auto coordinate = [&](std::size_t axis) HWY_ATTR {
+        const V xy = hn::Add(hn::Mul(row(3 * axis), px), hn::Mul(row(3 * axis + 1), py));
+        return hn::Add(hn::Add(xy, hn::Mul(row(3 * axis + 2), pz)), row(frame_row::shift + axis));
+    };
+    const V x = coordinate(0), y = coordinate(1), z = coordinate(2);
+    const V length = row(frame_row::length);
+    const V beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
+    V squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
+    V inner = y;
+    // `side` is how far to the inner side of the line of an edge that begins at `from`; +1 where the triangle is to its right.
+    const auto edge = [&](std::size_t direction, std::size_t edge_length, V from_x, bool right) HWY_ATTR {
+        const V ux = row(direction), uy = row(direction + 1);
+        const V t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
+        const V across = hn::Sub(hn::Mul(from_x, uy), hn::Mul(y, ux));
+        const V off = hn::Sub(t, hn::Min(hn::Max(t, zero), row(edge_length)));
+        squared = hn::Min(squared, hn::Add(hn::Mul(off, off), hn::Mul(across, across)));
+        inner = hn::Min(inner, right ? across : hn::Neg(across));
+    };
+    edge(frame_row::ac, frame_row::ac_length, x, true);
+    edge(frame_row::bc, frame_row::bc_length, hn::Sub(x, length), false);
+    const auto inside = hn::And(hn::Ge(inner, zero), hn::Eq(beyond, zero));
+    return hn::Add(hn::IfThenZeroElse(inside, squared), hn::Mul(z, z));
+}
+
+// Bit i: lane i is set.
+template <class T> HWY_INLINE unsigned mask_bits(hn::Mask<FrameLanes<T>> mask) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(FrameLanes<T>(), mask, bits);
+    return (bits[0] | static_cast<unsigned>(bits[1]) << 8) & ((1U << hn::Lanes(FrameLanes<T>())) - 1);
+}
+
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,150 @@
+#include "triangle_frames.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernel/triangle_frames.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include "kernel/triangle_frames-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+
+struct Vector {
+    V x, y, z;
+};
+HWY_INLINE Vector minus(const Vector& a, const Vector& b) {
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE Vector times(V s, const Vector& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
+HWY_INLINE V dot(const Vector& a, const Vector& b) {
+    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE Vector choose(hn::Mask<D> mask, const Vector& yes, const Vector& no) {
+    return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+HWY_INLINE V inverse_or_one(V length) {
+    const V one = hn::Set(D(), 1.0);
+    return hn::Div(one, hn::IfThenElse(hn::Gt(length, hn::Zero(D())), length, one));
+}
+HWY_INLINE Vector of_length_one(const Vector& a) { return times(inverse_or_one(hn::Sqrt(dot(a, a))), a); }
+
+HWY_INLINE void store(V value, float* to) {
+    const hn::Rebind<float, D> d;
+    hn::StoreU(hn::DemoteTo(d, value), d, to);
+}
+HWY_INLINE void store(V value, double* to) { hn::StoreU(value, D(), to); }
+
+// Lanes `lane` and on.
+template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t lane, TriangleFrames<T>& frames) {
+    const D d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
+    const auto corner = [&](std::size_t v) HWY_ATTR {
+        return Vector{hn::Load(d, corners.row[3 * v] + lane), hn::Load(d, corners.row[3 * v + 1] + lane),
+                      hn::Load(d, corners.row[3 * v + 2] + lane)};
+    };
+    const Vector p = corner(0), q = corner(1), r = corner(2);
+    const auto squared_edge = [&](const Vector& from, const Vector& to) HWY_ATTR {
+        const Vector edge = minus(to, from);
+        return dot(edge, edge);
+    };
+    const V pq = squared_edge(p, q), qr = squared_edge(q, r), rp = squared_edge(r, p);
+    const auto qr_longest = hn::And(hn::Gt(qr, pq), hn::Ge(qr, rp));
+    const auto rp_longest = hn::AndNot(qr_longest, hn::Gt(rp, pq));
+    const Vector a = choose(qr_longest, q, choose(rp_longest, r, p));
+    const Vector b = choose(qr_longest, r, choose(rp_longest, p, q));
+    const Vector c = choose(qr_longest, p, choose(rp_longest, q, r));
+
+    const Vector ab = minus(b, a), w = minus(c, a);
+    const V length = hn::Sqrt(dot(ab, ab));
+    const auto is_point = hn::Not(hn::Gt(length, zero));
+    const Vector e = choose(is_point, {one, zero, zero}, times(inverse_or_one(length), ab));
+    const V x_c = dot(w, e);
+    // What of w is not along e, made orthogonal to e again once its length is 1: rounding has left a part along e that may be large
+    // beside it.
+    const Vector g = minus(w, times(x_c, e));
+    const auto is_flat =
+        hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length)));  // points too
+    // Flat: any direction across e; the axis that is not near e, less its part along e.
+    const auto near_x = hn::Ge(hn::Abs(e.x), hn::Set(d, 0.6));
+    const Vector axis{hn::IfThenZeroElse(near_x, one), hn::IfThenElseZero(near_x, one), zero};
+    Vector h = of_length_one(choose(is_flat, axis, g));
+    for (int step = 0; step < 2; ++step) h = of_length_one(minus(h, times(dot(h, e), e)));
+    const Vector n{hn::Sub(hn::Mul(e.y, h.z), hn::Mul(e.z, h.y)), hn::Sub(hn::Mul(e.z, h.x), hn::Mul(e.x, h.z)),
+                   hn::Sub(hn::Mul(e.x, h.y), hn::Mul(e.y, h.x))};
+    const V y_c = hn::Max(dot(w, h), zero), beside_b = hn::Sub(x_c, length);
+    const V ac = hn::Sqrt(hn::Add(hn::Mul(x_c, x_c), hn::Mul(y_c, y_c)));
+    const V bc = hn::Sqrt(hn::Add(hn::Mul(beside_b, beside_b), hn::Mul(y_c, y_c)));
+    const V ac_inverse = inverse_or_one(ac), bc_inverse = inverse_or_one(bc);
+
+    const auto put = [&](std::size_t row, V value) HWY_ATTR { store(value, frames.row[row] + lane); };
+    const Vector axes[3] = {e, h, n};
+    for (std::size_t k = 0; k < 3; ++k) {
+        put(3 * k, axes[k].x);
+        put(3 * k + 1, axes[k].y);
+        put(3 * k + 2, axes[k].z);
+        put(frame_row::shift + k, hn::Neg(dot(a, axes[k])));
+    }
+    put(frame_row::length, length);
+    // Flat: ac and bc run along ab, and nothing beside that line is on the inner side of both.
+    put(frame_row::ac, hn::IfThenElse(is_flat, one, hn::Mul(x_c, ac_inverse)));
+    put(frame_row::ac + 1, hn::IfThenZeroElse(is_flat, hn::Mul(y_c, ac_inverse)));
+    put(frame_row::ac_length, hn::IfThenElse(is_flat, length, ac));
+    put(frame_row::bc, hn::IfThenElse(is_flat, hn::Neg(one), hn::Mul(beside_b, bc_inverse)));
+    put(frame_row::bc + 1, hn::IfThenZeroElse(is_flat, hn::Mul(y_c, bc_inverse)));
+    put(frame_row::bc_length, hn::IfThenElse(is_flat, length, bc));
+}
+
+template <class T> void make(const CornerRows& corners, TriangleFrames<T>& frames) {
+    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(D())) frame(corners, lane, frames);
+}
+void make_float(const CornerRows& corners, TriangleFrames<float>& frames) { make(corners, frames); }
+void make_double(const CornerRows& corners, TriangleFrames<double>& frames) { make(corners, frames); }
+
+template <class T>
+void measure(const TriangleFrames<T>& frames, const T (&point)[3], T (&squared)[frames_width]) {
+    const FrameLanes<T> d;
+    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
+        const auto row = [&](std::size_t i) HWY_ATTR { return hn::Load(d, frames.row[i] + lane); };
+        hn::StoreU(squared_in_frames<T>(row, hn::Set(d, point[0]), hn::Set(d, point[1]), hn::Set(d, point[2])), d,
+                   squared + lane);
+    }
+}
+void measure_float(const TriangleFrames<float>& frames, const float (&point)[3], float (&squared)[frames_width]) {
+    measure(frames, point, squared);
+}
+void measure_double(const TriangleFrames<double>& frames, const double (&point)[3], double (&squared)[frames_width]) {
+    measure(frames, point, squared);
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hausbench {
+
+HWY_EXPORT(make_float);
+HWY_EXPORT(make_double);
+HWY_EXPORT(measure_float);
+HWY_EXPORT(measure_double);
+
+void make_frames(const CornerRows& corners, TriangleFrames<float>& frames) {
+    HWY_DYNAMIC_DISPATCH(make_float)(corners, frames);
+}
+void make_frames(const CornerRows& corners, TriangleFrames<double>& frames) {
+    HWY_DYNAMIC_DISPATCH(make_double)(corners, frames);
+}
+void squared_distances(const TriangleFrames<float>& frames, const float (&point)[3], float (&squared)[frames_width]) {
+    HWY_DYNAMIC_DISPATCH(measure_float)(frames, point, squared);
+}
+void squared_distances(const TriangleFrames<double>& frames, const double (&point)[3],
+                       double (&squared)[frames_width]) {
+    HWY_DYNAMIC_DISPATCH(measure_double)(frames, point, squared);
+}
+
+}  // namespace hausbench
+#endif

@@ -1,0 +1,74 @@
+// Triangles in frames of their own, sixteen side by side: the distances of a point to all of them by products and sums alone.
+//
+// The frame of a triangle with the longest edge ab has the axes e along ab, h towards the third corner c, and the normal n; a is at
+// its origin, b = (L, 0, 0), c = (x_c, y_c, 0). A point is moved there by nine products. Its distance in the plane is the least of
+// those to the three edges, or 0 inside; edges ac and bc are kept as a direction of length 1 and a length. No division and no
+// square root is left for the query: they are in the making of the frame, which is done in double precision.
+//
+// Error. u is the unit roundoff of T, D = |p| + R, R the largest |corner|. For coordinates of at most 2^40, the computed square s and
+// the exact distance d of p to the triangle: |sqrt(s) - d| <= frame_error<T> u D, with underflow 2^-60 for float and 2^-500
+// for double to be added. Derived for T = float, where the making of the frame errs by nothing beside u; vectors by Euclid's norm:
+//   - e, h and n, rounded from double, are within u of orthonormal axes. A coordinate of p errs by u|p| for that, u R for rounding
+//     the shift and 4u D for three products and their sums: 6u D; for all three sqrt(3) 6u D < 11u D.
+//   - p itself, rounded, is off by u|p|.
+//   - Corners: L, x_c, y_c err by u 2R each; as directions and lengths of edges, twice that: c seen from a and from b differ by no more:
+//     8u R. A triangle flatter than 8u of its length is taken for its longest edge, which moves no point by more: 16u R.
+//   - In the plane: t and the distance s to the line of an edge take two products, a sum and a direction that errs by u, on numbers of
+//     at most D: 4u D each, so sqrt(2) 4u D < 6u D for an edge.
+//   - Inside: a point is taken to be inside if it is within 4u D of the inner side of the three lines and 0 <= x <= L. Is it that near
+//     to the triangle? Near a corner of 60 degrees or more, it is within 2 * 4u D, for the mitre of an angle w is 1 / sin(w / 2)
+//     long. The angle at c is such a one, as ab is longest. Near a or b with a smaller angle, where 0 <= x <= L cuts the mitre off, the
+//     triangle is straight below or above it, within 4u D / cos(w) <= 2 * 4u D. Taken to be outside though inside: then it is within 4u D
+//     of a line, by less of an edge, as the way to the line meets the edge of the triangle first. Together 8u D.
+//   - The sums of squares and the square root of s: 3u s, so 1.5u sqrt(s) <= 4u D.
+// Together 11 + 1 + 8 + 16 + 8 + 4 = 48u D, the larger of the last but one and 6u D taken; terms of order u^2 are far below
+// the 64 that is used. For T = double the making counts: edges, lengths and axes take up to 12 roundings each where
+// the above has one (e is within 6u of an axis, h within 10u, n within 20u; a coordinate errs by 28u D, L, x_c and y_c by 20u R): 
+// all in all less than 5 times as much; 256 is used.
+#pragma once
+
+#include "geometry.h"
+#include "kernel/point_triangle.h"
+
+#include <cstddef>
+
+namespace hausbench {
+
+inline constexpr std::size_t frames_width = 16;
+
+// Rows of a frame, one number a triangle in each.
+namespace frame_row {
+inline constexpr std::size_t e = 0, h = 3, n = 6;  // three each
+inline constexpr std::size_t shift = 9;            // three: minus the corner a along e, h and n
+inline constexpr std::size_t length = 12;          // L
+inline constexpr std::size_t ac = 13, ac_length = 15, bc = 16, bc_length = 18;
+inline constexpr std::size_t count = 19;
+}  // namespace frame_row
+
+template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 256;
+template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
+template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
+
+template <class T> struct alignas(64) TriangleFrames {
+    T row[frame_row::count][frames_width];
+};
+
+// Coordinates of the corners: corner[3 v + k] has coordinate k of corner v of each.
+struct alignas(64) CornerRows {
+    double row[9][frames_width];
+
+    void set(std::size_t lane, const Triangle& triangle) {
+        const Vec3* const corners[3] = {&triangle.a, &triangle.b, &triangle.c};
+        for (std::size_t v = 0; v < 3; ++v)
+            for (std::size_t k = 0; k < 3; ++k) row[3 * v + k][lane] = (*corners[v])[static_cast<Index>(k)];
+    }
+};
+
+void make_frames(const CornerRows& corners, TriangleFrames<float>& frames);
+void make_frames(const CornerRows& corners, TriangleFrames<double>& frames);
+
+// Squared distances of a point to all. For tests; the kernel in triangle_frames-inl.h is inlined where it matters.
+void squared_distances(const TriangleFrames<float>& frames, const float (&point)[3], float (&squared)[frames_width]);
+void squared_distances(const TriangleFrames<double>& frames, const double (&point)[3], double (&squared)[frames_width]);
+
+}  // namespace hausbench

@@ -1,0 +1,564 @@
+#include "offset_cover.h"
+
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "search/offset_cover.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include "kernel/triangle_frames-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+
+// Points that are measured at once against one triangle: half of them on either edge of a peel.
+template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
+
+constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
+constexpr std::size_t crowded = 12;         // corners: with so many, a polygon is cut in two
+constexpr int most_peels = 8;               // one after another: along a short edge, many may remove next to nothing
+
+template <class T> NearSet compare(const OffsetCover<T>& c, const T* squares) {
+    using D = FrameLanes<T>;
+    const D d;
+    NearSet within;
+    for (std::size_t k = 0; k < c.near.count(); k += hn::Lanes(d)) {
+        const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, c.limit.data() + k));
+        within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
+    }
+    return within;  // the limit of what is not in use is -1
+}
+
+template <class T> void measure_row(OffsetCover<T>& c, std::size_t point, T x, T y, T z) {
+    using D = FrameLanes<T>;
+    const D d;
+    const auto px = hn::Set(d, x), py = hn::Set(d, y), pz = hn::Set(d, z);
+    T* const squares = c.squared.data() + point * c.near.stride;
+    for (std::size_t k = 0; k < c.near.count(); k += hn::Lanes(d)) {
+        const auto load = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d, c.near.row(i) + k); };
+        hn::StoreU(squared_in_frames<T>(load, px, py, pz), d, squares + k);
+    }
+    c.distances += c.near.count();
+    c.within[point] = compare(c, squares);
+}
+
+// Squared distances of some points to triangle k.
+template <class T> struct SamplePoints {
+    T x[samples<T>], y[samples<T>], z[samples<T>];
+};
+template <class T>
+void measure_samples(OffsetCover<T>& c, std::size_t k, const SamplePoints<T>& points, T (&squares)[samples<T>]) {
+    using D = FrameLanes<T>;
+    const D d;
+    const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, c.near.row(i)[k]); };
+    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
+        const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
+                                                  hn::LoadU(d, points.z + i));
+        hn::StoreU(squared, d, squares + i);
+    }
+    c.distances += samples<T>;
+}
+
+// One piece of A.
+template <class T> class Engine {
+public:
+    Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
+        : c_(cover), host_(host), target_(target), most_work_(most_work) {}
+
+    CoverResult run(const CoverPolygon<T>& piece, const std::size_t* shared);
+
+private:
+    static constexpr bool exact = sizeof(T) == 8;
+
+    struct Run {
+        std::size_t begin = 0, length = 0;  // corners
+        NearSet common;                     // the triangles that are near all of them
+    };
+    struct Exits {
+        std::size_t triangle = 0;
+        T before = 0, after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
+    };
+
+    void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
+    bool pop();
+    bool one_for_all();
+    bool every_corner_near();
+    void ask(T x, T y, T z, int level, std::size_t near);
+    Run longest_run() const;
+    Exits exits(const Run& run);
+    T exit_estimate(std::size_t inside, std::size_t outside, std::size_t k) const;
+    bool peel();
+    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t, std::size_t k);
+    enum class Centre { covered, lost, cut };
+    Centre look_at_centre();
+    void cut();
+    bool along_prism(std::size_t k, T (&side)[most_polygon_corners]) const;
+    void across_longest_edge(T (&side)[most_polygon_corners]);
+    void settle();
+
+    std::size_t next(std::size_t i) const { return i + 1 == piece_.count ? 0 : i + 1; }
+    std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
+    T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
+    const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
+    T largest_square(std::size_t k) const {
+        T most = 0;
+        for (std::size_t i = 0; i < piece_.count; ++i) most = std::max(most, square(i, k));
+        return most;
+    }
+    std::size_t nearest(std::size_t point) const {
+        const T* const squares = c_.squares(point);
+        return static_cast<std::size_t>(std::min_element(squares, squares + c_.near.count()) - squares);
+    }
+    std::size_t take_row() {
+        const auto free = static_cast<std::size_t>(std::countr_one(used_));
+        used_ |= 1U << free;
+        return most_shared_points + free;
+    }
+
+    OffsetCover<T>& c_;
+    CoverHost* host_;             // null in single precision
+    const TriangleMesh* target_;  // likewise
+    std::size_t most_work_, work_ = 0;
+    double upper_ = 0;  // of what is covered so far
+    CoverPolygon<T> piece_;
+    std::size_t row_[most_polygon_corners]{};  // of its corners
+    std::uint32_t used_ = 0;                   // rows
+    int slow_ = 0;                             // peels in a row that removed little
+    int peels_ = 0;                            // since the last cut
+    bool spent_ = false;                       // what is left gets the bound that it has
+    bool full_ = false;   // there is no room for a triangle that is nearest to a point
+    std::array<T, 3> centre_{};
+    double radius_ = 0;  // of the piece, around it
+    std::size_t centre_row_ = 0;
+};
+
+template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* shared) {
+    piece_ = polygon;
+    used_ = 0;
+    slow_ = 0;
+    peels_ = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        row_[i] = shared ? shared[i] : take_row();
+        if (!shared) measure_row(c_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+    }
+}
+
+template <class T> CoverResult Engine<T>::run(const CoverPolygon<T>& piece, const std::size_t* shared) {
+    c_.stack.clear();
+    begin(piece, shared);
+    while (true) {
+        if (++work_ > most_work_) return {};
+        if (exact && !spent_ && !host_->go_on()) spent_ = true;
+        if (spent_) {
+            settle();
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        if (!every_corner_near()) {
+            if (!exact) return {};
+            if (full_) return {};
+            settle();  // rounding is more than what is left
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        if (one_for_all()) {
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        if (peel()) continue;
+        const Centre centre = look_at_centre();
+        if (full_) return {};
+        if (centre == Centre::lost) return {};
+        if (centre == Centre::cut)
+            cut();
+        else if (!pop())
+            return {true, upper_};
+    }
+}
+
+template <class T> bool Engine<T>::pop() {
+    if (c_.stack.empty()) return false;
+    const CoverPolygon<T> polygon = c_.stack.back();
+    c_.stack.pop_back();
+    begin(polygon, nullptr);
+    return true;
+}
+
+// The distance to a triangle is convex, so the largest of the corners bounds that of the polygon; for the triangle for which it is least.
+template <class T> void Engine<T>::settle() {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < c_.near.count(); ++k) least = std::min(least, c_.at_most(largest_square(k), k));
+    upper_ = std::max(upper_, least);
+}
+
+// Whether one triangle is within the threshold of all corners. The one that bounds the polygon best settles it.
+template <class T> bool Engine<T>::one_for_all() {
+    ++c_.tests;
+    NearSet common = within(0);
+    for (std::size_t i = 1; i < piece_.count; ++i) common = common & within(i);
+    if (common.empty()) return false;
+    double least = std::numeric_limits<double>::infinity();
+    common.for_each([&](std::size_t k) {
+        if (least > upper_) least = std::min(least, c_.at_most(largest_square(k), k));
+    });
+    upper_ = std::max(upper_, least);
+    return true;
+}
+
+// Measures a point of the piece exactly. The host's threshold may rise, and the triangle that is nearest is among those near, from
+// then on. Squares of all corners and limits are as they should be afterwards.
+template <class T> void Engine<T>::ask(T x, T y, T z, int level, std::size_t near) {
+    const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    const Index found = host_->measure(point, level, c_.near.triangle[near]);
+    if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), found) == c_.near.triangle.end()) {
+        if (c_.near.count() == NearSet::most) {
+            full_ = true;
+            return;
+        }
+        std::vector<Index> triangles = c_.near.triangle;
+        triangles.push_back(found);
+        if constexpr (exact) set_frames(*target_, triangles, c_.near);
+        c_.make_rows(most_shared_points + most_polygon_corners + 4);
+        c_.set_threshold(host_->threshold());
+        for (std::size_t i = 0; i < piece_.count; ++i) measure_row(c_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+    } else {
+        c_.set_threshold(host_->threshold());
+        for (std::size_t i = 0; i < piece_.count; ++i) c_.within[row_[i]] = compare(c_, c_.squares(row_[i]));
+    }
+}
+
+template <class T> bool Engine<T>::every_corner_near() {
+    std::size_t asked = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        if (!within(i).empty()) continue;
+        if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
+        ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i], nearest(row_[i]));
+        if (within(i).empty()) return false;
+        i = static_cast<std::size_t>(-1);  // sets of the others are new too
+    }
+    return true;
+}
+
+// --- peel -------------------------------------------------------------------------------------------------------------
+
+template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
+    Run best;
+    for (std::size_t begin = 0; begin < piece_.count; ++begin) {
+        NearSet common = within(begin);
+        std::size_t length = 1;
+        for (std::size_t i = next(begin); length < piece_.count; i = next(i), ++length) {
+            const NearSet longer = common & within(i);
+            if (longer.empty()) break;
+            common = longer;
+        }
+        if (length > best.length) best = {begin, length, common};
+    }
+    return best;
+}
+
+// By the squares at both ends alone: no farther than the exit, as the distance is convex along the edge.
+template <class T> T Engine<T>::exit_estimate(std::size_t inside, std::size_t outside, std::size_t k) const {
+    const T limit = std::sqrt(c_.limit[k]), near = std::sqrt(square(inside, k)), far = std::sqrt(square(outside, k));
+    return far > near ? std::clamp((limit - near) / (far - near), T(0), T(1)) : T(1);
+}
+
+// The triangle that removes most, of a few that seem to, and where its offset is left.
+template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
+    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t before = last(first), after = next(end);
+    struct Tried {
+        std::size_t k;
+        T estimate;
+    };
+    std::array<Tried, tried_triangles> tried;
+    std::size_t count = 0;
+    run.common.for_each([&](std::size_t k) {
+        const T estimate = exit_estimate(first, before, k) + exit_estimate(end, after, k);
+        if (count < tried.size()) {
+            tried[count++] = {k, estimate};
+            return;
+        }
+        auto worst = std::min_element(tried.begin(), tried.end(),
+                                      [](const Tried& x, const Tried& y) { return x.estimate < y.estimate; });
+        if (estimate > worst->estimate) *worst = {k, estimate};
+    });
+    constexpr std::size_t half = samples<T> / 2;
+    const auto sample = [&](SamplePoints<T>& points, std::size_t side, T from, T to) {
+        const std::size_t a = side == 0 ? first : end, b = side == 0 ? before : after;
+        for (std::size_t i = 0; i < half; ++i) {
+            const T t = from + (to - from) * (static_cast<T>(i + 1) / static_cast<T>(half));
+            points.x[side * half + i] = piece_.x[a] + t * (piece_.x[b] - piece_.x[a]);
+            points.y[side * half + i] = piece_.y[a] + t * (piece_.y[b] - piece_.y[a]);
+            points.z[side * half + i] = piece_.z[a] + t * (piece_.z[b] - piece_.z[a]);
+        }
+    };
+    Exits best;
+    T best_score = -1;
+    SamplePoints<T> points;
+    T squares[samples<T>];
+    sample(points, 0, T(0), T(1));
+    sample(points, 1, T(0), T(1));
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t k = tried[i].k;
+        measure_samples(c_, k, points, squares);
+        T out[2];
+        for (std::size_t side = 0; side < 2; ++side) {
+            T from = 0, to = 1, near = square(side == 0 ? first : end, k);
+            for (int round = 0;; ++round) {
+                // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
+                std::size_t s = 0;
+                while (s < half && squares[side * half + s] <= c_.limit[k]) near = squares[side * half + s++];
+                const T step = (to - from) / static_cast<T>(half);
+                const T low = from + step * static_cast<T>(s);
+                if (s == half) {
+                    out[side] = to;
+                    break;
+                }
+                const T a = std::sqrt(near), b = std::sqrt(squares[side * half + s]);
+                out[side] = low + (b > a ? step * std::clamp((std::sqrt(c_.limit[k]) - a) / (b - a), T(0), T(1)) : T(0));
+                if (!exact || round == 2) break;
+                from = low;
+                to = low + step;
+                SamplePoints<T> finer = points;
+                sample(finer, side, from, to);
+                measure_samples(c_, k, finer, squares);
+            }
+            if (exact && side == 0) measure_samples(c_, k, points, squares);
+        }
+        const T score = run.length == 1 ? out[0] * out[1] + T(0.01) * (out[0] + out[1]) : out[0] + out[1];
+        if (score > best_score) {
+            best_score = score;
+            best = {k, out[0], out[1]};
+        }
+    }
+    return best;
+}
+
+// A corner at t on the edge from `inside` to `outside` that is within the limit of triangle k, as computed; t shrinks until it is.
+template <class T>
+bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t,
+                         std::size_t k) {
+    const int level = std::max(piece_.level[inside], piece_.level[outside]) + 1;
+    if (level > OffsetCover<T>::most_level) return false;
+    const std::size_t row = take_row();
+    T back = exact ? T(0x1p-40) : T(0x1p-16);
+    for (int attempt = 0; attempt < 4; ++attempt, back *= 16) {
+        const T at = t * (1 - back);
+        const T x = piece_.x[inside] + at * (piece_.x[outside] - piece_.x[inside]),
+                y = piece_.y[inside] + at * (piece_.y[outside] - piece_.y[inside]),
+                z = piece_.z[inside] + at * (piece_.z[outside] - piece_.z[inside]);
+        measure_row(c_, row, x, y, z);
+        if (!c_.within[row].has(k)) continue;
+        rows[rest.count] = row;
+        rest.add(x, y, z, level);
+        return true;
+    }
+    return false;
+}
+
+// Cuts off what one triangle covers: the run's corners and both exits are within its offset, so all between them is.
+template <class T> bool Engine<T>::peel() {
+    if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return false;
+    const Run run = longest_run();
+    const Exits out = exits(run);
+    const T removed = out.before + out.after;
+    if (removed < T(0.02)) return false;
+    slow_ = removed < T(0.3) ? slow_ + 1 : 0;
+
+    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
+    CoverPolygon<T> rest;
+    std::size_t rows[most_polygon_corners];
+    const std::uint32_t used_before = used_;
+    bool kept = add_exit(rest, rows, end, next(end), out.after, out.triangle);
+    for (std::size_t i = next(end); kept; i = next(i)) {
+        rows[rest.count] = row_[i];
+        rest.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
+        if (i == last(first)) break;
+    }
+    kept = kept && add_exit(rest, rows, first, last(first), out.before, out.triangle);
+    if (!kept) {
+        used_ = used_before;
+        return false;
+    }
+    T most = std::max(c_.squares(rows[0])[out.triangle], c_.squares(rows[rest.count - 1])[out.triangle]);
+    for (std::size_t i = first, left = run.length; left > 0; i = next(i), --left) {
+        most = std::max(most, square(i, out.triangle));
+        if (row_[i] >= most_shared_points) used_ &= ~(1U << (row_[i] - most_shared_points));
+    }
+    upper_ = std::max(upper_, c_.at_most(most, out.triangle));
+    piece_ = rest;
+    std::copy_n(rows, rest.count, row_);
+    ++c_.cuts;
+    ++peels_;
+    return true;
+}
+
+// --- cut in two ---------------------------------------------------------------------------------------------------------
+
+// No point of the polygon is farther from a triangle than its centre is, plus its radius.
+template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
+    std::array<T, 3> sum{};
+    for (std::size_t i = 0; i < piece_.count; ++i) sum[0] += piece_.x[i], sum[1] += piece_.y[i], sum[2] += piece_.z[i];
+    for (std::size_t k = 0; k < 3; ++k) centre_[k] = sum[k] / static_cast<T>(piece_.count);
+    double most = 0;
+    int level = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const double x = static_cast<double>(piece_.x[i]) - static_cast<double>(centre_[0]),
+                     y = static_cast<double>(piece_.y[i]) - static_cast<double>(centre_[1]),
+                     z = static_cast<double>(piece_.z[i]) - static_cast<double>(centre_[2]);
+        most = std::max(most, (x * x + y * y) + z * z);
+        level = std::max(level, piece_.level[i]);
+    }
+    radius_ = std::sqrt(most) * (1 + 0x1p-50);
+    centre_row_ = most_shared_points + most_polygon_corners + 2;
+    measure_row(c_, centre_row_, centre_[0], centre_[1], centre_[2]);
+    std::size_t k = nearest(centre_row_);
+    const auto distance = [&] { return c_.at_most(c_.squares(centre_row_)[k], k); };
+    if (exact && host_->promising(distance())) {
+        ask(centre_[0], centre_[1], centre_[2], level + 1, k);
+        measure_row(c_, centre_row_, centre_[0], centre_[1], centre_[2]);
+        k = nearest(centre_row_);
+    }
+    const double bound = distance() + radius_;
+    // Too small to be cut: rounding is as large.
+    const bool tiny = radius_ < 4 * c_.error(k) || c_.stack.size() > 200 || level + 1 >= OffsetCover<T>::most_level;
+    if (bound <= c_.threshold || (exact && tiny)) {
+        upper_ = std::max(upper_, std::min(bound, c_.at_most(largest_square(k), k)));
+        return Centre::covered;
+    }
+    if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
+    return Centre::cut;
+}
+
+// Across an edge of triangle k, by the plane through it that is normal to the triangle, if that is not near the rim of the polygon.
+template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
+    const auto row = [&](std::size_t i) { return c_.near.row(i)[k]; };
+    T sides[3][most_polygon_corners], best = 0;
+    std::size_t chosen = 3;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const auto along = [&](std::size_t axis) {
+            return ((row(3 * axis) * piece_.x[i] + row(3 * axis + 1) * piece_.y[i]) + row(3 * axis + 2) * piece_.z[i]) +
+                   row(frame_row::shift + axis);
+        };
+        const T x = along(0), y = along(1), from_b = x - row(frame_row::length);
+        sides[0][i] = y;
+        sides[1][i] = x * row(frame_row::ac + 1) - y * row(frame_row::ac);
+        sides[2][i] = y * row(frame_row::bc) - from_b * row(frame_row::bc + 1);
+    }
+    for (std::size_t s = 0; s < 3; ++s) {
+        const auto [low, high] = std::minmax_element(sides[s], sides[s] + piece_.count);
+        const T depth = std::min(-*low, *high);
+        if (depth > best) best = depth, chosen = s;
+    }
+    if (chosen == 3 || !(static_cast<double>(best) > 0.05 * radius_)) return false;
+    std::copy_n(sides[chosen], piece_.count, side);
+    return true;
+}
+
+// By the plane across the longest edge, where it is as far from the triangles that are nearest to its ends, or at its midpoint.
+template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_corners]) {
+    std::size_t a = 0;
+    T longest = -1;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const std::size_t j = next(i);
+        const T x = piece_.x[j] - piece_.x[i], y = piece_.y[j] - piece_.y[i], z = piece_.z[j] - piece_.z[i];
+        const T squared = (x * x + y * y) + z * z;
+        if (squared > longest) longest = squared, a = i;
+    }
+    const std::size_t b = next(a), near_a = nearest(row_[a]), near_b = nearest(row_[b]);
+    T t = T(0.5);
+    if (near_a != near_b) {
+        const T at_a = square(a, near_b) - square(a, near_a), at_b = square(b, near_a) - square(b, near_b);
+        if (at_a + at_b > 0) t = std::clamp(at_a / (at_a + at_b), T(0.1), T(0.9));
+    }
+    const T ex = piece_.x[b] - piece_.x[a], ey = piece_.y[b] - piece_.y[a], ez = piece_.z[b] - piece_.z[a];
+    const T mx = piece_.x[a] + t * ex, my = piece_.y[a] + t * ey, mz = piece_.z[a] + t * ez;
+    for (std::size_t i = 0; i < piece_.count; ++i)
+        side[i] = ((piece_.x[i] - mx) * ex + (piece_.y[i] - my) * ey) + (piece_.z[i] - mz) * ez;
+    side[a] = -t * longest;  // whatever rounding says
+    side[b] = (1 - t) * longest;
+}
+
+template <class T> void Engine<T>::cut() {
+    ++c_.cuts;
+    T side[most_polygon_corners];
+    if (!along_prism(nearest(centre_row_), side)) across_longest_edge(side);
+    CoverPolygon<T> low, high;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const std::size_t j = next(i);
+        if (side[i] <= 0) low.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
+        if (side[i] >= 0) high.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
+        if ((side[i] < 0 && side[j] > 0) || (side[i] > 0 && side[j] < 0)) {
+            const T t = side[i] / (side[i] - side[j]);
+            const T x = piece_.x[i] + t * (piece_.x[j] - piece_.x[i]), y = piece_.y[i] + t * (piece_.y[j] - piece_.y[i]),
+                    z = piece_.z[i] + t * (piece_.z[j] - piece_.z[i]);
+            const int level = std::max(piece_.level[i], piece_.level[j]) + 1;
+            low.add(x, y, z, level);
+            high.add(x, y, z, level);
+        }
+    }
+    // A polygon of one or two corners is a part of the other one's rim.
+    if (low.count < 3) std::swap(low, high);
+    if (high.count >= 3) c_.stack.push_back(high);
+    begin(low, nullptr);
+}
+
+void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+    for (std::size_t i = 0; i < points.count; ++i) measure_row(cover, i, points.x[i], points.y[i], points.z[i]);
+}
+
+CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+                         const std::array<std::size_t, 3>& points, std::size_t most_work) {
+    return Engine<float>(cover, nullptr, nullptr, most_work).run(piece, points.data());
+}
+
+CoverResult sure_piece(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+                       const TriangleMesh& target) {
+    return Engine<double>(cover, &host, &target, std::numeric_limits<std::size_t>::max()).run(piece, nullptr);
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hausbench {
+
+HWY_EXPORT(shared_rows);
+HWY_EXPORT(shared_piece);
+HWY_EXPORT(sure_piece);
+
+template <class T> void OffsetCover<T>::set_threshold(double tau) {
+    threshold = tau;
+    const std::size_t padded = (near.count() + frames_width - 1) / frames_width * frames_width;
+    limit.assign(padded, T(-1));
+    for (std::size_t k = 0; k < near.count(); ++k) {
+        const double allowed = tau * (1 - 0x1p-50) - error(k);
+        // Rounded down: the factor is more than rounding to T takes.
+        if (allowed > 0) limit[k] = static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>));
+    }
+}
+template <class T> void OffsetCover<T>::make_rows(std::size_t points) {
+    if (squared.size() < points * near.stride) squared.resize(points * near.stride);
+    if (within.size() < points) within.resize(points);
+}
+template struct OffsetCover<float>;
+template struct OffsetCover<double>;
+
+void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+    HWY_DYNAMIC_DISPATCH(shared_rows)(cover, points);
+}
+CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+                         const std::array<std::size_t, 3>& points, std::size_t most_work) {
+    return HWY_DYNAMIC_DISPATCH(shared_piece)(cover, piece, points, most_work);
+}
+CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+                         const TriangleMesh& target) {
+    cover.make_rows(most_shared_points + most_polygon_corners + 4);
+    return HWY_DYNAMIC_DISPATCH(sure_piece)(cover, piece, host, target);
+}
+
+}  // namespace hausbench
+#endif

@@ -1,0 +1,135 @@
+// Whether a piece of A lies within a distance of B, shown by covering it with offsets of triangles of B.
+//
+// The tau-offset of a triangle S, all points within tau of it, is convex, as S is. So a polygon whose corners are all within tau of one
+// S is within tau of it altogether. Where no S does for all corners, one that does for a run of neighbouring corners is taken, and
+// what it covers is cut off ("peeled"): the chord goes from where the edge before the run leaves the offset to where the edge after it
+// does. Where that gets nowhere, the polygon is cut in two.
+//
+// A piece may be covered by any triangles, so it does not matter for a proof which are looked at, or where it is cut: only that
+// the polygons that are covered make up the piece, and that a distance is never taken for less than it is.
+//   - Both sides of a cut have the same two corners there, as rounded. A new corner, fl(a + t (b - a)) with |coordinate| <= 1, is within
+//     sqrt(3) 5u < 9u of the edge ab: the difference and the product err by 2u each, as b - a may be 2, the sum by u. So every point of
+//     the piece is within 9u l of the polygons, where l is how often the edge it is on, or the edges that those corners came
+//     from, was cut: `level` of a corner is one more than the larger one of its edge's ends.
+//   - A distance, as computed, to triangle k is at most error(k) too small (kernel/triangle_frames.h), with |p| <= sqrt(3) < 1.75.
+#pragma once
+
+#include "structures/triangle_blocks.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace hausbench {
+
+inline constexpr std::size_t most_polygon_corners = 16;
+
+// In coordinates of a place (LocalUnits): |coordinate| <= 1.
+template <class T> struct CoverPolygon {
+    std::size_t count = 0;
+    T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
+    int level[most_polygon_corners];
+
+    void add(T px, T py, T pz, int corner_level) {
+        x[count] = px, y[count] = py, z[count] = pz;
+        level[count++] = corner_level;
+    }
+};
+
+// A set of the triangles near a place.
+struct NearSet {
+    static constexpr std::size_t words = 4, most = 64 * words;
+    std::array<std::uint64_t, words> word{};
+
+    bool has(std::size_t k) const { return word[k / 64] >> (k % 64) & 1; }
+    bool empty() const { return (word[0] | word[1] | word[2] | word[3]) == 0; }
+    NearSet operator&(const NearSet& other) const {
+        NearSet both;
+        for (std::size_t w = 0; w < words; ++w) both.word[w] = word[w] & other.word[w];
+        return both;
+    }
+    template <class Call> void for_each(const Call& call) const {
+        for (std::size_t w = 0; w < words; ++w) {
+            for (std::uint64_t rest = word[w]; rest != 0; rest &= rest - 1)
+                call(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
+        }
+    }
+};
+
+inline constexpr std::size_t most_shared_points = 48;
+
+template <class T> struct CoverPoints {
+    std::size_t count = 0;
+    T x[most_shared_points], y[most_shared_points], z[most_shared_points];
+};
+
+// Who searches: asked where double precision is used.
+class CoverHost {
+public:
+    // The exact distance of a point of the piece is wanted. The host may raise its threshold. Returns a triangle of B that is nearest.
+    virtual Index measure(const double (&point)[3], int level, Index near) = 0;
+
+    // In units of the place.
+    virtual double threshold() const = 0;
+
+    // Whether a point at this distance, in units of the place, may raise the threshold much.
+    virtual bool promising(double distance) const = 0;
+
+    // Counts one cut. False: time or budget is spent.
+    virtual bool go_on() = 0;
+
+protected:
+    ~CoverHost() = default;
+};
+
+// Covers pieces at one place. Reused from place to place, so that room is made once.
+template <class T> struct OffsetCover {
+    // At most NearSet::most triangles.
+    NearTriangles<T> near;
+    double threshold = 0;      // in units of the place
+    std::vector<T> limit;      // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
+    std::vector<T> squared;    // rows of near.stride, one a point
+    std::vector<NearSet> within;  // of each point: the triangles with a square <= limit
+    std::vector<CoverPolygon<T>> stack;
+    std::uint64_t distances = 0, tests = 0, cuts = 0;  // for counters
+
+    static constexpr int most_level = sizeof(T) == 4 ? 8 : 256;
+
+    const T* squares(std::size_t point) const { return squared.data() + point * near.stride; }
+
+    // In units of the place: no computed distance of a point of a polygon to triangle k is smaller than the exact one by more.
+    double error(std::size_t k) const {
+        const double size = static_cast<double>(near.row(frame_row::count)[k]);
+        return frame_roundoff<T> * (near_error<T> * (1.75 + size) + 9 * most_level) + frame_underflow<T>;
+    }
+    double at_most(T square, std::size_t k) const {
+        return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + error(k);
+    }
+
+    // After `near` has changed, or to change the threshold. What is in `within` is not looked at again.
+    void set_threshold(double tau);
+    void make_rows(std::size_t points);
+};
+
+struct CoverResult {
+    bool covered = false;
+    double upper = 0;  // if so: no point of the piece is farther, in units of the place
+};
+
+// Rows 0 to count - 1, of points that several pieces share, and their sets. At most most_shared_points. O(points triangles).
+void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points);
+
+// Whether the triangles near cover a piece whose corners are these shared points, after most_work cuts at most; that they do not is
+// no proof of anything.
+CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece, const std::array<std::size_t, 3>& points,
+                         std::size_t most_work);
+
+// Always ends, with the threshold of the host as it rises: parts that are too small to be cut, or too many, get a bound that is above it.
+// Not covered: so many more triangles are near, as the threshold has risen, that they have to be gathered again.
+CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+                         const TriangleMesh& target);
+
+}  // namespace hausbench

@@ -1,0 +1,132 @@
+// Triangles in Morton order, sixteen a leaf, under an implicit tree of boxes with sixteen children a node.
+//
+// Quick to build (a radix sort, then one pass) and quick to search: a leaf keeps its triangles as frames in single precision
+// (kernel/triangle_frames.h), in coordinates of its own. These only filter. What they leave is measured in double precision, so
+// answers have the bits of a plain scan (kernel/closest.h).
+//
+// Each leaf and each node has an origin and a unit, a power of two: coordinates of its content are at most 1 there. So precision
+// follows the content: one stray triangle far away makes the boxes beside it coarse, and none below them.
+//
+// Nothing is lost by the filter. For a node with planes rounded outward in its units, a coordinate q of the point, rounded to u = 2^-24,
+// is off by u|q|; so is the distance to the content along an axis, beside the rounding of a difference, u of it. With
+// three of them, squares, sums and a root, sqrt(s) (1 - 8u) - 2u max|q| is no more than the exact distance. For a leaf it is
+// sqrt(s) - frame_error u (|q| + R), R < 2. A triangle whose computed squared distance (kernel/point_triangle.h) is at most s is within
+// sqrt(s) (1 + 4u) + 8uM, u = 2^-53, as no closest point is off its triangle by more than 7uM.
+#pragma once
+
+#include "kernel/closest.h"
+#include "kernel/triangle_frames.h"
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+// Coordinates from `origin`, in units of a power of two.
+struct LocalUnits {
+    double origin[3];
+    double unit, inverse;
+
+    // For the content of a box: it is in [-1, 1]. `least`: of the unit, so that what is a point has one too.
+    void set(const Box& box, double least);
+};
+
+struct alignas(64) TriangleFramesLeaf {
+    TriangleFrames<float> frames;  // unused: as the last one in use
+    LocalUnits units;
+    Index triangle[frames_width];
+    std::int32_t count;
+};
+
+struct alignas(64) BoxNode {
+    float low[3][frames_width], high[3][frames_width];  // unused: infinitely far from everything
+    LocalUnits units;
+    std::int32_t count;
+};
+
+// Triangles near a place, for those who measure many points there: frames in coordinates of the place.
+template <class T> struct NearTriangles {
+    LocalUnits units;
+    std::vector<Index> triangle;
+    std::size_t stride = 0;  // of rows; a multiple of frames_width
+    // The rows of TriangleFrames and one more: what |corner| is at most for the error of the frame. What follows the last triangle up to
+    // a multiple of frames_width is finite.
+    std::vector<T> rows;
+
+    std::size_t count() const { return triangle.size(); }
+    T* row(std::size_t i) { return rows.data() + i * stride; }
+    const T* row(std::size_t i) const { return rows.data() + i * stride; }
+
+    void clear(const LocalUnits& place) {
+        units = place;
+        triangle.clear();
+    }
+    // Room for so many more, and for a vector that is stored behind the last.
+    void make_room(std::size_t more);
+};
+
+inline constexpr std::size_t near_rows = frame_row::count + 1;
+// As frame_error, for frames that were moved to another place: the shift took a product and three sums more, of what was rounded.
+template <class T> inline constexpr double near_error = frame_error<T> + 16;
+
+class TriangleBlocks {
+public:
+    static constexpr std::string_view structure_name = "triangle blocks";
+    static constexpr int structure_layout = 1;
+
+    // `mesh` must outlive this. O(n) for tame data (see kernel/morton.h); about 86 bytes a triangle.
+    explicit TriangleBlocks(const TriangleMesh& mesh);
+
+    // As closest_by_scan (kernel/closest.h), to the bit; hints as there. O(log n) on well-behaved meshes.
+    ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
+
+    // A lower bound of the exact distance that holds under rounding, no less than certified_distance_by_scan.
+    double certified_distance(const Vec3& point, Counters& counters) const;
+
+    // Appends triangles no farther than `radius` from `centre`, and perhaps some that are hardly farther.
+    void gather(const Vec3& centre, double radius, NearTriangles<float>& near, Counters& counters) const;
+
+    // Appends one.
+    void append(Index triangle, NearTriangles<float>& near) const;
+
+    const TriangleMesh& mesh() const { return *mesh_; }
+    const std::vector<TriangleFramesLeaf>& leaves() const { return leaves_; }
+    std::size_t bytes() const;
+
+    // For the walk in triangle_blocks.cpp.
+    struct Tree {
+        const std::vector<TriangleFramesLeaf>& leaves;
+        const std::vector<BoxNode>& nodes;
+        const std::vector<std::size_t>& level_begin;  // in `nodes`: level 1 has the boxes of leaves, the last one is one node
+        const TriangleMesh& mesh;
+        double magnitude;
+    };
+
+private:
+    Tree tree() const { return {leaves_, nodes_, level_begin_, *mesh_, magnitude_}; }
+    void add_level(const std::vector<Box>& below, std::vector<Box>& boxes, double least_unit);
+
+    const TriangleMesh* mesh_;
+    double magnitude_ = 0;
+    std::vector<TriangleFramesLeaf> leaves_;
+    std::vector<BoxNode> nodes_;
+    std::vector<std::size_t> level_begin_;
+};
+
+// All triangles of a list in frames of double precision.
+void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near);
+
+// The triangles of a mesh in Morton order of their centres: neighbours in it are mostly neighbours in space.
+struct TriangleOrder {
+    static constexpr std::string_view structure_name = "triangle order";
+    static constexpr int structure_layout = 1;
+
+    explicit TriangleOrder(const TriangleMesh& mesh);  // O(n) for tame data (see kernel/morton.h)
+
+    std::vector<Index> order;
+
+    std::size_t bytes() const { return order.capacity() * sizeof(Index); }
+};
+
+}  // namespace hausbench

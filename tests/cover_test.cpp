@@ -1,0 +1,113 @@
+// Threshold cover: its interval against exact samples and the other solvers, hostile meshes, and that it ends.
+#include "exact.h"
+#include "registry.h"
+#include "search/offset_cover.h"
+#include "session.h"
+#include "small_scenes.h"
+#include "tree_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+// A place around the unit cube, all triangles of a mesh near it.
+struct Place {
+    LocalUnits units;
+    OffsetCover<double> exact;
+    explicit Place(const TriangleMesh& mesh) {
+        Box box;
+        box.add(Vec3(-1, -1, -1));
+        box.add(Vec3(1, 1, 1));
+        units.set(box, 1e-30);
+        exact.near.clear(units);
+        std::vector<Index> all(static_cast<std::size_t>(mesh.triangles.rows()));
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+        set_frames(mesh, all, exact.near);
+    }
+};
+
+// Knows the distances of a few triangles by trying all.
+class Host final : public CoverHost {
+public:
+    Host(const TriangleMesh& mesh, const LocalUnits& units, double tolerance)
+        : mesh_(mesh), units_(units), tolerance_(tolerance) {}
+
+    Index measure(const double (&point)[3], int, Index) override {
+        Vec3 global;
+        for (int k = 0; k < 3; ++k) global[k] = units_.origin[k] + units_.unit * point[k];
+        Counters counters;
+        const ClosestPoint nearest = closest_by_scan(mesh_, global, {}, counters);
+        lower = std::max(lower, std::sqrt(nearest.squared_distance));
+        return nearest.triangle;
+    }
+    double threshold() const override { return (lower + tolerance_) * units_.inverse; }
+    bool promising(double distance) const override { return distance * units_.unit > lower + 0.2 * tolerance_; }
+    bool go_on() override { return ++work < most_work; }
+
+    double lower = 0;
+    std::size_t work = 0, most_work = 20000;
+
+private:
+    const TriangleMesh& mesh_;
+    const LocalUnits& units_;
+    double tolerance_;
+};
+
+double largest_of_samples(const Triangle& t, const TriangleMesh& mesh, int n) {
+    double most = 0;
+    Counters counters;
+    for (int i = 0; i <= n; ++i) {
+        for (int j = 0; i + j <= n; ++j) {
+            const Vec3 point = t.a + (t.b - t.a) * (double(i) / n) + (t.c - t.a) * (double(j) / n);
+            most = std::max(most, std::sqrt(closest_by_scan(mesh, point, {}, counters).squared_distance));
+        }
+    }
+    return most;
+}
+
+TEST(OffsetCover, BoundsAPieceFromAboveAndEnds) {
+    Random random(41);
+    for (int i = 0; i < 400; ++i) {
+        const TriangleMesh mesh = triangle_soup(random, 1 + random.below(12), i % 3 == 0 ? 0.1 : 0.6);
+        Place place(mesh);
+        Host host(mesh, place.units, i % 2 == 0 ? 1e-3 : 1e-7);
+        const Triangle t{0.5 * random.vector(), 0.5 * random.vector(), 0.5 * random.vector()};
+        CoverPolygon<double> polygon;
+        for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
+            const Vec3 local = *corner * place.units.inverse;
+            polygon.add(local[0], local[1], local[2], 0);
+        }
+        place.exact.set_threshold(host.threshold());
+        const CoverResult result = cover_surely(place.exact, polygon, host, mesh);
+        ASSERT_TRUE(result.covered) << i;
+        const double upper = result.upper * place.units.unit, sampled = largest_of_samples(t, mesh, 24);
+        EXPECT_GE(upper, std::max(sampled, host.lower) * (1 - 1e-14)) << i;
+        EXPECT_LT(host.work, host.most_work) << i;
+        EXPECT_LE(upper, host.lower + (i % 2 == 0 ? 1e-3 : 1e-7) + 1e-12) << i;
+    }
+}
+
+// Out of work at once: whatever is left has a bound that holds.
+TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
+    Random random(42);
+    for (int i = 0; i < 200; ++i) {
+        const TriangleMesh mesh = triangle_soup(random, 8, 0.3);
+        Place place(mesh);
+        Host host(mesh, place.units, 1e-6);
+        host.most_work = static_cast<std::size_t>(1 + random.below(30));
+        const Triangle t{0.5 * random.vector(), 0.5 * random.vector(), 0.5 * random.vector()};
+        CoverPolygon<double> polygon;
+        for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
+            const Vec3 local = *corner * place.units.inverse;
+            polygon.add(local[0], local[1], local[2], 0);
+        }
+        place.exact.set_threshold(host.threshold());
+        const CoverResult result = cover_surely(place.exact, polygon, host, mesh);
+        ASSERT_TRUE(result.covered);
+        EXPECT_GE(result.upper * place.units.unit, largest_of_samples(t, mesh, 16) * (1 - 1e-14)) << i;
+    }
+}
+
+}  // namespace
+}  // namespace hausbench

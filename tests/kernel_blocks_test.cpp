@@ -1,0 +1,166 @@
+// Triangle blocks must give the bits of a plain scan, on tame and on hostile meshes; and what they gather is what is near.
+#include "structures/triangle_blocks.h"
+
+#include "tree_meshes.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+namespace hausbench {
+namespace {
+
+void expect_same(const ClosestPoint& a, const ClosestPoint& b, const std::string& where) {
+    EXPECT_EQ(a.squared_distance, b.squared_distance) << where;
+    EXPECT_EQ(a.triangle, b.triangle) << where;
+    EXPECT_EQ(a.point, b.point) << where;
+}
+
+TEST(TriangleBlocks, SameBitsAsAScanOn200Meshes) {
+    Random random(4);
+    for (const auto& [name, mesh] : tree_meshes()) {
+        const TriangleBlocks blocks(mesh);
+        Counters counters;
+        for (int i = 0; i < (mesh.triangles.rows() > 1000 ? 100 : 200); ++i) {
+            const Vec3 point = query_near(mesh, random);
+            const ClosestPoint expected = closest_by_scan(mesh, point, {}, counters);
+            expect_same(blocks.closest(point, {}, counters), expected, name);
+            ClosestHints warm;
+            warm.warm_triangle =
+                random.below(2) != 0 ? expected.triangle : random.below(static_cast<Index>(mesh.triangles.rows()));
+            expect_same(blocks.closest(point, warm, counters), expected, name + ", warm");
+            ClosestHints radius;
+            radius.squared_radius = expected.squared_distance;
+            expect_same(blocks.closest(point, radius, counters), expected, name + ", radius just large enough");
+            radius.squared_radius = std::nextafter(expected.squared_distance, -1);
+            EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
+            radius.warm_triangle = warm.warm_triangle;
+            EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
+
+            const double certified = blocks.certified_distance(point, counters);
+            EXPECT_GE(certified, certified_distance_by_scan(mesh, point, counters)) << name;
+            EXPECT_LE(certified, std::sqrt(expected.squared_distance)) << name;
+        }
+    }
+}
+
+TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
+    Random random(5);
+    const TriangleMesh mesh = triangle_soup(random, 2000, 0.1);
+    const TriangleBlocks blocks(mesh);
+    Counters full, early;
+    for (int i = 0; i < 300; ++i) {
+        const Vec3 point = random.vector();
+        ClosestHints hints;
+        hints.early_out_squared = 0.01;
+        const double nearest = blocks.closest(point, {}, full).squared_distance;
+        const ClosestPoint found = blocks.closest(point, hints, early);
+        EXPECT_GE(found.squared_distance, nearest);
+        EXPECT_TRUE(nearest <= 0.01 ? found.squared_distance <= 0.01 : found.squared_distance == nearest);
+    }
+    EXPECT_LT(early.point_triangle_distances, full.point_triangle_distances);
+}
+
+// A stray triangle far away, or a second cluster there, must not make a query look at everything.
+TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
+    Counters tame;
+    for (const double ratio : {1.0, 10.0, 1e3, 1e6, 1e9, 1e12}) {
+        Random random(11);
+        TriangleMesh mesh = triangle_grid(random, 40, 0.05);
+        const TriangleMesh cluster = mesh;
+        if (ratio > 1) {
+            const auto vertices = static_cast<Index>(mesh.vertices.rows()),
+                       triangles = static_cast<Index>(mesh.triangles.rows());
+            mesh.vertices.conservativeResize(vertices + 3, 3);
+            mesh.triangles.conservativeResize(triangles + 1, 3);
+            for (int k = 0; k < 3; ++k) {
+                mesh.vertices.row(vertices + k) = Vec3(cluster.vertices.row(k)) + Vec3(5 * ratio, 3 * ratio, -4 * ratio);
+                mesh.triangles(triangles, k) = vertices + k;
+            }
+        }
+        const TriangleBlocks blocks(mesh);
+        Counters counters, scanned;
+        for (int i = 0; i < 300; ++i) {
+            const Vec3 point = Vec3(cluster.vertices.row(random.below(1600))) + random.vector(0.1);
+            const ClosestPoint found = blocks.closest(point, {}, counters);
+            if (i % 30 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
+        }
+        if (ratio == 1) tame = counters;
+        // One level of the tree, that of both scales, tells nothing apart in the small one.
+        EXPECT_LE(counters.node_visits, 8 * tame.node_visits) << ratio;
+        EXPECT_LE(counters.point_triangle_distances, 2 * tame.point_triangle_distances) << ratio;
+    }
+}
+
+// Every triangle within the radius, and none that is clearly farther; in frames whose distances are as near as near_error says.
+TEST(TriangleBlocks, GatherWhatIsNear) {
+    Random random(12);
+    for (const auto& [name, mesh] : tree_meshes()) {
+        const double size = mesh.vertices.cwiseAbs().maxCoeff();
+        if (!(size > 1e-300 && size < 1e100)) continue;
+        const TriangleBlocks blocks(mesh);
+        NearTriangles<float> near;
+        NearTriangles<double> exactly;
+        for (int i = 0; i < 10; ++i) {
+            const Vec3 centre = query_near(mesh, random);
+            if (centre.cwiseAbs().maxCoeff() > 4 * size) continue;
+            const double radius = size * std::pow(10, random.real(-4, 0));
+            Box box;
+            box.add(Vec3(centre.array() - 0.3 * radius));
+            box.add(Vec3(centre.array() + 0.3 * radius));
+            LocalUnits units;
+            units.set(box, size * 0x1p-100);
+            near.clear(units);
+            Counters counters;
+            blocks.gather(centre, radius, near, counters);
+            const std::set<Index> found(near.triangle.begin(), near.triangle.end());
+            EXPECT_EQ(found.size(), near.count()) << name;
+            for (Index t = 0; t < mesh.triangles.rows(); ++t) {
+                const double distance = std::sqrt(closest_point(centre, triangle_of(mesh, t)).squared_distance);
+                if (distance <= radius * (1 - 1e-12)) {
+                    EXPECT_TRUE(found.contains(t)) << name;
+                } else if (distance > radius + 1e-3 * (radius + 3 * size)) {
+                    EXPECT_FALSE(found.contains(t)) << name;
+                }
+            }
+            if (found.empty()) continue;
+            blocks.append(near.triangle[0], near);
+            EXPECT_EQ(near.triangle.back(), near.triangle[0]);
+            exactly.clear(units);
+            set_frames(mesh, near.triangle, exactly);
+            ASSERT_EQ(exactly.triangle, near.triangle);
+            for (std::size_t k = 0; k < near.count(); ++k) {
+                const Vec3 point = centre + 0.2 * random.vector(radius);
+                Vec3 local;
+                for (int j = 0; j < 3; ++j) local[j] = (point[j] - units.origin[j]) * units.inverse;
+                const double expected =
+                    std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) * units.inverse;
+                const auto distance = [&]<class T>(const NearTriangles<T>& frames) {
+                    TriangleFrames<T> one;
+                    for (std::size_t r = 0; r < frame_row::count; ++r)
+                        std::fill_n(one.row[r], frames_width, frames.row(r)[k]);
+                    const T p[3] = {static_cast<T>(local[0]), static_cast<T>(local[1]), static_cast<T>(local[2])};
+                    T squared[frames_width];
+                    squared_distances(one, p, squared);
+                    const double error = near_error<T> * frame_roundoff<T> *
+                                             (local.norm() + static_cast<double>(frames.row(frame_row::count)[k])) +
+                                         64 * 0x1p-53 * size * units.inverse + frame_underflow<T>;
+                    EXPECT_NEAR(std::sqrt(static_cast<double>(squared[0])), expected, error) << name;
+                };
+                distance(near);
+                distance(exactly);
+            }
+        }
+    }
+}
+
+TEST(TriangleBlocks, TakeFewBytes) {
+    Random random(14);
+    const TriangleMesh mesh = triangle_grid(random, 100, 0.05);
+    EXPECT_LE(TriangleBlocks(mesh).bytes(), 95 * static_cast<std::size_t>(mesh.triangles.rows()));
+}
+
+}  // namespace
+}  // namespace hausbench
