@@ -33,7 +33,7 @@ public:
     Host(const TriangleMesh& mesh, const LocalUnits& units, double tolerance)
         : mesh_(mesh), units_(units), tolerance_(tolerance) {}
 
-    Index measure(const double (&point)[3], int, Index) override {
+    Index measure(const double (&point)[3], double, Index) override {
         Vec3 global;
         for (int k = 0; k < 3; ++k) global[k] = units_.origin[k] + units_.unit * point[k];
         Counters counters;

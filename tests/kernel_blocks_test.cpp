@@ -76,7 +76,8 @@ TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
             mesh.vertices.conservativeResize(vertices + 3, 3);
             mesh.triangles.conservativeResize(triangles + 1, 3);
             for (int k = 0; k < 3; ++k) {
-                mesh.vertices.row(vertices + k) = Vec3(cluster.vertices.row(k)) + Vec3(5 * ratio, 3 * ratio, -4 * ratio);
+                mesh.vertices.row(vertices + k) =
+                    Vec3(cluster.vertices.row(k)) + Vec3(5 * ratio, 3 * ratio, -4 * ratio);
                 mesh.triangles(triangles, k) = vertices + k;
             }
         }
@@ -85,7 +86,8 @@ TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
         for (int i = 0; i < 300; ++i) {
             const Vec3 point = Vec3(cluster.vertices.row(random.below(1600))) + random.vector(0.1);
             const ClosestPoint found = blocks.closest(point, {}, counters);
-            if (i % 30 == 0) expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
+            if (i % 30 == 0)
+                expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
         }
         if (ratio == 1) tame = counters;
         // One level of the tree, that of both scales, tells nothing apart in the small one.
@@ -136,7 +138,8 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
                 Vec3 local;
                 for (int j = 0; j < 3; ++j) local[j] = (point[j] - units.origin[j]) * units.inverse;
                 const double expected =
-                    std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) * units.inverse;
+                    std::sqrt(closest_point(point, triangle_of(mesh, near.triangle[k])).squared_distance) *
+                    units.inverse;
                 const auto distance = [&]<class T>(const NearTriangles<T>& frames) {
                     TriangleFrames<T> one;
                     for (std::size_t r = 0; r < frame_row::count; ++r)

@@ -28,7 +28,8 @@ template <class T> void expect_within_the_error() {
             CornerRows corners;
             std::array<Triangle, frames_width> triangles;
             std::vector<Vec3> points;
-            const Vec3 away = turn % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(random.vector(std::ldexp(1.0, random.below(12))));
+            const Vec3 away =
+                turn % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(random.vector(std::ldexp(1.0, random.below(12))));
             for (std::size_t i = 0; i < frames_width; ++i) {
                 const Sample sample = local(kind.make(random));
                 triangles[i] = {sample.triangle.a + away, sample.triangle.b + away, sample.triangle.c + away};
@@ -66,7 +67,8 @@ TEST(TriangleFrames, TakeCornersInAnyOrder) {
     for (int i = 0; i < 100; ++i) {
         const Triangle t = any(random);
         CornerRows corners;
-        const Triangle orders[6] = {{t.a, t.b, t.c}, {t.b, t.c, t.a}, {t.c, t.a, t.b}, {t.a, t.c, t.b}, {t.c, t.b, t.a}, {t.b, t.a, t.c}};
+        const Triangle orders[6] = {{t.a, t.b, t.c}, {t.b, t.c, t.a}, {t.c, t.a, t.b},
+                                    {t.a, t.c, t.b}, {t.c, t.b, t.a}, {t.b, t.a, t.c}};
         for (std::size_t k = 0; k < frames_width; ++k) corners.set(k, orders[k % 6]);
         TriangleFrames<double> frames;
         make_frames(corners, frames);

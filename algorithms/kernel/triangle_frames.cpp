@@ -104,8 +104,7 @@ template <class T> void make(const CornerRows& corners, TriangleFrames<T>& frame
 void make_float(const CornerRows& corners, TriangleFrames<float>& frames) { make(corners, frames); }
 void make_double(const CornerRows& corners, TriangleFrames<double>& frames) { make(corners, frames); }
 
-template <class T>
-void measure(const TriangleFrames<T>& frames, const T (&point)[3], T (&squared)[frames_width]) {
+template <class T> void measure(const TriangleFrames<T>& frames, const T (&point)[3], T (&squared)[frames_width]) {
     const FrameLanes<T> d;
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
         const auto row = [&](std::size_t i) HWY_ATTR { return hn::Load(d, frames.row[i] + lane); };

@@ -23,7 +23,7 @@
 //   - The sums of squares and the square root of s: 3u s, so 1.5u sqrt(s) <= 4u D.
 // Together 11 + 1 + 8 + 16 + 8 + 4 = 48u D, the larger of the last but one and 6u D taken; terms of order u^2 are far below
 // the 64 that is used. For T = double the making counts: edges, lengths and axes take up to 12 roundings each where
-// the above has one (e is within 6u of an axis, h within 10u, n within 20u; a coordinate errs by 28u D, L, x_c and y_c by 20u R): 
+// the above has one (e is within 6u of an axis, h within 10u, n within 20u; a coordinate errs by 28u D, L, x_c and y_c by 20u R):
 // all in all less than 5 times as much; 256 is used.
 #pragma once
 
@@ -49,9 +49,7 @@ template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 2
 template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
 template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
 
-template <class T> struct alignas(64) TriangleFrames {
-    T row[frame_row::count][frames_width];
-};
+template <class T> struct alignas(64) TriangleFrames { T row[frame_row::count][frames_width]; };
 
 // Coordinates of the corners: corner[3 v + k] has coordinate k of corner v of each.
 struct alignas(64) CornerRows {

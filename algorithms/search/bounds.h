@@ -76,6 +76,9 @@ public:
         return true;
     }
 
+    // What somebody else settled has no larger upper bound; its elements are told already.
+    void keep(double upper) { settled_ = std::max(settled_, upper); }
+
     // Whether the bounds, or the lack of anything left to split, end the search; `queued` as below.
     std::optional<Status> answered(double queued);
 

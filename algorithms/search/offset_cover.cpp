@@ -18,41 +18,56 @@ template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 
 
 constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
 constexpr std::size_t crowded = 12;         // corners: with so many, a polygon is cut in two
-constexpr int most_peels = 8;               // one after another: along a short edge, many may remove next to nothing
+// The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
+// the quotient by u: sqrt(3) 16 < 28.
+constexpr double slack_of_mean = 28;
+constexpr int most_peels = 8;  // one after another: along a short edge, many may remove next to nothing
 
-template <class T> NearSet compare(const OffsetCover<T>& c, const T* squares) {
+// The triangles that are looked at now: all that are near, or few of them.
+template <class T> struct Candidates {
+    const NearTriangles<T>* frames;
+    const T* limit;
+
+    std::size_t count() const { return frames->count(); }
+    const T* row(std::size_t i) const { return frames->row(i); }
+};
+
+template <class T> NearSet compare(const Candidates<T>& candidates, const T* squares) {
     using D = FrameLanes<T>;
     const D d;
     NearSet within;
-    for (std::size_t k = 0; k < c.near.count(); k += hn::Lanes(d)) {
-        const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, c.limit.data() + k));
+    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
+        const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
         within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
     }
     return within;  // the limit of what is not in use is -1
 }
 
-template <class T> void measure_row(OffsetCover<T>& c, std::size_t point, T x, T y, T z) {
+template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
     using D = FrameLanes<T>;
     const D d;
     const auto px = hn::Set(d, x), py = hn::Set(d, y), pz = hn::Set(d, z);
-    T* const squares = c.squared.data() + point * c.near.stride;
-    for (std::size_t k = 0; k < c.near.count(); k += hn::Lanes(d)) {
-        const auto load = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d, c.near.row(i) + k); };
+    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
+        const auto load = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d, candidates.row(i) + k); };
         hn::StoreU(squared_in_frames<T>(load, px, py, pz), d, squares + k);
     }
-    c.distances += c.near.count();
-    c.within[point] = compare(c, squares);
+}
+
+template <class T>
+void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t point, T x, T y, T z) {
+    measure_all(candidates, x, y, z, c.squares(point));
+    c.distances += candidates.count();
+    c.within[point] = compare(candidates, c.squares(point));
 }
 
 // Squared distances of some points to triangle k.
-template <class T> struct SamplePoints {
-    T x[samples<T>], y[samples<T>], z[samples<T>];
-};
+template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
 template <class T>
-void measure_samples(OffsetCover<T>& c, std::size_t k, const SamplePoints<T>& points, T (&squares)[samples<T>]) {
+void measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k, const SamplePoints<T>& points,
+                     T (&squares)[samples<T>]) {
     using D = FrameLanes<T>;
     const D d;
-    const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, c.near.row(i)[k]); };
+    const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
     for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
         const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
                                                   hn::LoadU(d, points.z + i));
@@ -65,12 +80,13 @@ void measure_samples(OffsetCover<T>& c, std::size_t k, const SamplePoints<T>& po
 template <class T> class Engine {
 public:
     Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
-        : c_(cover), host_(host), target_(target), most_work_(most_work) {}
+        : c_(cover), all_{&cover.near, cover.limit.data()}, host_(host), target_(target), most_work_(most_work) {}
 
     CoverResult run(const CoverPolygon<T>& piece, const std::size_t* shared);
 
 private:
     static constexpr bool exact = sizeof(T) == 8;
+    static constexpr std::size_t centre_row = most_shared_points + most_polygon_corners + 2;
 
     struct Run {
         std::size_t begin = 0, length = 0;  // corners
@@ -78,19 +94,23 @@ private:
     };
     struct Exits {
         std::size_t triangle = 0;
-        T before = 0, after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
+        T before = 0,
+          after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
     };
 
     void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
     bool pop();
     bool one_for_all();
     bool every_corner_near();
-    void ask(T x, T y, T z, int level, std::size_t near);
+    void ask(T x, T y, T z, double slack, std::size_t near);
     Run longest_run() const;
     Exits exits(const Run& run);
-    T exit_estimate(std::size_t inside, std::size_t outside, std::size_t k) const;
+    void estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearSet::most]);
     bool peel();
-    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t, std::size_t k);
+    void keep_few();
+    void find_centre();
+    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t,
+                  std::size_t k);
     enum class Centre { covered, lost, cut };
     Centre look_at_centre();
     void cut();
@@ -101,7 +121,16 @@ private:
     std::size_t next(std::size_t i) const { return i + 1 == piece_.count ? 0 : i + 1; }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
+    // Of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding here.
+    float slack_of_cut(std::size_t from, std::size_t to, T t) const {
+        const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
+                         std::abs(piece_.z[to] - piece_.z[from]);
+        return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
+    }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
+    double at_most(T square, std::size_t k) const {
+        return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
+    }
     T largest_square(std::size_t k) const {
         T most = 0;
         for (std::size_t i = 0; i < piece_.count; ++i) most = std::max(most, square(i, k));
@@ -109,7 +138,7 @@ private:
     }
     std::size_t nearest(std::size_t point) const {
         const T* const squares = c_.squares(point);
-        return static_cast<std::size_t>(std::min_element(squares, squares + c_.near.count()) - squares);
+        return static_cast<std::size_t>(std::min_element(squares, squares + all_.count()) - squares);
     }
     std::size_t take_row() {
         const auto free = static_cast<std::size_t>(std::countr_one(used_));
@@ -118,6 +147,7 @@ private:
     }
 
     OffsetCover<T>& c_;
+    Candidates<T> all_;
     CoverHost* host_;             // null in single precision
     const TriangleMesh* target_;  // likewise
     std::size_t most_work_, work_ = 0;
@@ -128,10 +158,10 @@ private:
     int slow_ = 0;                             // peels in a row that removed little
     int peels_ = 0;                            // since the last cut
     bool spent_ = false;                       // what is left gets the bound that it has
-    bool full_ = false;   // there is no room for a triangle that is nearest to a point
+    bool full_ = false;                        // there is no room for a triangle that is nearest to a point
     std::array<T, 3> centre_{};
     double radius_ = 0;  // of the piece, around it
-    std::size_t centre_row_ = 0;
+    float slack_ = 0;    // the largest of its corners
 };
 
 template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* shared) {
@@ -141,7 +171,7 @@ template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const s
     peels_ = 0;
     for (std::size_t i = 0; i < piece_.count; ++i) {
         row_[i] = shared ? shared[i] : take_row();
-        if (!shared) measure_row(c_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+        if (!shared) measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
     }
 }
 
@@ -167,7 +197,10 @@ template <class T> CoverResult Engine<T>::run(const CoverPolygon<T>& piece, cons
             if (!pop()) return {true, upper_};
             continue;
         }
-        if (peel()) continue;
+        if (peel()) {
+            if (peels_ == 1) keep_few();
+            continue;
+        }
         const Centre centre = look_at_centre();
         if (full_) return {};
         if (centre == Centre::lost) return {};
@@ -189,7 +222,7 @@ template <class T> bool Engine<T>::pop() {
 // The distance to a triangle is convex, so the largest of the corners bounds that of the polygon; for the triangle for which it is least.
 template <class T> void Engine<T>::settle() {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < c_.near.count(); ++k) least = std::min(least, c_.at_most(largest_square(k), k));
+    for (std::size_t k = 0; k < all_.count(); ++k) least = std::min(least, at_most(largest_square(k), k));
     upper_ = std::max(upper_, least);
 }
 
@@ -200,8 +233,9 @@ template <class T> bool Engine<T>::one_for_all() {
     for (std::size_t i = 1; i < piece_.count; ++i) common = common & within(i);
     if (common.empty()) return false;
     double least = std::numeric_limits<double>::infinity();
+    const double enough = std::max(upper_, c_.enough);
     common.for_each([&](std::size_t k) {
-        if (least > upper_) least = std::min(least, c_.at_most(largest_square(k), k));
+        if (least > enough) least = std::min(least, at_most(largest_square(k), k));
     });
     upper_ = std::max(upper_, least);
     return true;
@@ -209,9 +243,9 @@ template <class T> bool Engine<T>::one_for_all() {
 
 // Measures a point of the piece exactly. The host's threshold may rise, and the triangle that is nearest is among those near, from
 // then on. Squares of all corners and limits are as they should be afterwards.
-template <class T> void Engine<T>::ask(T x, T y, T z, int level, std::size_t near) {
+template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    const Index found = host_->measure(point, level, c_.near.triangle[near]);
+    const Index found = host_->measure(point, slack, c_.near.triangle[near]);
     if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), found) == c_.near.triangle.end()) {
         if (c_.near.count() == NearSet::most) {
             full_ = true;
@@ -222,10 +256,13 @@ template <class T> void Engine<T>::ask(T x, T y, T z, int level, std::size_t nea
         if constexpr (exact) set_frames(*target_, triangles, c_.near);
         c_.make_rows(most_shared_points + most_polygon_corners + 4);
         c_.set_threshold(host_->threshold());
-        for (std::size_t i = 0; i < piece_.count; ++i) measure_row(c_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+        all_ = {&c_.near, c_.limit.data()};
+        for (std::size_t i = 0; i < piece_.count; ++i)
+            measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
     } else {
         c_.set_threshold(host_->threshold());
-        for (std::size_t i = 0; i < piece_.count; ++i) c_.within[row_[i]] = compare(c_, c_.squares(row_[i]));
+        all_ = {&c_.near, c_.limit.data()};
+        for (std::size_t i = 0; i < piece_.count; ++i) c_.within[row_[i]] = compare(all_, c_.squares(row_[i]));
     }
 }
 
@@ -234,7 +271,7 @@ template <class T> bool Engine<T>::every_corner_near() {
     for (std::size_t i = 0; i < piece_.count; ++i) {
         if (!within(i).empty()) continue;
         if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
-        ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i], nearest(row_[i]));
+        ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));
         if (within(i).empty()) return false;
         i = static_cast<std::size_t>(-1);  // sets of the others are new too
     }
@@ -258,10 +295,25 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     return best;
 }
 
-// By the squares at both ends alone: no farther than the exit, as the distance is convex along the edge.
-template <class T> T Engine<T>::exit_estimate(std::size_t inside, std::size_t outside, std::size_t k) const {
-    const T limit = std::sqrt(c_.limit[k]), near = std::sqrt(square(inside, k)), far = std::sqrt(square(outside, k));
-    return far > near ? std::clamp((limit - near) / (far - near), T(0), T(1)) : T(1);
+// How far along both edges each triangle seems to reach, from 0 to 2: the distance is convex along an edge, so the exit is no farther than
+// where the chord between the distances of its ends meets the threshold.
+template <class T>
+void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearSet::most]) {
+    using D = FrameLanes<T>;
+    const D d;
+    const auto one = hn::Set(d, T(1)), zero = hn::Zero(d);
+    for (std::size_t k = 0; k < all_.count(); k += hn::Lanes(d)) {
+        if ((run.common.word[k / 64] >> (k % 64) & ((std::uint64_t{1} << hn::Lanes(d)) - 1)) == 0) continue;
+        const auto limit = hn::Sqrt(hn::Max(hn::LoadU(d, all_.limit + k), zero));
+        auto sum = zero;
+        for (std::size_t side = 0; side < 2; ++side) {
+            const auto near = hn::Sqrt(hn::LoadU(d, c_.squares(row_[corners[2 * side]]) + k));
+            const auto far = hn::Sqrt(hn::LoadU(d, c_.squares(row_[corners[2 * side + 1]]) + k));
+            const auto t = hn::Min(hn::Max(hn::Div(hn::Sub(limit, near), hn::Sub(far, near)), zero), one);
+            sum = hn::Add(sum, hn::IfThenElse(hn::Gt(far, near), t, one));
+        }
+        hn::StoreU(sum, d, estimate + k);
+    }
 }
 
 // The triangle that removes most, of a few that seem to, and where its offset is left.
@@ -274,15 +326,16 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     };
     std::array<Tried, tried_triangles> tried;
     std::size_t count = 0;
+    T estimate[NearSet::most];
+    estimate_exits(run, {first, before, end, after}, estimate);
     run.common.for_each([&](std::size_t k) {
-        const T estimate = exit_estimate(first, before, k) + exit_estimate(end, after, k);
         if (count < tried.size()) {
-            tried[count++] = {k, estimate};
+            tried[count++] = {k, estimate[k]};
             return;
         }
         auto worst = std::min_element(tried.begin(), tried.end(),
                                       [](const Tried& x, const Tried& y) { return x.estimate < y.estimate; });
-        if (estimate > worst->estimate) *worst = {k, estimate};
+        if (estimate[k] > worst->estimate) *worst = {k, estimate[k]};
     });
     constexpr std::size_t half = samples<T> / 2;
     const auto sample = [&](SamplePoints<T>& points, std::size_t side, T from, T to) {
@@ -302,14 +355,14 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     sample(points, 1, T(0), T(1));
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t k = tried[i].k;
-        measure_samples(c_, k, points, squares);
+        measure_samples(c_, all_, k, points, squares);
         T out[2];
         for (std::size_t side = 0; side < 2; ++side) {
             T from = 0, to = 1, near = square(side == 0 ? first : end, k);
             for (int round = 0;; ++round) {
                 // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
                 std::size_t s = 0;
-                while (s < half && squares[side * half + s] <= c_.limit[k]) near = squares[side * half + s++];
+                while (s < half && squares[side * half + s] <= all_.limit[k]) near = squares[side * half + s++];
                 const T step = (to - from) / static_cast<T>(half);
                 const T low = from + step * static_cast<T>(s);
                 if (s == half) {
@@ -317,15 +370,16 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
                     break;
                 }
                 const T a = std::sqrt(near), b = std::sqrt(squares[side * half + s]);
-                out[side] = low + (b > a ? step * std::clamp((std::sqrt(c_.limit[k]) - a) / (b - a), T(0), T(1)) : T(0));
+                out[side] =
+                    low + (b > a ? step * std::clamp((std::sqrt(all_.limit[k]) - a) / (b - a), T(0), T(1)) : T(0));
                 if (!exact || round == 2) break;
                 from = low;
                 to = low + step;
                 SamplePoints<T> finer = points;
                 sample(finer, side, from, to);
-                measure_samples(c_, k, finer, squares);
+                measure_samples(c_, all_, k, finer, squares);
             }
-            if (exact && side == 0) measure_samples(c_, k, points, squares);
+            if (exact && side == 0) measure_samples(c_, all_, k, points, squares);
         }
         const T score = run.length == 1 ? out[0] * out[1] + T(0.01) * (out[0] + out[1]) : out[0] + out[1];
         if (score > best_score) {
@@ -340,8 +394,8 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
 template <class T>
 bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t,
                          std::size_t k) {
-    const int level = std::max(piece_.level[inside], piece_.level[outside]) + 1;
-    if (level > OffsetCover<T>::most_level) return false;
+    const float slack = slack_of_cut(inside, outside, t);
+    if (slack > OffsetCover<T>::most_slack) return false;
     const std::size_t row = take_row();
     T back = exact ? T(0x1p-40) : T(0x1p-16);
     for (int attempt = 0; attempt < 4; ++attempt, back *= 16) {
@@ -349,13 +403,55 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
         const T x = piece_.x[inside] + at * (piece_.x[outside] - piece_.x[inside]),
                 y = piece_.y[inside] + at * (piece_.y[outside] - piece_.y[inside]),
                 z = piece_.z[inside] + at * (piece_.z[outside] - piece_.z[inside]);
-        measure_row(c_, row, x, y, z);
+        measure_row(c_, all_, row, x, y, z);
         if (!c_.within[row].has(k)) continue;
         rows[rest.count] = row;
-        rest.add(x, y, z, level);
+        rest.add(x, y, z, slack);
         return true;
     }
     return false;
+}
+
+// Leaves out triangles that are farther from the centre than any part of the polygon may be from what covers it. It does not matter for a
+// proof which are left. In double precision the host may ask for any of them.
+template <class T> void Engine<T>::keep_few() {
+    using D = FrameLanes<T>;
+    const D d;
+    const std::size_t lanes = hn::Lanes(d), count = all_.count();
+    if (exact || all_.frames != &c_.near || count <= 2 * frames_width) return;
+    find_centre();
+    measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
+    c_.distances += count;
+    const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
+    std::array<std::uint8_t, 8 * NearSet::most / frames_width> bits{};  // of each vector, 8 bytes apart
+    c_.few.clear(c_.near.units);
+    for (std::size_t k = 0; k < count; k += lanes) {
+        unsigned near = mask_bits<T>(hn::Le(hn::LoadU(d, c_.squares(centre_row) + k), hn::Set(d, far * far)));
+        if (count - k < lanes) near &= (1U << (count - k)) - 1;
+        bits[k / lanes * 2] = static_cast<std::uint8_t>(near);
+        bits[k / lanes * 2 + 1] = static_cast<std::uint8_t>(near >> 8);
+        for (; near != 0; near &= near - 1)
+            c_.few.triangle.push_back(c_.near.triangle[k + static_cast<std::size_t>(std::countr_zero(near))]);
+    }
+    c_.few.make_room(0);
+    c_.few_limit.resize(c_.few.stride);
+    const auto compress = [&](const T* from, T* to) HWY_ATTR {
+        for (std::size_t k = 0; k < count; k += lanes) {
+            const auto near = hn::LoadMaskBits(d, bits.data() + k / lanes * 2);
+            to += hn::CompressStore(hn::LoadU(d, from + k), near, d, to);
+        }
+    };
+    for (std::size_t i = 0; i < near_rows; ++i) compress(all_.row(i), c_.few.row(i));
+    compress(all_.limit, c_.few_limit.data());
+    const std::size_t kept = c_.few.count();
+    std::fill(c_.few_limit.begin() + static_cast<std::ptrdiff_t>(kept), c_.few_limit.end(), T(-1));
+    all_ = {&c_.few, c_.few_limit.data()};
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const std::size_t from = row_[i];
+        if (from < most_shared_points) row_[i] = take_row();
+        compress(c_.squares(from), c_.squares(row_[i]));
+        c_.within[row_[i]] = compare(all_, c_.squares(row_[i]));
+    }
 }
 
 // Cuts off what one triangle covers: the run's corners and both exits are within its offset, so all between them is.
@@ -374,7 +470,7 @@ template <class T> bool Engine<T>::peel() {
     bool kept = add_exit(rest, rows, end, next(end), out.after, out.triangle);
     for (std::size_t i = next(end); kept; i = next(i)) {
         rows[rest.count] = row_[i];
-        rest.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
+        rest.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i]);
         if (i == last(first)) break;
     }
     kept = kept && add_exit(rest, rows, first, last(first), out.before, out.triangle);
@@ -387,7 +483,7 @@ template <class T> bool Engine<T>::peel() {
         most = std::max(most, square(i, out.triangle));
         if (row_[i] >= most_shared_points) used_ &= ~(1U << (row_[i] - most_shared_points));
     }
-    upper_ = std::max(upper_, c_.at_most(most, out.triangle));
+    upper_ = std::max(upper_, at_most(most, out.triangle));
     piece_ = rest;
     std::copy_n(rows, rest.count, row_);
     ++c_.cuts;
@@ -398,34 +494,38 @@ template <class T> bool Engine<T>::peel() {
 // --- cut in two ---------------------------------------------------------------------------------------------------------
 
 // No point of the polygon is farther from a triangle than its centre is, plus its radius.
-template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
+template <class T> void Engine<T>::find_centre() {
     std::array<T, 3> sum{};
     for (std::size_t i = 0; i < piece_.count; ++i) sum[0] += piece_.x[i], sum[1] += piece_.y[i], sum[2] += piece_.z[i];
     for (std::size_t k = 0; k < 3; ++k) centre_[k] = sum[k] / static_cast<T>(piece_.count);
     double most = 0;
-    int level = 0;
+    slack_ = 0;
     for (std::size_t i = 0; i < piece_.count; ++i) {
         const double x = static_cast<double>(piece_.x[i]) - static_cast<double>(centre_[0]),
                      y = static_cast<double>(piece_.y[i]) - static_cast<double>(centre_[1]),
                      z = static_cast<double>(piece_.z[i]) - static_cast<double>(centre_[2]);
         most = std::max(most, (x * x + y * y) + z * z);
-        level = std::max(level, piece_.level[i]);
+        slack_ = std::max(slack_, piece_.slack[i]);
     }
     radius_ = std::sqrt(most) * (1 + 0x1p-50);
-    centre_row_ = most_shared_points + most_polygon_corners + 2;
-    measure_row(c_, centre_row_, centre_[0], centre_[1], centre_[2]);
-    std::size_t k = nearest(centre_row_);
-    const auto distance = [&] { return c_.at_most(c_.squares(centre_row_)[k], k); };
+}
+
+template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
+    find_centre();
+    measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
+    std::size_t k = nearest(centre_row);
+    const auto distance = [&] { return at_most(c_.squares(centre_row)[k], k); };
     if (exact && host_->promising(distance())) {
-        ask(centre_[0], centre_[1], centre_[2], level + 1, k);
-        measure_row(c_, centre_row_, centre_[0], centre_[1], centre_[2]);
-        k = nearest(centre_row_);
+        ask(centre_[0], centre_[1], centre_[2], slack_ + slack_of_mean, k);
+        measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
+        k = nearest(centre_row);
     }
     const double bound = distance() + radius_;
     // Too small to be cut: rounding is as large.
-    const bool tiny = radius_ < 4 * c_.error(k) || c_.stack.size() > 200 || level + 1 >= OffsetCover<T>::most_level;
+    const bool tiny =
+        radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 || slack_ + 10 > OffsetCover<T>::most_slack;
     if (bound <= c_.threshold || (exact && tiny)) {
-        upper_ = std::max(upper_, std::min(bound, c_.at_most(largest_square(k), k)));
+        upper_ = std::max(upper_, std::min(bound, at_most(largest_square(k), k)));
         return Centre::covered;
     }
     if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
@@ -434,7 +534,7 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
 
 // Across an edge of triangle k, by the plane through it that is normal to the triangle, if that is not near the rim of the polygon.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
-    const auto row = [&](std::size_t i) { return c_.near.row(i)[k]; };
+    const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;
     std::size_t chosen = 3;
     for (std::size_t i = 0; i < piece_.count; ++i) {
@@ -481,32 +581,53 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
     side[b] = (1 - t) * longest;
 }
 
+// Cuts where the sides change, twice: a run of corners on the positive side, and the rest. That a side may be wrong by rounding, or that
+// there are more changes, does no harm: what is cut off is what lies beyond the chord between two points of the rim.
 template <class T> void Engine<T>::cut() {
     ++c_.cuts;
     T side[most_polygon_corners];
-    if (!along_prism(nearest(centre_row_), side)) across_longest_edge(side);
+    if (!along_prism(nearest(centre_row), side)) across_longest_edge(side);
+    std::size_t first = 0;  // of a run of corners on the positive side
+    while (!(side[first] > 0 && side[last(first)] <= 0)) ++first;
+    std::size_t end = first;
+    while (side[next(end)] > 0) end = next(end);
     CoverPolygon<T> low, high;
-    for (std::size_t i = 0; i < piece_.count; ++i) {
-        const std::size_t j = next(i);
-        if (side[i] <= 0) low.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
-        if (side[i] >= 0) high.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.level[i]);
-        if ((side[i] < 0 && side[j] > 0) || (side[i] > 0 && side[j] < 0)) {
-            const T t = side[i] / (side[i] - side[j]);
-            const T x = piece_.x[i] + t * (piece_.x[j] - piece_.x[i]), y = piece_.y[i] + t * (piece_.y[j] - piece_.y[i]),
-                    z = piece_.z[i] + t * (piece_.z[j] - piece_.z[i]);
-            const int level = std::max(piece_.level[i], piece_.level[j]) + 1;
-            low.add(x, y, z, level);
-            high.add(x, y, z, level);
+    // The rim crosses between `from` and `to`, if it is not in the corner where the side is 0.
+    const auto cross = [&](std::size_t from, std::size_t to, std::size_t zero) {
+        if (side[zero] == 0) {
+            for (CoverPolygon<T>* part : {&low, &high})
+                part->add(piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero]);
+            return;
         }
+        const T t = side[from] / (side[from] - side[to]);
+        const float slack = slack_of_cut(from, to, t);
+        for (CoverPolygon<T>* part : {&low, &high}) {
+            part->add(piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
+                      piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
+                      piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack);
+        }
+    };
+    const auto copy = [&](CoverPolygon<T>& part, std::size_t i) {
+        part.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i]);
+    };
+    const std::size_t before = last(first), after = next(end);
+    cross(before, first, before);
+    for (std::size_t i = first;; i = next(i)) {
+        copy(high, i);
+        if (i == end) break;
     }
-    // A polygon of one or two corners is a part of the other one's rim.
-    if (low.count < 3) std::swap(low, high);
-    if (high.count >= 3) c_.stack.push_back(high);
-    begin(low, nullptr);
+    cross(end, after, after);
+    for (std::size_t i = side[after] == 0 ? next(after) : after; i != first && !(i == before && side[before] == 0);
+         i = next(i))
+        copy(low, i);
+    // Low has them as: P, Q, and those after Q.
+    c_.stack.push_back(low);
+    begin(high, nullptr);
 }
 
 void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
-    for (std::size_t i = 0; i < points.count; ++i) measure_row(cover, i, points.x[i], points.y[i], points.z[i]);
+    const Candidates<float> all{&cover.near, cover.limit.data()};
+    for (std::size_t i = 0; i < points.count; ++i) measure_row(cover, all, i, points.x[i], points.y[i], points.z[i]);
 }
 
 CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
@@ -535,7 +656,7 @@ template <class T> void OffsetCover<T>::set_threshold(double tau) {
     const std::size_t padded = (near.count() + frames_width - 1) / frames_width * frames_width;
     limit.assign(padded, T(-1));
     for (std::size_t k = 0; k < near.count(); ++k) {
-        const double allowed = tau * (1 - 0x1p-50) - error(k);
+        const double allowed = tau * (1 - 0x1p-50) - error(near, k);
         // Rounded down: the factor is more than rounding to T takes.
         if (allowed > 0) limit[k] = static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>));
     }

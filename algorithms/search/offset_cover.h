@@ -7,11 +7,11 @@
 //
 // A piece may be covered by any triangles, so it does not matter for a proof which are looked at, or where it is cut: only that
 // the polygons that are covered make up the piece, and that a distance is never taken for less than it is.
-//   - Both sides of a cut have the same two corners there, as rounded. A new corner, fl(a + t (b - a)) with |coordinate| <= 1, is within
-//     sqrt(3) 5u < 9u of the edge ab: the difference and the product err by 2u each, as b - a may be 2, the sum by u. So every point of
-//     the piece is within 9u l of the polygons, where l is how often the edge it is on, or the edges that those corners came
-//     from, was cut: `level` of a corner is one more than the larger one of its edge's ends.
-//   - A distance, as computed, to triangle k is at most error(k) too small (kernel/triangle_frames.h), with |p| <= sqrt(3) < 1.75.
+//   - Both sides of a cut have the same two corners there, as rounded. A new corner, x = fl(a + t (b - a)) with |coordinate| <= 1, is
+//     within u (2 t |b - a| + |x|) of the point of the edge ab that it stands for: the difference and the product err by u each in proportion
+//     to themselves, the sum by u|x|, and |x| <= sqrt(3) < 1.74. That is what its `slack` counts, in units of u, on top of the larger
+//     one of those of a and b, which are off their edges themselves. So every point of the piece is within the largest slack of the polygons.
+//   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= reach.
 #pragma once
 
 #include "structures/triangle_blocks.h"
@@ -31,11 +31,11 @@ inline constexpr std::size_t most_polygon_corners = 16;
 template <class T> struct CoverPolygon {
     std::size_t count = 0;
     T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
-    int level[most_polygon_corners];
+    float slack[most_polygon_corners];  // how far rounding may have moved it, in units of the roundoff of T
 
-    void add(T px, T py, T pz, int corner_level) {
+    void add(T px, T py, T pz, float corner_slack) {
         x[count] = px, y[count] = py, z[count] = pz;
-        level[count++] = corner_level;
+        slack[count++] = corner_slack;
     }
 };
 
@@ -70,7 +70,7 @@ template <class T> struct CoverPoints {
 class CoverHost {
 public:
     // The exact distance of a point of the piece is wanted. The host may raise its threshold. Returns a triangle of B that is nearest.
-    virtual Index measure(const double (&point)[3], int level, Index near) = 0;
+    virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
     // In units of the place.
     virtual double threshold() const = 0;
@@ -89,24 +89,27 @@ protected:
 template <class T> struct OffsetCover {
     // At most NearSet::most triangles.
     NearTriangles<T> near;
-    double threshold = 0;      // in units of the place
-    std::vector<T> limit;      // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
-    std::vector<T> squared;    // rows of near.stride, one a point
+    double reach = 1.75;   // |p| of all points, in units of the place, is at most this
+    double threshold = 0;  // in units of the place
+    double enough = 0;     // likewise: an upper bound that is no larger need not be any smaller
+    std::vector<T>
+        limit;  // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
+    std::vector<T> squared;       // rows of near.stride, one a point
     std::vector<NearSet> within;  // of each point: the triangles with a square <= limit
     std::vector<CoverPolygon<T>> stack;
     std::uint64_t distances = 0, tests = 0, cuts = 0;  // for counters
 
-    static constexpr int most_level = sizeof(T) == 4 ? 8 : 256;
+    static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;
 
-    const T* squares(std::size_t point) const { return squared.data() + point * near.stride; }
+    NearTriangles<T> few;  // those of `near` that are near a part of a piece, and their limits
+    std::vector<T> few_limit;
+
+    T* squares(std::size_t point) { return squared.data() + point * near.stride; }
 
     // In units of the place: no computed distance of a point of a polygon to triangle k is smaller than the exact one by more.
-    double error(std::size_t k) const {
-        const double size = static_cast<double>(near.row(frame_row::count)[k]);
-        return frame_roundoff<T> * (near_error<T> * (1.75 + size) + 9 * most_level) + frame_underflow<T>;
-    }
-    double at_most(T square, std::size_t k) const {
-        return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + error(k);
+    double error(const NearTriangles<T>& frames, std::size_t k) const {
+        const double size = static_cast<double>(frames.row(frame_row::count)[k]);
+        return frame_roundoff<T> * (near_error<T> * (reach + size) + most_slack) + frame_underflow<T>;
     }
 
     // After `near` has changed, or to change the threshold. What is in `within` is not looked at again.
@@ -124,8 +127,8 @@ void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points)
 
 // Whether the triangles near cover a piece whose corners are these shared points, after most_work cuts at most; that they do not is
 // no proof of anything.
-CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece, const std::array<std::size_t, 3>& points,
-                         std::size_t most_work);
+CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+                         const std::array<std::size_t, 3>& points, std::size_t most_work);
 
 // Always ends, with the threshold of the host as it rises: parts that are too small to be cut, or too many, get a bound that is above it.
 // Not covered: so many more triangles are near, as the threshold has risen, that they have to be gathered again.

@@ -57,7 +57,8 @@ HWY_INLINE unsigned boxes_within(const BoxNode& node, const LocalPoint& point, d
         VF squares = hn::Zero(d);
         for (std::size_t k = 0; k < 3; ++k) {
             const VF q = hn::Set(d, point.at[k]);
-            const VF out = hn::Max(hn::Sub(hn::Load(d, node.low[k] + lane), q), hn::Sub(q, hn::Load(d, node.high[k] + lane)));
+            const VF out =
+                hn::Max(hn::Sub(hn::Load(d, node.low[k] + lane), q), hn::Sub(q, hn::Load(d, node.high[k] + lane)));
             const VF outside = hn::Max(out, hn::Zero(d));
             squares = hn::Add(squares, hn::Mul(outside, outside));
         }
@@ -211,7 +212,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
         move[k] = static_cast<float>(delta);
         away += delta * delta;
     }
-    const VF ratio = hn::Set(d, ratio_of), size = hn::Set(d, float_above(std::sqrt(away) + 2.0 * ratio_of));
+    const VF ratio = hn::Set(d, ratio_of), moved = hn::Set(d, float_above(0.15 * (std::sqrt(away) + 2.0 * ratio_of)));
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
         const unsigned lanes = mask >> lane & ((1U << hn::Lanes(d)) - 1);
         if (lanes == 0) continue;
@@ -219,7 +220,9 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
         const auto chosen = hn::LoadMaskBits(d, bits);
         const std::size_t to = near.count();
         const auto load = [&](std::size_t i) HWY_ATTR { return hn::Load(d, leaf.frames.row[i] + lane); };
-        const auto put = [&](std::size_t i, VF value) HWY_ATTR { hn::CompressStore(value, chosen, d, near.row(i) + to); };
+        const auto put = [&](std::size_t i, VF value)
+                             HWY_ATTR { hn::CompressStore(value, chosen, d, near.row(i) + to); };
+        VF squares = hn::Zero(d);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             VF shift = hn::Mul(load(frame_row::shift + axis), ratio);
             for (std::size_t k = 0; k < 3; ++k) {
@@ -228,11 +231,15 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
                 shift = hn::Sub(shift, hn::Mul(along, hn::Set(d, move[k])));
             }
             put(frame_row::shift + axis, shift);
+            squares = hn::Add(squares, hn::Mul(shift, shift));
         }
+        // 0.8 R and what makes up for rounding here.
+        const VF corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
+        put(frame_row::count, hn::Add(hn::Mul(corner, hn::Set(d, 0.8001F)), moved));
         for (const std::size_t i : {frame_row::length, frame_row::ac_length, frame_row::bc_length})
             put(i, hn::Mul(load(i), ratio));
-        for (const std::size_t i : {frame_row::ac, frame_row::ac + 1, frame_row::bc, frame_row::bc + 1}) put(i, load(i));
-        put(frame_row::count, size);
+        for (const std::size_t i : {frame_row::ac, frame_row::ac + 1, frame_row::bc, frame_row::bc + 1})
+            put(i, load(i));
         for (unsigned rest = lanes; rest != 0; rest &= rest - 1)
             near.triangle.push_back(leaf.triangle[lane + static_cast<std::size_t>(std::countr_zero(rest))]);
     }
@@ -253,7 +260,7 @@ void blocks_gather(const TriangleBlocks::Tree& tree, const Vec3& centre, double 
             return true;
         }
         if (mask != 0) append_lanes(leaf, mask, near);
-        return true;
+        return near.count() <= near.most;
     });
 }
 
@@ -362,10 +369,10 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
             for (std::size_t c = 0; c < frames_width; ++c) {
                 const bool used = begin + c < end;
                 const auto axis = static_cast<Index>(k);
-                node.low[k][c] = used ? local(below[begin + c].low[axis]) - 0x1p-23F
-                                      : std::numeric_limits<float>::infinity();
-                node.high[k][c] = used ? local(below[begin + c].high[axis]) + 0x1p-23F
-                                       : -std::numeric_limits<float>::infinity();
+                node.low[k][c] =
+                    used ? local(below[begin + c].low[axis]) - 0x1p-23F : std::numeric_limits<float>::infinity();
+                node.high[k][c] =
+                    used ? local(below[begin + c].high[axis]) + 0x1p-23F : -std::numeric_limits<float>::infinity();
             }
         }
     }
@@ -418,10 +425,12 @@ void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, st
     make_frames(corners, frames);
 }
 
-template <class T> void copy_frames(const TriangleFrames<T>& frames, const double (&size)[frames_width], std::size_t to,
-                                    NearTriangles<T>& near) {
+template <class T>
+void copy_frames(const TriangleFrames<T>& frames, const double (&size)[frames_width], std::size_t to,
+                 NearTriangles<T>& near) {
     for (std::size_t i = 0; i < frame_row::count; ++i) std::copy_n(frames.row[i], frames_width, near.row(i) + to);
-    for (std::size_t i = 0; i < frames_width; ++i) near.row(frame_row::count)[to + i] = static_cast<T>(size[i] * (1 + 0x1p-20));
+    for (std::size_t i = 0; i < frames_width; ++i)
+        near.row(frame_row::count)[to + i] = static_cast<T>(size[i] * (1 + 0x1p-20));
 }
 
 }  // namespace

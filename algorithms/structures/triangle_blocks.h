@@ -49,8 +49,9 @@ struct alignas(64) BoxNode {
 template <class T> struct NearTriangles {
     LocalUnits units;
     std::vector<Index> triangle;
-    std::size_t stride = 0;  // of rows; a multiple of frames_width
-    // The rows of TriangleFrames and one more: what |corner| is at most for the error of the frame. What follows the last triangle up to
+    std::size_t most = static_cast<std::size_t>(-1);  // gathering ends once there are more
+    std::size_t stride = 0;                           // of rows; a multiple of frames_width
+    // The rows of TriangleFrames and one more for the error, see near_error. What follows the last triangle up to
     // a multiple of frames_width is finite.
     std::vector<T> rows;
 
@@ -67,7 +68,12 @@ template <class T> struct NearTriangles {
 };
 
 inline constexpr std::size_t near_rows = frame_row::count + 1;
-// As frame_error, for frames that were moved to another place: the shift took a product and three sums more, of what was rounded.
+// As frame_error, for frames that were moved to another place: no distance errs by more than near_error u (|p| + the last row).
+//
+// Let W be the distance of the place from the origin of the leaf and twice its unit, so no less than the shift there. Moving takes, in each
+// coordinate: u W each for rounding an axis, the way and the shift, and 3u W for products and sums: sqrt(3) 6u W < 11u W. What
+// comes then errs as kernel/triangle_frames.h says, where R <= |a| + L is that of the triangle itself: 64u (|p| + R) + 12u W
+// <= 80u (|p| + 0.8 R + 0.15 W). Frames that were made at the place have R as their last row.
 template <class T> inline constexpr double near_error = frame_error<T> + 16;
 
 class TriangleBlocks {
@@ -84,7 +90,7 @@ public:
     // A lower bound of the exact distance that holds under rounding, no less than certified_distance_by_scan.
     double certified_distance(const Vec3& point, Counters& counters) const;
 
-    // Appends triangles no farther than `radius` from `centre`, and perhaps some that are hardly farther.
+    // Appends triangles no farther than `radius` from `centre`, and perhaps some that are hardly farther; all, or more than near.most.
     void gather(const Vec3& centre, double radius, NearTriangles<float>& near, Counters& counters) const;
 
     // Appends one.
@@ -98,7 +104,8 @@ public:
     struct Tree {
         const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
-        const std::vector<std::size_t>& level_begin;  // in `nodes`: level 1 has the boxes of leaves, the last one is one node
+        const std::vector<std::size_t>&
+            level_begin;  // in `nodes`: level 1 has the boxes of leaves, the last one is one node
         const TriangleMesh& mesh;
         double magnitude;
     };

@@ -1,0 +1,50 @@
+// Groups of neighbouring triangles of A, level by level, for threshold cover (meshes/cover.cpp): which of them one measured point
+// settles, and what is left as clusters.
+#pragma once
+
+#include "kernel/box.h"
+#include "target.h"
+
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace hausbench {
+
+// A point that was measured, near some triangles.
+struct Landmark {
+    Vec3 at = Vec3::Zero();
+    double distance = 0;  // to B, as computed
+    Index near = -1;      // triangle of B, nearest to it; -1: nothing was measured
+    Index vertex = -1;    // of A that it is, or -1
+};
+
+// Triangles of A that follow one another in the order.
+struct Cluster {
+    std::size_t begin = 0, count = 0;
+    double upper = std::numeric_limits<double>::infinity();  // of their distance to B
+    Landmark landmark;
+    bool own = false;  // whether the landmark is a corner of one of its triangles, or of a larger group
+};
+
+inline constexpr std::size_t cluster_triangles = 16;  // of the smallest groups
+
+// The boxes of all groups. Level 0 has those of clusters, each further level a quarter as many, down to 64 or fewer.
+class GroupBoxes {
+public:
+    // O(n).
+    GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order);
+
+    std::size_t levels() const { return boxes_.size(); }
+    const Box& box(std::size_t level, std::size_t group) const { return boxes_[level][group]; }
+    static std::size_t triangles_of_group(std::size_t level) { return cluster_triangles << (2 * level); }
+
+private:
+    std::vector<std::vector<Box>> boxes_;
+};
+
+// The most promising first, `first` of them; the others in the order of A, so that neighbours follow one another.
+void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
+
+}  // namespace hausbench

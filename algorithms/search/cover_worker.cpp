@@ -1,0 +1,399 @@
+#include "cover_worker.h"
+
+#include "kernel/posed_box.h"
+#include "kernel/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hausbench {
+
+namespace {
+
+constexpr std::size_t batch_triangles =
+    8;  // covered together: their corners and the triangles of B near them are shared
+constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
+constexpr std::size_t most_gathered =
+    160;  // triangles of B, less than NearSet::most; with more, what is covered is halved
+constexpr std::size_t most_gathered_exact = 224;
+constexpr int most_gathers = 40;         // for one piece, as tau rises
+constexpr int most_halvings = 40;        // of a triangle
+constexpr double least_unit = 0x1p-100;  // of a place, as a part of the magnitude
+
+Triangle triangle_of(const CoverScene& scene, Index i) {
+    const auto v = scene.a.triangles.row(i);
+    return {scene.points.row(v[0]), scene.points.row(v[1]), scene.points.row(v[2])};
+}
+
+double farthest_corner(const CoverPiece& piece, const Vec3& from) {
+    double squared = 0;
+    for (const Vec3& corner : piece.corners) squared = std::max(squared, squared_length(corner - from));
+    return std::sqrt(squared);
+}
+
+// The edge from this corner to the next one is the longest.
+std::size_t longest_edge(const CoverPiece& piece) {
+    std::size_t longest = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double squared = squared_length(piece.corners[(k + 1) % 3] - piece.corners[k]);
+        if (squared > most) most = squared, longest = k;
+    }
+    return longest;
+}
+
+}  // namespace
+
+// --- bookkeeping ------------------------------------------------------------------------------------------------------
+
+void CoverWorker::begin(const Farthest& farthest, std::uint64_t budget, bool stopped, const Deadline& deadline) {
+    outcome_.farthest = farthest;
+    outcome_.settled = 0;
+    outcome_.groups.clear();
+    outcome_.undecided.clear();
+    outcome_.counters = {};
+    budget_ = budget;
+    stop_.reset();
+    if (stopped) stop_ = Status::stalled;
+    deadline_ = &deadline;
+    batch_ = batch_triangles;
+    set_tau();
+}
+
+CoverOutcome CoverWorker::finish() {
+    count();
+    return std::move(outcome_);
+}
+
+void CoverWorker::set_tau() {
+    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
+    tau_ = std::max(low + 0.9 * scene_.query.tolerance.gap(low), scene_.query.floor);
+}
+
+MeasuredPoint CoverWorker::measure(const Vec3& point, Index near, Index source, int level) {
+    const ClosestPoint nearest = scene_.target.closest(point, near, outcome_.counters);
+    const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
+    if (scene_.elements) scene_.elements->offer(measured, source, level);
+    if (measured.squared > outcome_.farthest.point.squared) {
+        outcome_.farthest = {measured, source, level};
+        set_tau();
+    }
+    if (outcome_.counters.closest_point_queries % 64 == 0) look_at_clock();
+    return measured;
+}
+
+void CoverWorker::look_at_clock() {
+    if (!stop_ && deadline_->passed()) stop_ = Status::time_limit;
+}
+
+void CoverWorker::settle(double upper, Index source) {
+    outcome_.settled = std::max(outcome_.settled, upper);
+    if (scene_.elements) scene_.elements->settle(upper, source);
+}
+
+void CoverWorker::settle_all(std::span<const CoverPiece> pieces, double upper) {
+    for (const CoverPiece& piece : pieces) settle(std::min(upper, piece.upper), piece.source);
+}
+
+// Work of the covers so far, for the counters.
+void CoverWorker::count() {
+    const auto add = [&](auto& cover) {
+        outcome_.counters.point_triangle_distances += cover.distances;
+        outcome_.counters.bound_tests += cover.tests;
+        outcome_.counters.subdivisions += cover.cuts;
+        cover.distances = cover.tests = cover.cuts = 0;
+    };
+    add(cover_);
+    add(exact_);
+}
+
+// --- groups -----------------------------------------------------------------------------------------------------------
+
+// No point of the box is farther from B than `at` is, and the way there.
+double CoverWorker::around(const Vec3& at, double distance, const Box& box) const {
+    return surface_sum_at_most(distance + std::sqrt(squared_distance_at_most(at, box)), scene_.magnitude, 0);
+}
+
+void CoverWorker::narrow(const Cluster& group, const Box& box) {
+    Cluster part = group;
+    part.own = false;
+    const bool known = group.landmark.near >= 0;
+    if (known) part.upper = std::min(group.upper, around(group.landmark.at, group.landmark.distance, box));
+    ++outcome_.counters.bound_tests;
+    // A query is worth its cost only where tau is not far below the size of the group.
+    const double size = std::sqrt(squared_length(box.high - box.low));
+    if (!known || (part.upper > tau_ && tau_ >= 0.25 * size && !stop_)) {
+        // The corner of a triangle in the middle that the box is least around.
+        const Index source = scene_.order[part.begin + part.count / 2];
+        double least = std::numeric_limits<double>::infinity();
+        for (const Index v : scene_.a.triangles.row(source)) {
+            const Vec3 corner = scene_.points.row(v);
+            const double far = squared_distance_at_most(corner, box);
+            if (far < least) least = far, part.landmark.at = corner, part.landmark.vertex = v;
+        }
+        const MeasuredPoint m = measure(part.landmark.at, group.landmark.near, source, 0);
+        part.landmark.near = m.triangle;
+        part.landmark.distance = std::sqrt(m.squared);
+        part.upper = std::min(part.upper, around(m.point, part.landmark.distance, box));
+        part.own = true;
+    }
+    if (part.upper > tau_) {
+        outcome_.groups.push_back(part);
+        return;
+    }
+    for (std::size_t i = part.begin; i < part.begin + part.count; ++i) settle(part.upper, scene_.order[i]);
+}
+
+// --- covers in single precision ---------------------------------------------------------------------------------------
+
+void CoverWorker::cover(const Cluster& cluster) {
+    ++outcome_.counters.bound_tests;
+    look_at_clock();
+    if (cluster.upper <= tau_ || stop_) {
+        for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i)
+            settle(cluster.upper, scene_.order[i]);
+        return;
+    }
+    pieces_.clear();
+    for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
+        const Triangle t = triangle_of(scene_, scene_.order[i]);
+        pieces_.push_back({{t.a, t.b, t.c}, scene_.order[i], cluster.upper, cluster.landmark});
+    }
+    for (std::size_t i = 0; i < pieces_.size();) {
+        const std::size_t count = std::min(batch_, pieces_.size() - i);
+        const auto batch = std::span(pieces_).subspan(i, count);
+        i += count;
+        const bool covered = cover_together(batch, cluster.landmark, count == 1);
+        const std::size_t gathered = cover_.near.count();
+        if (!covered) halve_list(batch, cluster.landmark);
+        // Neighbours need about as many triangles of B.
+        if (gathered > most_gathered)
+            batch_ = std::max(count / 2, std::size_t{1});
+        else if (gathered < most_gathered / 3)
+            batch_ = std::min(2 * batch_, batch_triangles);
+    }
+    // Each alone, and everything near it.
+    std::vector<CoverPiece> again;
+    again.swap(again_);
+    for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
+    count();
+}
+
+void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    if (stop_) return settle_all(pieces, std::numeric_limits<double>::infinity());
+    if (!cover_together(pieces, landmark, pieces.size() == 1)) halve_list(pieces, landmark);
+}
+
+// Too many triangles of B are near: each half gets a landmark of its own, and is settled by it or covered.
+void CoverWorker::halve_list(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    if (pieces.size() == 1) return halve_piece(pieces[0]);
+    const std::size_t half = pieces.size() / 2;
+    for (const auto part : {pieces.first(half), pieces.subspan(half)}) {
+        const CoverPiece& middle = part[part.size() / 2];
+        const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, middle.level);
+        const Landmark own{m.point, std::sqrt(m.squared), m.triangle, -1};
+        double radius = 0;
+        for (const CoverPiece& piece : part) radius = std::max(radius, farthest_corner(piece, m.point));
+        const double upper = surface_sum_at_most(own.distance + radius, scene_.magnitude, middle.level);
+        if (upper <= tau_)
+            settle_all(part, upper);
+        else
+            cover(part, own);
+    }
+}
+
+void CoverWorker::halve_piece(const CoverPiece& piece) {
+    if (piece.level >= most_halvings) {
+        outcome_.undecided.push_back(piece);
+        return;
+    }
+    halve(piece, [&](const CoverPiece& part) { cover(std::span(&part, 1), part.landmark); });
+}
+
+// At the midpoint of its longest edge, which is measured. Calls part(half) for what this does not settle.
+template <class Part> void CoverWorker::halve(const CoverPiece& piece, const Part& part) {
+    const std::size_t a = longest_edge(piece), b = (a + 1) % 3, c = (a + 2) % 3;
+    const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
+    const int level = piece.level + 1;
+    ++outcome_.counters.subdivisions;
+    if (scene_.elements) scene_.elements->subdivided(piece.source, level);
+    const MeasuredPoint m = measure(middle, piece.landmark.near, piece.source, level);
+    const Landmark landmark{middle, std::sqrt(m.squared), m.triangle, -1};
+    for (const std::size_t end : {b, a}) {
+        CoverPiece half{
+            {middle, end == b ? piece.corners[b] : piece.corners[c], end == b ? piece.corners[c] : piece.corners[a]},
+            piece.source,
+            piece.upper,
+            landmark,
+            level};
+        const double sum = landmark.distance + farthest_corner(half, middle);
+        half.upper = std::min(half.upper, surface_sum_at_most(sum, scene_.magnitude, level));
+        if (half.upper <= tau_ || stop_)
+            settle(half.upper, half.source);
+        else
+            part(half);
+    }
+}
+
+namespace {
+
+// The corners of some pieces, each once, in coordinates of a place around them.
+struct Batch {
+    std::array<Vec3, 3 * batch_triangles> corner;
+    std::array<std::array<std::size_t, 3>, batch_triangles> of_piece;
+    CoverPoints<float> points;
+    LocalUnits place;
+    Vec3 centre;
+    double radius = 0;  // around it
+
+    Batch(std::span<const CoverPiece> pieces, double magnitude) {
+        Box box;
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3& at = pieces[i].corners[k];
+                std::size_t place_of = 0;
+                while (place_of < points.count && corner[place_of] != at) ++place_of;
+                if (place_of == points.count) {
+                    corner[points.count++] = at;
+                    box.add(at);
+                }
+                of_piece[i][k] = place_of;
+            }
+        }
+        place.set(box, magnitude * least_unit);
+        centre = Vec3(place.origin[0], place.origin[1], place.origin[2]);
+        for (std::size_t i = 0; i < points.count; ++i) {
+            const Vec3 local = corner[i] - centre;
+            radius = std::max(radius, squared_length(local));
+            points.x[i] = static_cast<float>(local[0] * place.inverse);
+            points.y[i] = static_cast<float>(local[1] * place.inverse);
+            points.z[i] = static_cast<float>(local[2] * place.inverse);
+        }
+        radius = std::sqrt(radius);
+    }
+};
+
+}  // namespace
+
+// False: too many triangles of B are near. What cannot be covered by those nearest is kept to be covered again, or is undecided.
+bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
+    const Batch batch(pieces, scene_.magnitude);
+    // All triangles that may cover a part, unless tau is so large that it would be most of B: then those near the surface.
+    const double all =
+        std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
+    const double radius = all_near ? all : std::min(all, 1.5 * landmark.distance + 0.15 * batch.radius);
+    cover_.near.clear(batch.place);
+    cover_.near.most = most_gathered;
+    scene_.blocks.gather(batch.centre, radius + batch.radius, cover_.near, outcome_.counters);
+    if (cover_.near.count() > most_gathered) return false;
+    const bool any = cover_.near.count() > 0;
+    if (any) {
+        cover_.make_rows(most_shared_points + most_polygon_corners + 4);
+        cover_.reach = batch.radius * batch.place.inverse * (1 + 0x1p-10);
+        cover_.set_threshold(tau_ * batch.place.inverse);
+        cover_.enough = scene_.elements ? 0 : outcome_.settled * batch.place.inverse;
+        measure_shared(cover_, batch.points);
+    }
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const CoverPiece& piece = pieces[i];
+        CoverResult result;
+        if (any) {
+            CoverPolygon<float> polygon;
+            for (const std::size_t k : batch.of_piece[i])
+                polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
+            result = cover_shared(cover_, polygon, batch.of_piece[i], most_work_in_float);
+        }
+        if (result.covered)
+            settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
+        else if (radius < all)
+            again_.push_back(piece);
+        else
+            outcome_.undecided.push_back(piece);
+    }
+    return true;
+}
+
+// --- what is left -----------------------------------------------------------------------------------------------------
+
+Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
+    const LocalUnits& place = exact_.near.units;
+    Vec3 global;
+    for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
+    // Within u slack of the piece's corners as moved to the place, which took 2u, in units of the place; rounding the sum takes less than
+    // 2uM. A level stands for 2uM.
+    const int own = level_ + 1 + static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude)));
+    return measure(global, near, source_, own).triangle;
+}
+
+bool CoverWorker::promising(double distance) const {
+    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
+    return distance * exact_.near.units.unit > low + 0.2 * scene_.query.tolerance.gap(low);
+}
+
+bool CoverWorker::go_on() {
+    if (stop_) return false;
+    count();
+    if (outcome_.counters.subdivisions >= budget_) stop_ = Status::budget;
+    if (outcome_.counters.subdivisions % 64 == 0) look_at_clock();
+    return !stop_;
+}
+
+void CoverWorker::decide(const CoverPiece& piece) {
+    ++outcome_.counters.bound_tests;
+    if (piece.upper <= tau_ || stop_) return settle(piece.upper, piece.source);
+    // A corner first: it may raise tau, and its distance may be enough.
+    CoverPiece measured = piece;
+    const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
+    measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
+    const double sum = measured.landmark.distance + farthest_corner(piece, m.point);
+    measured.upper = std::min(piece.upper, surface_sum_at_most(sum, scene_.magnitude, piece.level));
+    if (measured.upper <= tau_ || stop_) return settle(measured.upper, piece.source);
+    if (decide_whole(measured, false)) return;
+    // Too many triangles of B are near.
+    if (piece.level >= most_halvings) {
+        decide_whole(measured, true);
+        return;
+    }
+    halve(measured, [&](const CoverPiece& part) { decide(part); });
+}
+
+// False: so many triangles of B are near that the piece had better be halved; unless `whatever`, which takes some of them.
+bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
+    Box box;
+    for (const Vec3& corner : piece.corners) box.add(corner);
+    LocalUnits place;
+    place.set(box, scene_.magnitude * least_unit);
+    const Vec3 centre(place.origin[0], place.origin[1], place.origin[2]);
+    const double radius = farthest_corner(piece, centre);
+    const double far = piece.landmark.distance + std::sqrt(squared_length(centre - piece.landmark.at));
+    source_ = piece.source;
+    level_ = piece.level;
+    CoverPolygon<double> polygon;
+    for (const Vec3& corner : piece.corners) {
+        const Vec3 local = (corner - centre) * place.inverse;
+        polygon.add(local[0], local[1], local[2], 0);
+    }
+    CoverResult result;
+    for (int turn = 0; !result.covered && turn < most_gathers; ++turn) {
+        cover_.near.clear(place);
+        cover_.near.most = most_gathered_exact;
+        scene_.blocks.gather(centre, std::min(tau_, far + radius) + radius, cover_.near, outcome_.counters);
+        std::vector<Index> triangles = cover_.near.triangle;
+        if (triangles.size() > most_gathered_exact) {
+            if (!whatever) return false;
+            triangles.resize(most_gathered_exact);
+        }
+        if (triangles.empty()) triangles.push_back(piece.landmark.near);
+        exact_.near.clear(place);
+        set_frames(scene_.target.mesh(), triangles, exact_.near);
+        exact_.set_threshold(tau_ * place.inverse);
+        result = cover_surely(exact_, polygon, *this, scene_.target.mesh());
+    }
+    count();
+    const double upper = surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level);
+    settle(result.covered ? std::min(piece.upper, upper) : piece.upper, piece.source);
+    return true;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,111 @@
+// What covers parts of A for threshold cover (meshes/cover.cpp): clusters of triangles in single precision, and pieces that this left
+// undecided in double precision.
+//
+// A worker begins from a lower bound that is given and keeps what it finds in a CoverOutcome. So what it finds depends on nothing
+// but its part and that bound: several may work at once, and outcomes merged in the order of the parts are the same for any
+// number of threads.
+#pragma once
+
+#include "cover_groups.h"
+#include "elements.h"
+#include "kernel/deadline.h"
+#include "offset_cover.h"
+#include "solver.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace hausbench {
+
+// One query. All are references; `elements` may be null.
+struct CoverScene {
+    const TriangleMesh& a;
+    const Points& points;  // vertices of A, posed
+    const Target& target;
+    const TriangleBlocks& blocks;     // of B
+    const std::vector<Index>& order;  // of A's triangles
+    const Query& query;
+    double magnitude;  // as in kernel/rounding.h
+    ElementBounds* elements;
+};
+
+// A triangle of A, or a part of one.
+struct CoverPiece {
+    std::array<Vec3, 3> corners;
+    Index source;
+    double upper;  // of its distance to B
+    Landmark landmark;
+    int level = 0;  // halvings, as kernel/rounding.h counts them
+};
+
+// Of one part of the work.
+struct CoverOutcome {
+    Farthest farthest;
+    double settled = 0;  // the largest upper bound of what was settled
+    std::vector<Cluster> groups;
+    std::vector<CoverPiece> undecided;
+    Counters counters;
+};
+
+class CoverWorker final : CoverHost {
+public:
+    explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
+
+    // A new part. `budget`: cuts that are left. `stopped`: time is out already, so that all is settled by the bounds it has.
+    void begin(const Farthest& farthest, std::uint64_t budget, bool stopped, const Deadline& deadline);
+
+    // A group of which only a landmark is known that may not be its own: settles it, or it is among the outcome's groups with a
+    // better bound.
+    void narrow(const Cluster& group, const Box& box);
+
+    // Settles the triangles of a cluster, or leaves some undecided.
+    void cover(const Cluster& cluster);
+
+    // Settles a piece in double precision. Always ends.
+    void decide(const CoverPiece& piece);
+
+    CoverOutcome finish();
+
+    // Time or budget ran out while it worked.
+    std::optional<Status> stopped() const { return stop_; }
+
+private:
+    // CoverHost, for the piece that is decided.
+    Index measure(const double (&point)[3], double slack, Index near) override;
+    double threshold() const override { return tau_ * exact_.near.units.inverse; }
+    bool promising(double distance) const override;
+    bool go_on() override;
+
+    MeasuredPoint measure(const Vec3& point, Index near, Index source, int level);
+    void set_tau();
+    void look_at_clock();
+    double around(const Vec3& at, double distance, const Box& box) const;
+    void settle(double upper, Index source);
+    void settle_all(std::span<const CoverPiece> pieces, double upper);
+
+    void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
+    bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
+    void halve_piece(const CoverPiece& piece);
+    void halve_list(std::span<const CoverPiece> pieces, const Landmark& landmark);
+    template <class Part> void halve(const CoverPiece& piece, const Part& part);
+    bool decide_whole(const CoverPiece& piece, bool whatever);
+    void count();
+
+    CoverScene scene_;
+    const Deadline* deadline_ = nullptr;
+    CoverOutcome outcome_;
+    double tau_ = 0;
+    std::uint64_t budget_ = 0;
+    std::optional<Status> stop_;
+    OffsetCover<float> cover_;
+    OffsetCover<double> exact_;
+    std::vector<CoverPiece> pieces_, again_;
+    std::size_t batch_ = 0;  // pieces covered together
+    Index source_ = -1;      // of the piece that is decided now
+    int level_ = 0;
+};
+
+}  // namespace hausbench
