@@ -77,7 +77,7 @@ const TriangleMesh& PreparedShape::triangles() const {
     return *flat_;
 }
 
-const BuiltStructure& PreparedShape::structure(const StructureKind& kind, bool* before) {
+const BuiltStructure& PreparedShape::structure(const StructureKind& kind, const Threads& threads, bool* before) {
     const std::lock_guard lock(building_);
     const auto at = built_.find(kind.name);
     if (before) *before = at != built_.end();
@@ -85,7 +85,7 @@ const BuiltStructure& PreparedShape::structure(const StructureKind& kind, bool* 
     if (!kind.fits(kind_of(shape_)))
         throw std::logic_error("a " + kind.name + " was declared, but the shape of that side is of another kind");
     const auto begin = std::chrono::steady_clock::now();
-    BuiltStructure built = kind.build(*this);
+    BuiltStructure built = kind.build(*this, threads);
     built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return built_.emplace(kind.name, std::move(built)).first->second;
 }
@@ -96,17 +96,19 @@ int scale_exponent(double largest) {
     return -exponent;
 }
 
-Prepared::Prepared(const Scene& scene, const Needs& needs)
-    : Prepared(std::make_shared<PreparedShape>(scene.source), std::make_shared<PreparedShape>(scene.target), needs) {}
+Prepared::Prepared(const Scene& scene, const Needs& needs, const Threads& threads)
+    : Prepared(std::make_shared<PreparedShape>(scene.source), std::make_shared<PreparedShape>(scene.target), needs,
+               threads) {}
 
-Prepared::Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs)
-    : shapes_{std::move(source), std::move(target)} {
+Prepared::Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
+                   const Threads& threads)
+    : shapes_{std::move(source), std::move(target)}, threads_(threads) {
     for (const Need& need : needs) {
         const std::string name = to_string(need);
         if (declared_.contains(name)) continue;
         PreparedShape& shape = *shapes_[static_cast<std::size_t>(need.side)];
         bool shared = false;
-        const BuiltStructure& built = shape.structure(need.structure, &shared);
+        const BuiltStructure& built = shape.structure(need.structure, threads, &shared);
         declared_[name].object = built.object.get();
         times_.push_back({name, built.seconds, built.bytes, shared});
     }

@@ -10,9 +10,11 @@
 //
 // and may live in a solver's own file. With `struct Parameters`, which has `std::string text() const`, the constructor takes one too,
 // and structures with other values are others. With `static constexpr bool structure_of_meshes_only = true` point sets are no input
-// for it. A structure belongs to a shape, not to a pair: who shares a PreparedShape shares what was built over it.
+// for it. With one more argument of its constructor, `const Threads&` at the end, several threads may build it (kernel/parallel.h): to the same
+// bits, however many they are. A structure belongs to a shape, not to a pair: who shares a PreparedShape shares what was built over it.
 #pragma once
 
+#include "kernel/parallel.h"
 #include "scene.h"
 
 #include <atomic>
@@ -42,7 +44,7 @@ struct StructureKind {
     std::string name;    // with the values of its parameters, where it has any
     std::string layout;  // its number and its size: what a plug-in and the program must agree on to share one
     std::function<bool(ShapeKind)> fits;
-    std::function<BuiltStructure(const PreparedShape&)> build;  // does not time itself
+    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // does not time itself
 };
 
 template <class Type> struct WithoutParameters {
@@ -60,18 +62,26 @@ template <class Type> using StructureParameters = typename ParametersOf<Type>::t
 const Shape& shape_of(const PreparedShape& shape);
 const TriangleMesh& triangles_of(const PreparedShape& shape);
 
+// Whether it is built from that, with its parameters where it has any, and with threads or without.
+template <class Type, class From> inline constexpr bool structure_from = requires { typename Type::Parameters; }
+? std::constructible_from<Type, const From&, StructureParameters<Type>> ||
+        std::constructible_from<Type, const From&, StructureParameters<Type>, const Threads&>
+    : std::constructible_from<Type, const From&> || std::constructible_from<Type, const From&, const Threads&>;
+
 template <class Type> StructureKind structure_kind(const StructureParameters<Type>& parameters = {}) {
     constexpr bool parametric = requires { typename Type::Parameters; };
-    const auto construct = [parameters](const auto& from) {
-        if constexpr (parametric)
+    const auto construct = [parameters]<class From>(const From& from, const Threads& threads) {
+        using Parameters = StructureParameters<Type>;
+        if constexpr (parametric && std::constructible_from<Type, const From&, Parameters, const Threads&>)
+            return std::shared_ptr<const Type>(new Type(from, parameters, threads));
+        else if constexpr (parametric)
             return std::shared_ptr<const Type>(new Type(from, parameters));
+        else if constexpr (std::constructible_from<Type, const From&, const Threads&>)
+            return std::shared_ptr<const Type>(new Type(from, threads));
         else
             return std::shared_ptr<const Type>(new Type(from));
     };
-    constexpr bool of_mesh = parametric ? std::constructible_from<Type, const TriangleMesh&, StructureParameters<Type>>
-                                        : std::constructible_from<Type, const TriangleMesh&>;
-    constexpr bool of_points = parametric ? std::constructible_from<Type, const Points&, StructureParameters<Type>>
-                                          : std::constructible_from<Type, const Points&>;
+    constexpr bool of_mesh = structure_from<Type, TriangleMesh>, of_points = structure_from<Type, Points>;
     StructureKind kind;
     kind.name = std::string(Type::structure_name);
     if (const std::string text = parameters.text(); !text.empty()) kind.name += " (" + text + ")";
@@ -81,14 +91,14 @@ template <class Type> StructureKind structure_kind(const StructureParameters<Typ
         if (shape == ShapeKind::surface) return !of_mesh && !of_points;
         return shape == ShapeKind::mesh || !meshes_only;
     };
-    kind.build = [construct](const PreparedShape& shape) {
+    kind.build = [construct](const PreparedShape& shape, const Threads& threads) {
         std::shared_ptr<const Type> object;
         if constexpr (of_mesh)
-            object = construct(triangles_of(shape));
+            object = construct(triangles_of(shape), threads);
         else if constexpr (of_points)
-            object = construct(points_of(shape_of(shape)));
+            object = construct(points_of(shape_of(shape)), threads);
         else
-            object = construct(shape_of(shape));
+            object = construct(shape_of(shape), threads);
         const std::size_t bytes = object->bytes();
         return BuiltStructure{std::move(object), bytes, 0};
     };
@@ -143,9 +153,10 @@ public:
     // A mesh as it is; of a point set, a triangle (i, i, i) for each point, made when it is asked for first. Not of a surface.
     const TriangleMesh& triangles() const;
 
-    // Built and timed when it is asked for first; then stays where it is. Throws std::logic_error where it does not fit the shape.
-    // `before`, if given, is set to whether it was there.
-    const BuiltStructure& structure(const StructureKind& kind, bool* before = nullptr);
+    // Built and timed when it is asked for first, by at most so many threads; then stays where it is. Throws std::logic_error where
+    // it does not fit the shape. `before`, if given, is set to whether it was there.
+    const BuiltStructure& structure(const StructureKind& kind, const Threads& threads = Threads(),
+                                    bool* before = nullptr);
 
 private:
     struct Scaled {
@@ -173,9 +184,10 @@ int scale_exponent(double largest);
 // What one solver declared, of the two shapes of a scene.
 class Prepared {
 public:
-    // Builds what is not there yet. O(n log n) for each structure.
-    Prepared(const Scene& scene, const Needs& needs);
-    Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs);
+    // Builds what is not there yet, one structure after the other. O(n log n) for each structure.
+    Prepared(const Scene& scene, const Needs& needs, const Threads& threads = Threads());
+    Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
+             const Threads& threads = Threads());
 
     template <class Type> bool has(Side side, const StructureParameters<Type>& parameters = {}) const {
         return declared_.contains(to_string(need<Type>(side, parameters)));
@@ -188,6 +200,9 @@ public:
 
     // The triangles of a mesh, or of a point set one for each point; see PreparedShape.
     const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
+
+    // Those that build: for what a solver builds itself in prepare().
+    const Threads& threads() const { return threads_; }
 
     // What its structures cost when they were built, for this pair or an earlier one.
     const std::vector<PreparationTime>& times() const { return times_; }
@@ -203,6 +218,7 @@ private:
     const void* use(const std::string& name) const;
 
     std::shared_ptr<PreparedShape> shapes_[2];
+    Threads threads_;
     std::map<std::string, Declared> declared_;
     std::vector<PreparationTime> times_;
 };

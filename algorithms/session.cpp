@@ -152,6 +152,9 @@ Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet
     return needs;
 }
 
+// Of a solver that offers none, structures are built by one, so that its time is that of one.
+Threads Session::builders(const QuerySet& queries) const { return Threads(entry_.info.threads ? queries.threads : 1); }
+
 // Unread as yet, for one more solver.
 Options Session::own_options() const {
     return {entry_.info.name, entry_.info.parameters, options_.values(), options_.folder()};
@@ -162,7 +165,7 @@ std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Sh
     auto part = std::make_unique<Part>(Part{{source->shape(), target->shape()}, {}, {}, {}});
     part->solver = make_solver(entry_, own_options());
     part->needs = needs_of(*part->solver, part->scene, queries);
-    part->prepared.emplace(source, target, part->needs);
+    part->prepared.emplace(source, target, part->needs, builders(queries));
     const auto begin = std::chrono::steady_clock::now();
     held_to_contract(entry_.info.name, "prepare()", [&] { part->solver->prepare(part->scene, *part->prepared); });
     part->solver_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -178,7 +181,7 @@ void Session::prepare(const std::string& suffix, const Shapes& source, const Sha
     if (queries.target_moves && !entry_.info.moving_target) {
         needs = needs_of(*make_solver(entry_, own_options()), {source->shape(), target->shape()}, queries);
         std::erase_if(needs, [](const Need& need) { return need.side == Side::target; });
-        times = Prepared(source, target, needs).times();
+        times = Prepared(source, target, needs, builders(queries)).times();
     } else {
         part = make_part(source, target, queries);
         needs = part->needs;
@@ -235,6 +238,7 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
         QuerySet once = queries_;
         once.moves = (backward ? queries_.target_moves : queries_.moves) || !query.source_pose.is_identity();
         once.target_moves = false;
+        once.threads = query.threads;
         made = make_part(source, std::make_shared<PreparedShape>(std::move(still)), once);
         asked.time_limit = clock.left(asked.time_limit);
     }

@@ -25,7 +25,8 @@ class Session {
 public:
     // Scales copies of the two shapes by a power of two so that the largest |coordinate| of A and B is in [0.5, 1)
     // (exact but for coordinates below 2^-1000 of it; `original_coordinates` solvers and surfaces stay as they are), builds the
-    // structures, prepares the solver. Throws InputError for shapes the solver does not take.
+    // structures, by as many threads as a query may use if the solver offers threads, and prepares the solver. Throws InputError for
+    // shapes the solver does not take.
     Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
             Leave leave = Leave::out_what_is_not_needed);
 
@@ -95,6 +96,7 @@ private:
     Result directed(const Query& query, bool backward, Chain* chain, Trace& trace) const;
     Result one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const;
     Opening open(Query query, const Clock& clock, Trace& trace) const;
+    Threads builders(const QuerySet& queries) const;
     static void join(Result& whole, const Result& other);
     Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
     Query scaled(const Query& query) const;

@@ -98,6 +98,7 @@ Result Session::solve_rescaled(const Query& query, Trace& trace) const {
     QuerySet once;
     once.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
     once.symmetric = query.quantity == Quantity::symmetric;
+    once.threads = query.threads;
     return Session(entry_, options_, pair.source, pair.target, once, leave_).solve(still, trace);
 }
 

@@ -158,6 +158,7 @@ struct QuerySet {
     double finest_tolerance = 0;
     bool target_moves = false;  // some pose of B is not the identity
     bool symmetric = false;     // H(A,B) is asked for
+    int threads = 1;            // the most that a query may use; so many may build structures
 };
 
 // What a solver keeps from one pose of a chain to the next, such as the last witness. It may speed up an answer, and never changes

@@ -114,6 +114,7 @@ private:
         QuerySet queries;
         queries.finest_tolerance = relative() ? 0 : query_.tolerance.value;
         queries.symmetric = symmetric;
+        queries.threads = query_.threads;
         const SolverInfo& info = work_.entry.info;
         return {work_.entry, Options(info.name, info.parameters, work_.request.options), a, b, queries};
     }

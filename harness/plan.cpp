@@ -208,6 +208,7 @@ private:
             queries.moves = moves(scene.motion);
             queries.target_moves = moves(scene.target_motion);
             queries.symmetric = solver.quantity == Quantity::symmetric;
+            queries.threads = plan_.cases[job.cases.front()].threads;
             queries.count = job.cases.size();
             queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
             job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});

@@ -1,0 +1,60 @@
+#include "parallel.h"
+
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <atomic>
+#include <cfenv>
+
+namespace hausbench {
+namespace {
+
+namespace tbb = oneapi::tbb;
+
+// Sets the environment while it lives.
+class Environment {
+public:
+    explicit Environment(const std::fenv_t& wanted) {
+        std::fegetenv(&before_);
+        std::fesetenv(&wanted);
+    }
+    ~Environment() { std::fesetenv(&before_); }
+    Environment(const Environment&) = delete;
+    Environment& operator=(const Environment&) = delete;
+
+private:
+    std::fenv_t before_;
+};
+
+}  // namespace
+
+void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job, std::size_t block, int worker)) {
+    std::atomic<std::size_t> next{0};
+    std::atomic<int> workers{0};
+    std::fenv_t environment;
+    std::fegetenv(&environment);
+    const auto work = [&] {
+        if (next.load(std::memory_order_relaxed) >= count) return;
+        const Environment same(environment);
+        const int worker = workers.fetch_add(1, std::memory_order_relaxed);
+        try {
+            for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;)
+                one(job, block, worker);
+        } catch (...) {
+            next.store(count, std::memory_order_relaxed);  // the others begin no more
+            throw;                                         // task_group hands it to the caller
+        }
+    };
+    // More than the cores of the machine would only make the library print a warning.
+    most = std::min(most, std::max(tbb::info::default_concurrency(), 1));
+    const int wanted = static_cast<int>(std::min(static_cast<std::size_t>(most), count));
+    tbb::task_arena arena(wanted);
+    arena.execute([&] {
+        tbb::task_group group;
+        for (int i = 1; i < wanted; ++i) group.run(work);
+        group.run_and_wait(work);
+    });
+}
+
+}  // namespace hausbench
