@@ -267,9 +267,12 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     auto* chain = static_cast<Chain*>(state);
     trace.start(exponent_);
     Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
-    if (query.quantity == Quantity::directed) result.witness.direction = Witness::Direction::source_to_target;
+    if (query.quantity == Quantity::directed) {
+        result.witness.direction = Witness::Direction::source_to_target;
+        for (Certificate& one : result.certificates) one.direction = Witness::Direction::source_to_target;
+    }
     if (!query.wanted.fields || !entry_.info.fields) result.fields.reset();
-    if (!query.wanted.certificate) result.certificate.reset();
+    if (!query.wanted.certificate || !entry_.info.certificates) result.certificates.clear();
     scale_back(result, trace, widening(*source_, query.source_pose) + widening(*target_, query.target_pose));
     if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);
 

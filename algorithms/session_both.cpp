@@ -20,8 +20,8 @@ Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& tra
     if (backward) query.wanted.fields = false;  // they would be of B
     trace.start();
     Result result = directed(query, backward, chain, trace);
-    result.certificate.reset();  // it proves nothing of the other direction
     if (!backward) return result;
+    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
@@ -74,6 +74,11 @@ void Session::join(Result& whole, const Result& other) {
         whole.note = other.note;
     }
     if (!whole.fields) whole.fields = other.fields;
+    // The proof of one direction alone proves nothing of H.
+    if (whole.certificates.empty() || other.certificates.empty())
+        whole.certificates.clear();
+    else
+        whole.certificates.insert(whole.certificates.end(), other.certificates.begin(), other.certificates.end());
     add(whole.counters, other.counters);
     whole.reported.insert(other.reported.begin(), other.reported.end());
     whole.reported_seconds += other.reported_seconds;
@@ -98,6 +103,7 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
         whole.bounds.upper = infinity;
         whole.status = Status::above_cutoff;
         whole.note.clear();
+        whole.certificates.clear();  // what they prove is not the bound of H
         return whole;
     }
     const double first = clock.elapsed();

@@ -125,6 +125,7 @@ void Session::scale_back(Result& result, Trace& trace, double wider) const {
     };
     down(result.bounds.lower);
     up(result.bounds.upper);
+    for (Certificate& one : result.certificates) up(one.proven);
     for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
     for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
         Field& field = (*result.fields)[i];

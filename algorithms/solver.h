@@ -95,9 +95,12 @@ struct Field {
 };
 using Fields = std::vector<Field>;
 
-// A proof of the upper bound that can be checked without the solver; `format` says how to read the bytes.
+// A proof of the upper bound `proven` that can be checked without the solver; `format` says how to read the bytes. All that is a length
+// stands in `proven`: the bytes hold for the shapes in every unit.
 struct Certificate {
     std::string format;
+    Witness::Direction direction = Witness::Direction::source_to_target;  // target_to_source: of h(B,A)
+    double proven = std::numeric_limits<double>::infinity();
     std::string bytes;
 };
 
@@ -109,8 +112,8 @@ struct Result {
     Reported reported = {};
     std::string note =
         {};  // one line, why the status is not `converged`, where the solver knows more than the status says
-    std::optional<Fields> fields = {};            // only where the query wants them
-    std::optional<Certificate> certificate = {};  // likewise
+    std::optional<Fields> fields = {};           // only where the query wants them
+    std::vector<Certificate> certificates = {};  // likewise; of H(A,B) one for each direction, or none
     // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
@@ -211,6 +214,7 @@ struct SolverInfo {
     bool warm = false;                  // makes use of a State
     bool threads = false;               // makes use of Query::threads
     bool fields = false;                // gives Result::fields where they are wanted
+    bool certificates = false;          // gives Result::certificates where they are wanted and it had the time for it
     bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
     Needs may_need = {};                // every structure it can ever use
     std::vector<ParameterSpec> parameters = {};

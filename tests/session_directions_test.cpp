@@ -65,7 +65,7 @@ SolverEntry scripted() {
     SolverEntry entry;
     entry.info.name = "scripted";
     entry.info.source.points = entry.info.target.points = true;
-    entry.info.traces = entry.info.fields = true;
+    entry.info.traces = entry.info.fields = entry.info.certificates = true;
     entry.info.ignores_tolerance = script.exact;
     entry.info.may_need = {need<CountedStructure>(Side::source), need<CountedStructure>(Side::target)};
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scripted>(options); };
@@ -364,25 +364,72 @@ TEST_F(SessionDirections, ATraceHoldsForBoth) {
 TEST_F(SessionDirections, FieldsAndCertificatesAreThereOnlyWhereTheyAreWanted) {
     Result first = small;
     first.fields = Fields{{"upper", Field::Of::elements, Field::Meaning::upper, {0.2}}};
-    first.certificate = Certificate{"text", "h <= 0.2"};
+    first.certificates = {{"text", {}, 0.2, "h <= 0.2"}};
     script.says[0] = script.says[1] = first;
     Query query = symmetric_query();
     query.quantity = Quantity::directed;
     const auto check = [&](bool fields, bool certificate) {
         const Result result = solve(query);
         EXPECT_EQ(result.fields.has_value(), fields);
-        EXPECT_EQ(result.certificate.has_value(), certificate);
+        EXPECT_EQ(result.certificates.size(), certificate ? 1u : 0u);
     };
     check(false, false);
     query.wanted.fields = true;
     check(true, false);
     query.wanted.certificate = true;
     check(true, true);
-    query.quantity = Quantity::symmetric;
-    check(true, false);  // it proves no bound of h(B,A)
     SolverEntry entry = scripted();
-    entry.info.fields = false;
-    EXPECT_FALSE(Session(entry, Options(entry.info.name, {}, {}), scene, {}).solve(query, trace).fields);
+    entry.info.fields = entry.info.certificates = false;
+    const Result result = Session(entry, Options(entry.info.name, {}, {}), scene, {}).solve(query, trace);
+    EXPECT_FALSE(result.fields);
+    EXPECT_TRUE(result.certificates.empty());
+}
+
+TEST_F(SessionDirections, CertificatesOfHAreOneForEachDirectionOrNone) {
+    using Direction = Witness::Direction;
+    Result first = small, second = small;
+    first.certificates = {{"text", {}, 0.2, "of h(A,B)"}};
+    second.certificates = {{"text", {}, 0.3, "of h(B,A)"}};
+    Query query = symmetric_query();
+    query.wanted.certificate = true;
+    const auto certificates = [&] {
+        script.says[0] = first, script.says[1] = second;
+        return solve(query).certificates;
+    };
+    std::vector<Certificate> both = certificates();
+    ASSERT_EQ(both.size(), 2u);
+    EXPECT_EQ(both[0].direction, Direction::source_to_target);
+    EXPECT_EQ(both[0].bytes, "of h(A,B)");
+    EXPECT_EQ(both[0].proven, 0.2);
+    EXPECT_EQ(both[1].direction, Direction::target_to_source);
+    EXPECT_EQ(both[1].bytes, "of h(B,A)");
+    EXPECT_EQ(both[1].proven, 0.3);
+    std::swap(first.certificates, second.certificates);
+    first.certificates.clear();
+    EXPECT_TRUE(certificates().empty());
+    std::swap(first.certificates, second.certificates);
+    first.certificates = {{"text", {}, 0.2, ""}}, second.certificates.clear();
+    EXPECT_TRUE(certificates().empty());
+    second.certificates = first.certificates;
+    query.cutoff = 0.01;  // the second direction is left out, and H has no upper bound
+    EXPECT_TRUE(certificates().empty());
+}
+
+TEST_F(SessionDirections, CertificatesAreScaledBackOutward) {
+    Result says = small;
+    says.certificates = {{"text", Witness::Direction::target_to_source, 0.25, ""}};
+    script.says[0] = says;
+    const SolverEntry entry = scripted();
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, 8};
+    query.wanted.certificate = true;
+    const auto certificate = [&](const Points& source) {
+        const Session session(entry, Options(entry.info.name, {}, {}), {PointSet{source}, scene.target}, {});
+        return session.solve(query, trace).certificates.at(0);
+    };
+    EXPECT_EQ(certificate(rows({{4, 0, 0}})).proven, 2);  // scaled by 2^-3
+    EXPECT_GT(certificate(rows({{0x1p1000, 0x1p-100, 0}})).proven, 0x1p999);
+    EXPECT_EQ(certificate(rows({{4, 0, 0}})).direction, Witness::Direction::source_to_target);
 }
 
 TEST_F(SessionDirections, FieldsAreScaledBackOutward) {
