@@ -22,6 +22,7 @@
 //
 // Warm start (ours as well): the point that was farthest at the pose before is measured first. Fields: those of guthe.cpp.
 // Budget: cuts; with a budget each round has one part.
+#include "kernel/parallel.h"
 #include "search/bounds.h"
 #include "search/cover_groups.h"
 #include "search/cover_worker.h"
@@ -56,9 +57,19 @@ public:
           stages_(query.wanted.stages),
           bounds_(query, pair.target, {pair.magnitude, true}, counters_, trace, elements_ ? &*elements_ : nullptr),
           deadline_(query.time_limit),
-          scene_{pair.source, pair.points, pair.target,    blocks,
-                 order,       query,       pair.magnitude, elements_ ? &*elements_ : nullptr},
-          worker_(scene_) {}
+          proofs_(query.wanted.certificate ? std::make_optional<CoverProofs>(pair.source.triangles.rows())
+                                           : std::nullopt),
+          scene_{pair.source,
+                 pair.points,
+                 pair.target,
+                 blocks,
+                 order,
+                 query,
+                 pair.magnitude,
+                 elements_ ? &*elements_ : nullptr,
+                 proofs_ ? &*proofs_ : nullptr},
+          threads_(elements_ || proofs_ ? 1 : query.threads),
+          workers_(static_cast<std::size_t>(threads_.most()), CoverWorker(scene_)) {}
 
     Result run();
 
@@ -73,7 +84,7 @@ private:
     bool asks() const { return query_.floor > 0 || query_.cutoff < std::numeric_limits<double>::infinity(); }
     template <class List> static double upper_of(const List& list, std::size_t from) {
         double most = 0;
-        for (std::size_t i = from; i < list.size(); ++i) most = std::max(most, list[i].upper);
+        for (std::size_t i = from; i < list.size(); ++i) most = std::max(most, list[i].upper.value);
         return most;
     }
 
@@ -86,8 +97,10 @@ private:
     Stages stages_;
     SearchBounds bounds_;
     Deadline deadline_;
+    std::optional<CoverProofs> proofs_;
     CoverScene scene_;
-    CoverWorker worker_;
+    Threads threads_;
+    std::vector<CoverWorker> workers_;  // one for each thread
     std::vector<Cluster> clusters_;
     std::vector<CoverPiece> undecided_;
     std::optional<Status> stop_;
@@ -99,18 +112,27 @@ void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
     const bool one_by_one = query_.budget < std::numeric_limits<std::uint64_t>::max();
     if (one_by_one) of_part = 1;
     std::size_t parts = 1;
-    for (std::size_t begin = 0; begin < count;) {
+    for (std::size_t begin = 0; begin < count; begin += parts * of_part) {
+        if (begin > 0 && !one_by_one) parts = std::min(2 * parts, most_parts_of_round);
         const std::size_t end = std::min(count, begin + parts * of_part);
         const Farthest farthest = bounds_.farthest();
+        const double settled = bounds_.settled();
         const std::uint64_t left = query_.budget - std::min(query_.budget, counters_.subdivisions);
-        for (; begin < end; begin += of_part) {
-            worker_.begin(farthest, left, stop_.has_value(), deadline_);
-            for (std::size_t i = begin; i < std::min(end, begin + of_part); ++i) item(worker_, i);
-            if (!stop_) stop_ = worker_.stopped();
-            merge(worker_.finish());
-        }
-        if (!one_by_one) parts = std::min(2 * parts, most_parts_of_round);
-        if (!stop_ && (trace_.on() || asks())) stop_ = bounds_.answered(upper_of_rest(std::min(begin, count)));
+        const bool stopped = stop_.has_value();
+        std::vector<CoverOutcome> outcomes((end - begin + of_part - 1) / of_part);
+        std::vector<std::optional<Status>> stops(outcomes.size());
+        threads_.for_each(outcomes.size(), [&](std::size_t part, int number) {
+            CoverWorker& worker = workers_[static_cast<std::size_t>(number)];
+            worker.begin(farthest, settled, left, stopped, deadline_);
+            const std::size_t first = begin + part * of_part;
+            for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(worker, i);
+            stops[part] = worker.stopped();
+            outcomes[part] = worker.finish();
+        });
+        for (CoverOutcome& outcome : outcomes) merge(std::move(outcome));
+        for (const std::optional<Status>& stop : stops)
+            if (!stop_) stop_ = stop;
+        if (!stop_ && (trace_.on() || asks())) stop_ = bounds_.answered(upper_of_rest(end));
     }
 }
 
@@ -170,7 +192,7 @@ void Search::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);
     std::stable_sort(pieces.begin(), pieces.end(),
-                     [](const CoverPiece& x, const CoverPiece& y) { return x.upper > y.upper; });
+                     [](const CoverPiece& x, const CoverPiece& y) { return x.upper.value > y.upper.value; });
     in_rounds(
         pieces.size(), pieces_of_part, [&](CoverWorker& worker, std::size_t i) { worker.decide(pieces[i]); },
         [&](std::size_t i) { return std::max(upper_of(pieces, i), upper_of(clusters_, clusters_left)); });
@@ -198,6 +220,11 @@ Result Search::run() {
                               {pair_.points.row(v[0]), pair_.points.row(v[1]), pair_.points.row(v[2])});
     }
     if (elements_) result.fields = bounds_.fields();
+    if (proofs_) {
+        // Who checks it rounds as well, by less than this: see docs/certificate.md.
+        if (const auto proof = proofs_->finish(result.bounds.upper + 64 * unit_roundoff * pair_.magnitude))
+            result.certificates = {*proof};
+    }
     result.reported = stages_.seconds();
     return result;
 }
@@ -228,6 +255,7 @@ private:
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.warm = true;
+    info.threads = true;
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }

@@ -56,6 +56,9 @@ public:
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }
 
+    // What comes next was written elsewhere.
+    void append(const CertificateTree& other) { bytes_ += other.bytes_; }
+
     const std::string& bytes() const { return bytes_; }
 
 private:

@@ -20,10 +20,21 @@ struct Landmark {
     Index vertex = -1;    // of A that it is, or -1
 };
 
+// An upper bound of the distance of some triangles to B, and why: by the distance of this vertex of A to triangle `near` of B and the
+// way there; with no vertex, -1, by the distances of all corners to that triangle.
+struct KnownUpper {
+    double value = std::numeric_limits<double>::infinity();
+    Index near = -1, vertex = -1;
+
+    void improve(const KnownUpper& other) {
+        if (other.value < value) *this = other;
+    }
+};
+
 // Triangles of A that follow one another in the order.
 struct Cluster {
     std::size_t begin = 0, count = 0;
-    double upper = std::numeric_limits<double>::infinity();  // of their distance to B
+    KnownUpper upper;
     Landmark landmark;
     bool own = false;  // whether the landmark is a corner of one of its triangles, or of a larger group
 };

@@ -47,7 +47,9 @@ std::size_t longest_edge(const CoverPiece& piece) {
 
 // --- bookkeeping ------------------------------------------------------------------------------------------------------
 
-void CoverWorker::begin(const Farthest& farthest, std::uint64_t budget, bool stopped, const Deadline& deadline) {
+void CoverWorker::begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped,
+                        const Deadline& deadline) {
+    settled_before_ = settled;
     outcome_.farthest = farthest;
     outcome_.settled = 0;
     outcome_.groups.clear();
@@ -92,8 +94,31 @@ void CoverWorker::settle(double upper, Index source) {
     if (scene_.elements) scene_.elements->settle(upper, source);
 }
 
-void CoverWorker::settle_all(std::span<const CoverPiece> pieces, double upper) {
-    for (const CoverPiece& piece : pieces) settle(std::min(upper, piece.upper), piece.source);
+void CoverWorker::settle(const CoverPiece& piece) {
+    settle(piece.upper.value, piece.source);
+    if (!scene_.proofs) return;
+    CertificateTree& tree = scene_.proofs->tree(piece.proof);
+    if (piece.upper.vertex >= 0)
+        tree.vertex(piece.upper.vertex, piece.upper.near);
+    else
+        tree.one(piece.upper.near);
+}
+
+void CoverWorker::settle(const Cluster& cluster) {
+    for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
+        const Index source = scene_.order[i];
+        settle(cluster.upper.value, source);
+        if (scene_.proofs) scene_.proofs->tree(source).vertex(cluster.upper.vertex, cluster.upper.near);
+    }
+}
+
+// The distance to a triangle is convex.
+KnownUpper CoverWorker::by_corners(const CoverPiece& piece, Index near) {
+    double most = 0;
+    for (const Vec3& corner : piece.corners)
+        most = std::max(most, scene_.target.squared_distance(corner, scene_.target.triangle(near)));
+    outcome_.counters.point_triangle_distances += 3;
+    return {surface_distance_at_most(most, scene_.magnitude, piece.level), near, -1};
 }
 
 // Work of the covers so far, for the counters.
@@ -119,11 +144,15 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
     Cluster part = group;
     part.own = false;
     const bool known = group.landmark.near >= 0;
-    if (known) part.upper = std::min(group.upper, around(group.landmark.at, group.landmark.distance, box));
+    const auto upper = [&] {
+        return KnownUpper{around(part.landmark.at, part.landmark.distance, box), part.landmark.near,
+                          part.landmark.vertex};
+    };
+    if (known) part.upper.improve(upper());
     ++outcome_.counters.bound_tests;
     // A query is worth its cost only where tau is not far below the size of the group.
     const double size = std::sqrt(squared_length(box.high - box.low));
-    if (!known || (part.upper > tau_ && tau_ >= 0.25 * size && !stop_)) {
+    if (!known || (part.upper.value > tau_ && tau_ >= 0.25 * size && !stop_)) {
         // The corner of a triangle in the middle that the box is least around.
         const Index source = scene_.order[part.begin + part.count / 2];
         double least = std::numeric_limits<double>::infinity();
@@ -135,14 +164,13 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
         const MeasuredPoint m = measure(part.landmark.at, group.landmark.near, source, 0);
         part.landmark.near = m.triangle;
         part.landmark.distance = std::sqrt(m.squared);
-        part.upper = std::min(part.upper, around(m.point, part.landmark.distance, box));
+        part.upper.improve(upper());
         part.own = true;
     }
-    if (part.upper > tau_) {
+    if (part.upper.value > tau_)
         outcome_.groups.push_back(part);
-        return;
-    }
-    for (std::size_t i = part.begin; i < part.begin + part.count; ++i) settle(part.upper, scene_.order[i]);
+    else
+        settle(part);
 }
 
 // --- covers in single precision ---------------------------------------------------------------------------------------
@@ -150,15 +178,11 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
 void CoverWorker::cover(const Cluster& cluster) {
     ++outcome_.counters.bound_tests;
     look_at_clock();
-    if (cluster.upper <= tau_ || stop_) {
-        for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i)
-            settle(cluster.upper, scene_.order[i]);
-        return;
-    }
+    if (cluster.upper.value <= tau_ || stop_) return settle(cluster);
     pieces_.clear();
     for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
         const Triangle t = triangle_of(scene_, scene_.order[i]);
-        pieces_.push_back({{t.a, t.b, t.c}, scene_.order[i], cluster.upper, cluster.landmark});
+        pieces_.push_back({{t.a, t.b, t.c}, scene_.order[i], scene_.order[i], cluster.upper, cluster.landmark});
     }
     for (std::size_t i = 0; i < pieces_.size();) {
         const std::size_t count = std::min(batch_, pieces_.size() - i);
@@ -181,7 +205,10 @@ void CoverWorker::cover(const Cluster& cluster) {
 }
 
 void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& landmark) {
-    if (stop_) return settle_all(pieces, std::numeric_limits<double>::infinity());
+    if (stop_) {
+        for (const CoverPiece& piece : pieces) settle(piece);
+        return;
+    }
     if (!cover_together(pieces, landmark, pieces.size() == 1)) halve_list(pieces, landmark);
 }
 
@@ -191,15 +218,19 @@ void CoverWorker::halve_list(std::span<const CoverPiece> pieces, const Landmark&
     const std::size_t half = pieces.size() / 2;
     for (const auto part : {pieces.first(half), pieces.subspan(half)}) {
         const CoverPiece& middle = part[part.size() / 2];
-        const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, middle.level);
-        const Landmark own{m.point, std::sqrt(m.squared), m.triangle, -1};
+        const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
+        const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
         double radius = 0;
         for (const CoverPiece& piece : part) radius = std::max(radius, farthest_corner(piece, m.point));
-        const double upper = surface_sum_at_most(own.distance + radius, scene_.magnitude, middle.level);
-        if (upper <= tau_)
-            settle_all(part, upper);
-        else
+        const KnownUpper upper{surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.near, own.vertex};
+        if (upper.value > tau_) {
             cover(part, own);
+            continue;
+        }
+        for (CoverPiece piece : part) {
+            piece.upper.improve(upper);
+            settle(piece);
+        }
     }
 }
 
@@ -219,18 +250,16 @@ template <class Part> void CoverWorker::halve(const CoverPiece& piece, const Par
     ++outcome_.counters.subdivisions;
     if (scene_.elements) scene_.elements->subdivided(piece.source, level);
     const MeasuredPoint m = measure(middle, piece.landmark.near, piece.source, level);
+    std::array<Index, 2> proofs{};
+    if (scene_.proofs) proofs = scene_.proofs->halve(piece.proof, CutPoint::along(a, 0.5), CutPoint::corner(c));
     const Landmark landmark{middle, std::sqrt(m.squared), m.triangle, -1};
-    for (const std::size_t end : {b, a}) {
-        CoverPiece half{
-            {middle, end == b ? piece.corners[b] : piece.corners[c], end == b ? piece.corners[c] : piece.corners[a]},
-            piece.source,
-            piece.upper,
-            landmark,
-            level};
-        const double sum = landmark.distance + farthest_corner(half, middle);
-        half.upper = std::min(half.upper, surface_sum_at_most(sum, scene_.magnitude, level));
-        if (half.upper <= tau_ || stop_)
-            settle(half.upper, half.source);
+    const std::array<Vec3, 3> first{middle, piece.corners[b], piece.corners[c]},
+        second{piece.corners[c], piece.corners[a], middle};
+    for (std::size_t i = 0; i < 2; ++i) {
+        CoverPiece half{i == 0 ? first : second, piece.source, proofs[i], piece.upper, landmark, level};
+        half.upper.improve(by_corners(half, m.triangle));
+        if (half.upper.value <= tau_ || stop_)
+            settle(half);
         else
             part(half);
     }
@@ -292,7 +321,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);
         cover_.reach = batch.radius * batch.place.inverse * (1 + 0x1p-10);
         cover_.set_threshold(tau_ * batch.place.inverse);
-        cover_.enough = scene_.elements ? 0 : outcome_.settled * batch.place.inverse;
+        cover_.enough = scene_.elements ? 0 : std::max(settled_before_, outcome_.settled) * batch.place.inverse;
         measure_shared(cover_, batch.points);
     }
     for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -302,6 +331,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
             CoverPolygon<float> polygon;
             for (const std::size_t k : batch.of_piece[i])
                 polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
+            cover_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
             result = cover_shared(cover_, polygon, batch.of_piece[i], most_work_in_float);
         }
         if (result.covered)
@@ -341,14 +371,13 @@ bool CoverWorker::go_on() {
 
 void CoverWorker::decide(const CoverPiece& piece) {
     ++outcome_.counters.bound_tests;
-    if (piece.upper <= tau_ || stop_) return settle(piece.upper, piece.source);
-    // A corner first: it may raise tau, and its distance may be enough.
+    if (piece.upper.value <= tau_ || stop_) return settle(piece);
+    // A corner first: it may raise tau, and what is nearest to it may be near all of the piece.
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
-    const double sum = measured.landmark.distance + farthest_corner(piece, m.point);
-    measured.upper = std::min(piece.upper, surface_sum_at_most(sum, scene_.magnitude, piece.level));
-    if (measured.upper <= tau_ || stop_) return settle(measured.upper, piece.source);
+    measured.upper.improve(by_corners(piece, m.triangle));
+    if (measured.upper.value <= tau_ || stop_) return settle(measured);
     if (decide_whole(measured, false)) return;
     // Too many triangles of B are near.
     if (piece.level >= most_halvings) {
@@ -388,11 +417,14 @@ bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
         exact_.near.clear(place);
         set_frames(scene_.target.mesh(), triangles, exact_.near);
         exact_.set_threshold(tau_ * place.inverse);
+        exact_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
         result = cover_surely(exact_, polygon, *this, scene_.target.mesh());
     }
     count();
-    const double upper = surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level);
-    settle(result.covered ? std::min(piece.upper, upper) : piece.upper, piece.source);
+    if (result.covered)
+        settle(surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level), piece.source);
+    else
+        settle(piece);
     return true;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "cover_groups.h"
+#include "cover_proofs.h"
 #include "elements.h"
 #include "kernel/deadline.h"
 #include "offset_cover.h"
@@ -20,7 +21,7 @@
 
 namespace hausbench {
 
-// One query. All are references; `elements` may be null.
+// One query. All are references; `elements` and `proofs` may be null.
 struct CoverScene {
     const TriangleMesh& a;
     const Points& points;  // vertices of A, posed
@@ -30,13 +31,16 @@ struct CoverScene {
     const Query& query;
     double magnitude;  // as in kernel/rounding.h
     ElementBounds* elements;
+    CoverProofs*
+        proofs;  // of a certificate; null: none is wanted. With one, or with elements, workers work one after another
 };
 
 // A triangle of A, or a part of one.
 struct CoverPiece {
     std::array<Vec3, 3> corners;
     Index source;
-    double upper;  // of its distance to B
+    Index proof;  // number in CoverProofs
+    KnownUpper upper;
     Landmark landmark;
     int level = 0;  // halvings, as kernel/rounding.h counts them
 };
@@ -54,8 +58,9 @@ class CoverWorker final : CoverHost {
 public:
     explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
 
-    // A new part. `budget`: cuts that are left. `stopped`: time is out already, so that all is settled by the bounds it has.
-    void begin(const Farthest& farthest, std::uint64_t budget, bool stopped, const Deadline& deadline);
+    // A new part. `settled`: the largest upper bound so far; `budget`: cuts that are left; `stopped`: time is out already, so that all is
+    // settled by the bounds it has.
+    void begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped, const Deadline& deadline);
 
     // A group of which only a landmark is known that may not be its own: settles it, or it is among the outcome's groups with a
     // better bound.
@@ -83,8 +88,10 @@ private:
     void set_tau();
     void look_at_clock();
     double around(const Vec3& at, double distance, const Box& box) const;
+    KnownUpper by_corners(const CoverPiece& piece, Index near);
     void settle(double upper, Index source);
-    void settle_all(std::span<const CoverPiece> pieces, double upper);
+    void settle(const CoverPiece& piece);
+    void settle(const Cluster& cluster);
 
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
@@ -97,7 +104,7 @@ private:
     CoverScene scene_;
     const Deadline* deadline_ = nullptr;
     CoverOutcome outcome_;
-    double tau_ = 0;
+    double tau_ = 0, settled_before_ = 0;
     std::uint64_t budget_ = 0;
     std::optional<Status> stop_;
     OffsetCover<float> cover_;

@@ -21,6 +21,9 @@ constexpr std::size_t crowded = 12;         // corners: with so many, a polygon 
 // The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
 // the quotient by u: sqrt(3) 16 < 28.
 constexpr double slack_of_mean = 28;
+// Who checks a certificate takes the mean of the exact corners, which is that far from ours, and so its distances to B and to the corners are off by
+// as much each; what the corners are off is in the error of the distance.
+constexpr double difference_of_means = 2 * slack_of_mean;
 constexpr int most_peels = 8;  // one after another: along a short edge, many may remove next to nothing
 
 // The triangles that are looked at now: all that are near, or few of them.
@@ -98,6 +101,7 @@ private:
           after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
     };
 
+    CoverResult cover(const CoverPolygon<T>& piece, const std::size_t* shared);
     void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
     bool pop();
     bool one_for_all();
@@ -109,7 +113,7 @@ private:
     bool peel();
     void keep_few();
     void find_centre();
-    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t,
+    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                   std::size_t k);
     enum class Centre { covered, lost, cut };
     Centre look_at_centre();
@@ -128,6 +132,11 @@ private:
         return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
     }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
+    // Triangle k is near all corners.
+    void covered_by(std::size_t k, double bound) {
+        upper_ = std::max(upper_, bound);
+        if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
+    }
     double at_most(T square, std::size_t k) const {
         return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
     }
@@ -176,6 +185,13 @@ template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const s
 }
 
 template <class T> CoverResult Engine<T>::run(const CoverPolygon<T>& piece, const std::size_t* shared) {
+    const std::size_t mark = c_.proof ? c_.proof->mark() : 0;
+    const CoverResult result = cover(piece, shared);
+    if (c_.proof && !result.covered) c_.proof->back_to(mark);
+    return result;
+}
+
+template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, const std::size_t* shared) {
     c_.stack.clear();
     begin(piece, shared);
     while (true) {
@@ -222,8 +238,12 @@ template <class T> bool Engine<T>::pop() {
 // The distance to a triangle is convex, so the largest of the corners bounds that of the polygon; for the triangle for which it is least.
 template <class T> void Engine<T>::settle() {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < all_.count(); ++k) least = std::min(least, at_most(largest_square(k), k));
-    upper_ = std::max(upper_, least);
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < all_.count(); ++k) {
+        const double bound = at_most(largest_square(k), k);
+        if (bound < least) least = bound, best = k;
+    }
+    covered_by(best, least);
 }
 
 // Whether one triangle is within the threshold of all corners. The one that bounds the polygon best settles it.
@@ -234,10 +254,13 @@ template <class T> bool Engine<T>::one_for_all() {
     if (common.empty()) return false;
     double least = std::numeric_limits<double>::infinity();
     const double enough = std::max(upper_, c_.enough);
+    std::size_t best = 0;
     common.for_each([&](std::size_t k) {
-        if (least > enough) least = std::min(least, at_most(largest_square(k), k));
+        if (least <= enough) return;
+        const double bound = at_most(largest_square(k), k);
+        if (bound < least) least = bound, best = k;
     });
-    upper_ = std::max(upper_, least);
+    covered_by(best, least);
     return true;
 }
 
@@ -392,7 +415,7 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
 
 // A corner at t on the edge from `inside` to `outside` that is within the limit of triangle k, as computed; t shrinks until it is.
 template <class T>
-bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T t,
+bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
     if (slack > OffsetCover<T>::most_slack) return false;
@@ -407,6 +430,7 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
         if (!c_.within[row].has(k)) continue;
         rows[rest.count] = row;
         rest.add(x, y, z, slack);
+        t = at;
         return true;
     }
     return false;
@@ -458,7 +482,7 @@ template <class T> void Engine<T>::keep_few() {
 template <class T> bool Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return false;
     const Run run = longest_run();
-    const Exits out = exits(run);
+    Exits out = exits(run);
     const T removed = out.before + out.after;
     if (removed < T(0.02)) return false;
     slow_ = removed < T(0.3) ? slow_ + 1 : 0;
@@ -483,7 +507,11 @@ template <class T> bool Engine<T>::peel() {
         most = std::max(most, square(i, out.triangle));
         if (row_[i] >= most_shared_points) used_ &= ~(1U << (row_[i] - most_shared_points));
     }
-    upper_ = std::max(upper_, at_most(most, out.triangle));
+    if (c_.proof) {
+        c_.proof->cut(CutPoint::back(last(first), static_cast<double>(out.before)),
+                      CutPoint::along(end, static_cast<double>(out.after)));
+    }
+    covered_by(out.triangle, at_most(most, out.triangle));
     piece_ = rest;
     std::copy_n(rows, rest.count, row_);
     ++c_.cuts;
@@ -520,12 +548,18 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    const double bound = distance() + radius_;
+    const double bound = distance() + radius_ + difference_of_means * frame_roundoff<T>;
     // Too small to be cut: rounding is as large.
     const bool tiny =
         radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 || slack_ + 10 > OffsetCover<T>::most_slack;
     if (bound <= c_.threshold || (exact && tiny)) {
-        upper_ = std::max(upper_, std::min(bound, at_most(largest_square(k), k)));
+        const double by_corners = at_most(largest_square(k), k);
+        if (by_corners <= bound) {
+            covered_by(k, by_corners);
+        } else {
+            upper_ = std::max(upper_, bound);
+            if (c_.proof) c_.proof->centre(all_.frames->triangle[k]);
+        }
         return Centre::covered;
     }
     if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
@@ -591,36 +625,37 @@ template <class T> void Engine<T>::cut() {
     while (!(side[first] > 0 && side[last(first)] <= 0)) ++first;
     std::size_t end = first;
     while (side[next(end)] > 0) end = next(end);
-    CoverPolygon<T> low, high;
-    // The rim crosses between `from` and `to`, if it is not in the corner where the side is 0.
-    const auto cross = [&](std::size_t from, std::size_t to, std::size_t zero) {
-        if (side[zero] == 0) {
-            for (CoverPolygon<T>* part : {&low, &high})
-                part->add(piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero]);
-            return;
-        }
-        const T t = side[from] / (side[from] - side[to]);
-        const float slack = slack_of_cut(from, to, t);
-        for (CoverPolygon<T>* part : {&low, &high}) {
-            part->add(piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
-                      piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
-                      piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack);
-        }
+    const std::size_t before = last(first), after = next(end);
+    struct Crossing {
+        T x, y, z;
+        float slack;
+        CutPoint place;
     };
+    // The rim crosses between two corners, or in one of them where the side is 0.
+    const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
+        if (side[zero] == 0)
+            return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};
+        const T t = side[from] / (side[from] - side[to]);
+        return {piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
+                piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
+                piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack_of_cut(from, to, t),
+                CutPoint::along(from, static_cast<double>(t))};
+    };
+    const Crossing p = crossing(before, first, before), q = crossing(end, after, after);
+    CoverPolygon<T> high, low;
+    const auto add = [](CoverPolygon<T>& part, const Crossing& at) { part.add(at.x, at.y, at.z, at.slack); };
     const auto copy = [&](CoverPolygon<T>& part, std::size_t i) {
         part.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i]);
     };
-    const std::size_t before = last(first), after = next(end);
-    cross(before, first, before);
-    for (std::size_t i = first;; i = next(i)) {
-        copy(high, i);
-        if (i == end) break;
-    }
-    cross(end, after, after);
-    for (std::size_t i = side[after] == 0 ? next(after) : after; i != first && !(i == before && side[before] == 0);
+    add(high, p);
+    for (std::size_t i = first; i != after; i = next(i)) copy(high, i);
+    add(high, q);
+    add(low, q);
+    for (std::size_t i = side[after] == 0 ? next(after) : after; i != first && (i != before || side[before] != 0);
          i = next(i))
         copy(low, i);
-    // Low has them as: P, Q, and those after Q.
+    add(low, p);
+    if (c_.proof) c_.proof->cut(p.place, q.place);
     c_.stack.push_back(low);
     begin(high, nullptr);
 }

@@ -14,6 +14,7 @@
 //   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= reach.
 #pragma once
 
+#include "cover_certificate.h"
 #include "structures/triangle_blocks.h"
 
 #include <algorithm>
@@ -97,6 +98,7 @@ template <class T> struct OffsetCover {
     std::vector<T> squared;       // rows of near.stride, one a point
     std::vector<NearSet> within;  // of each point: the triangles with a square <= limit
     std::vector<CoverPolygon<T>> stack;
+    CertificateTree* proof = nullptr;                  // of the piece that is covered now, where one is wanted
     std::uint64_t distances = 0, tests = 0, cuts = 0;  // for counters
 
     static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;
