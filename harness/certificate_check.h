@@ -1,0 +1,34 @@
+// Checks a certificate of an upper bound of h(A,B) (docs/certificate.md). Shares no kernel with the solvers: it reads the bytes, cuts the
+// triangles of A itself and bounds each distance from above in interval arithmetic.
+//
+// Whatever the bytes say, what it finds is true: each triangle of A is the union of its polygons, as their tree shows, and a polygon
+// lies within its bound of B since the distance to one triangle is convex (`one`), or by the triangle inequality (`centre`,
+// `vertex`). So a certificate may come from anywhere, and a wrong index makes the bound larger, not wrong.
+#pragma once
+
+#include "scene.h"
+#include "solver.h"
+
+#include <cstdint>
+#include <string>
+
+namespace hausbench {
+
+struct CertificateCheck {
+    bool accepted = false;
+    std::string refusal;     // one line, why not; empty: accepted
+    double found = 0;        // no point of A is farther from B. Infinite where the bytes are no certificate of A
+    Index worst = -1;        // the triangle of A with that bound
+    std::uint64_t cuts = 0;  // nodes by kind
+    std::uint64_t one = 0, centre = 0, vertex = 0;
+    double seconds = 0;
+
+    std::uint64_t leaves() const { return one + centre + vertex; }
+};
+
+// Both shapes are points or meshes. Where the certificate is one of h(B,A), A and B change places. Never throws for what the
+// certificate says. O(bytes) time; O(|A| + |B|) memory, whatever the bytes say.
+CertificateCheck check_certificate(const Shape& source, const Pose& source_pose, const Shape& target,
+                                   const Pose& target_pose, const Certificate& certificate);
+
+}  // namespace hausbench
