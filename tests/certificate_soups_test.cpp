@@ -15,12 +15,20 @@ namespace {
 using namespace certificates;
 using Kind = Node::Kind;
 
+constexpr double u = 0x1p-53;
+constexpr Real root_loss = 0x1p-58L;  // of exact::root(), relative
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double diagonal_of_both(const Points& a, const Points& b) {
+    Points both(a.rows() + b.rows(), 3);
+    both << a, b;
+    return diagonal(both);
+}
 
 struct Case {
     Scene scene;  // at rest
     Real low, high;
-    double extent;
+    double size;  // of the box of both
     Proof proof;
     double proven;
 };
@@ -63,17 +71,17 @@ std::optional<Case> random_case(Random& random, Index most_triangles) {
     Shape b = random.unit() < 0.5 ? split(mesh_of(a), random) : random_soup(random, 1 + random.below(most_triangles));
     if (random.unit() < 0.1) a = PointSet{points_of(a)};
     if (random.unit() < 0.1) b = PointSet{points_of(b)};
-    Case c{{a, b}, 0, 0, diagonal(points_of(a)), {}, 0};
+    Case c{{a, b}, 0, 0, diagonal_of_both(points_of(a), points_of(b)), {}, 0};
     const TriangleMesh mesh = triangles_of(a);
     const MeshReference reference(triangles_of(b));
-    const Real gap = 1e-3L * std::max(c.extent, 0.01);
+    const Real gap = 1e-3L * c.size;
     std::tie(c.low, c.high) = reference.hausdorff(mesh.vertices, mesh.triangles, gap);
     c.low -= 0x1p-58L * std::max(magnitude(points_of(a)), magnitude(points_of(b)));  // the reference's own arithmetic
-    const Real tau = c.high + static_cast<Real>(std::pow(2.0, -random.real(1, 6))) * c.extent;
+    const Real tau = c.high + static_cast<Real>(std::pow(2.0, -random.real(1, 6))) * c.size;
     const auto proof = Writer(a, b, tau, random).run();
     if (!proof) return std::nullopt;
     c.proof = *proof;
-    c.proven = static_cast<double>(tau) * (1 + 1e-14) + 1e-12 * c.extent;
+    c.proven = static_cast<double>(tau) * (1 + 4 * u) + 1e-13 * c.size;
     return c;
 }
 
@@ -197,11 +205,8 @@ TEST(CertificateSoups, TheBoundIsExactButForRounding) {
         const ExactValue exact = exact_value(c->scene.source, c->scene.target, c->proof);
         const exact::Rational bound = found.found;
         EXPECT_TRUE(bound * bound >= exact.squared) << i;
-        // 2^-60 is what root() may lose; the centre of a polygon is rounded.
-        EXPECT_GE(found.found, exact.length * (1 - 0x1p-58L) - (found.centre ? 1e-15L * c->extent : 0)) << i;
-        EXPECT_LE(found.found,
-                  exact.length * (1 + 1e-15L) + 2e-14L * (c->extent + diagonal(points_of(c->scene.target))))
-            << i;
+        EXPECT_GE(found.found, exact.length * (1 - root_loss) - (found.centre ? 1e-15L * c->size : 0)) << i;
+        EXPECT_LE(found.found, exact.length * (1 + root_loss) + (14 * exact.depth + 100) * u * c->size) << i;
         if (exact.squared > 0 && exact.length == exact::root(exact.squared)) ++ones;
     }
     EXPECT_GT(ones, 150);

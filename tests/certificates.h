@@ -186,6 +186,7 @@ private:
 struct ExactValue {
     exact::Rational squared = 0;
     Real length = 0;
+    std::size_t depth = 0;  // most cuts above a leaf
 };
 
 inline ExactValue exact_value(const Shape& a, const Shape& b, const Proof& proof) {
@@ -197,16 +198,21 @@ inline ExactValue exact_value(const Shape& a, const Shape& b, const Proof& proof
     ExactValue value;
     for (std::size_t i = 0; i < proof.size(); ++i) {
         std::vector<std::vector<RVec3>> stack(1);
+        std::vector<std::size_t> depth = {0};
         for (int c = 0; c < 3; ++c) stack.back().push_back(corner(source, static_cast<Index>(i), c));
         for (const Node& node : proof[i]) {
             const std::vector<RVec3> polygon = stack.back();
             stack.pop_back();
+            const std::size_t cuts = depth.back();
+            depth.pop_back();
+            value.depth = std::max(value.depth, cuts);
             if (node.kind == Node::Kind::cut) {
                 Children<RVec3> children(polygon, node.p, node.q, [](const RVec3& from, const RVec3& to, double t) {
                     return exact::along(from, Rational(t), to - from);
                 });
                 stack.push_back(std::move(children.second));
                 stack.push_back(std::move(children.first));
+                depth.insert(depth.end(), 2, cuts + 1);
                 continue;
             }
             const auto squared = [&](const RVec3& p) {
