@@ -2,14 +2,13 @@
 
 #include "error.h"
 #include "hash.h"
+#include "whole_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -29,24 +28,6 @@ template <class T> void append(std::string& bytes, T value) {
     const std::size_t at = bytes.size();
     bytes.resize(at + sizeof value);
     std::memcpy(bytes.data() + at, &value, sizeof value);
-}
-
-void write_file(const fs::path& file, const std::string& bytes) {
-    const fs::path unfinished = file.string() + ".unfinished";
-    std::error_code failed;
-    errno = 0;
-    {
-        std::ofstream out(unfinished, std::ios::binary);
-        out.write(bytes.data(), std::streamsize(bytes.size()));
-        out.close();
-        if (!out) failed = std::error_code(errno ? errno : EIO, std::generic_category());
-    }
-    if (!failed) fs::rename(unfinished, file, failed);
-    if (!failed) return;
-    std::error_code ignored;
-    fs::remove(unfinished, ignored);
-    throw InputError(
-        fmt::format("{}: cannot be written ({}): choose another place, or make room", file.string(), failed.message()));
 }
 
 template <class E> E named(const json& name, std::initializer_list<E> all) {
@@ -211,7 +192,7 @@ std::string write_fields(const fs::path& file, const Fields& fields) {
         bytes.resize(at + size);
         std::memcpy(bytes.data() + at, field.values.data(), size);
     }
-    write_file(file, bytes);
+    write_whole_file(file, bytes);
     return sha256_of_file(file);
 }
 
@@ -226,17 +207,13 @@ void check_export_place(const fs::path& file) {
     if (const std::string extension = extension_of(file); extension != ".ply" && extension != ".vtk")
         throw InputError(
             fmt::format("{}: fields are written as PLY or VTK: end the name with .ply or .vtk", file.string()));
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    if (!fs::is_directory(folder))
-        throw InputError(fmt::format("{}: its folder does not exist: make it, or choose another place", file.string()));
-    if (::access(folder.c_str(), W_OK) != 0 || fs::is_directory(file))
-        throw InputError(fmt::format("{}: cannot be written: choose another place", file.string()));
+    check_place_to_write(file);
 }
 
 void export_fields(const fs::path& file, const Shape& shape, const Points& posed, const Fields& fields) {
     const auto write = extension_of(file) == ".vtk" ? as_vtk : as_ply;
-    write_file(file, write(std::get_if<TriangleMesh>(&shape), posed, properties(fields, Field::Of::vertices),
-                           properties(fields, Field::Of::elements)));
+    write_whole_file(file, write(std::get_if<TriangleMesh>(&shape), posed, properties(fields, Field::Of::vertices),
+                                 properties(fields, Field::Of::elements)));
 }
 
 }  // namespace hausbench

@@ -69,6 +69,7 @@ json solver_json(const SolverInfo& info) {
             {"known_wrong", info.known_wrong},
             {"ignores_tolerance", info.ignores_tolerance},
             {"traces", info.traces},
+            {"certificates", info.certificates},
             {"may_need", may_need},
             {"parameters", parameters}};
 }

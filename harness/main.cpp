@@ -1,5 +1,6 @@
 // The program: verbs run, explain, list, measure, export, verify, show, merge, compare; `hausbench VERB --help` says what each takes.
 #include "catalogue.h"
+#include "certificate_file.h"
 #include "columns.h"
 #include "combine.h"
 #include "compare.h"
@@ -8,6 +9,7 @@
 #include "experiment.h"
 #include "explain.h"
 #include "export.h"
+#include "isolated.h"
 #include "list.h"
 #include "load.h"
 #include "machine.h"
@@ -142,6 +144,32 @@ void say(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) fmt::print(stderr, "hausbench: {}\n", line);
 }
 
+int verify_rows_of(const std::vector<fs::path>& files) {
+    if (files.size() != 1) throw InputError("verify: takes one result file; a proof is checked with --certificate");
+    ResultFile result = read_result(files.front());
+    const auto missing = verify_result(result, catalogue());
+    std::fputs(describe_checks(result).c_str(), stdout);
+    say(missing);
+    return any_unsound(result) || !missing.empty() ? 1 : 0;
+}
+
+int verify_proof(const std::vector<fs::path>& files) {
+    if (files.size() != 1 && files.size() != 3)
+        throw InputError("verify --certificate: name the certificate alone, or the certificate, A and B");
+    CertificateFile content = read_certificate(files.front());
+    if (files.size() == 3) content.source.file = files[1].string(), content.target.file = files[2].string();
+    for (const std::string& file : {content.source.file, content.target.file}) {
+        if (!fs::exists(file))
+            throw InputError(one_line(fmt::format("{}: its model {} is not there: name A and B after the certificate",
+                                                  files.front().string(), file)));
+    }
+    const LoadedShape source = load_isolated(program_path(), content.source.file);
+    const LoadedShape target = load_isolated(program_path(), content.target.file);
+    const CertificateVerdict verdict = verify_certificate(content, source.shape, target.shape);
+    std::fputs(describe(content, verdict).c_str(), stdout);
+    return verdict.accepted ? 0 : 1;
+}
+
 int dispatch(int argc, char** argv) {
     CLI::App app(
         "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
@@ -266,6 +294,9 @@ int dispatch(int argc, char** argv) {
         "write A with the distance of each vertex to B and its nearest element, and what the solver knows of each "
         "element, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView); with --symmetric too they are "
         "those of h(A,B)");
+    measure_verb->add_option(
+        "--certificate", request.certificate,
+        "write a proof of the upper bound, from a second run, into this file, for `verify --certificate`");
     measure_verb->add_flag("--json", measure_json, "print one JSON object");
     takes_plugins(measure_verb);
     measure_verb->callback([&] {
@@ -290,19 +321,18 @@ int dispatch(int argc, char** argv) {
     export_verb->add_option("file", export_to, "file to write: .off, .obj or .ply")->required();
     export_verb->callback([&] { fmt::print("{}\n", export_model(catalogue(), exported, export_to)); });
 
-    fs::path verified;
-    auto* verify_verb =
-        app.add_subcommand("verify",
-                           "check every row of a result independently of the solvers (surfaces: with the same interval "
-                           "bounds of polynomials); exit code 1 if a row is unsound or its model is unavailable");
-    verify_verb->add_option("result", verified, "result file (.h5)")->required();
-    verify_verb->callback([&] {
-        ResultFile result = read_result(verified);
-        const auto missing = verify_result(result, catalogue());
-        std::fputs(describe_checks(result).c_str(), stdout);
-        say(missing);
-        code = any_unsound(result) || !missing.empty() ? 1 : 0;
-    });
+    std::vector<fs::path> verified;
+    bool certificate = false;
+    auto* verify_verb = app.add_subcommand(
+        "verify",
+        "check every row of a result independently of the solvers (surfaces: with the same interval bounds of "
+        "polynomials); exit code 1 if a row is unsound or its model is unavailable. Or, with --certificate, check the "
+        "proof that `measure --certificate` wrote: exit code 0 if it is accepted, 1 if it is refused");
+    verify_verb
+        ->add_option("files", verified, "a result (.h5); or a certificate, and A and B if they are not where they were")
+        ->required();
+    verify_verb->add_flag("--certificate", certificate, "the file is a certificate");
+    verify_verb->callback([&] { code = certificate ? verify_proof(verified) : verify_rows_of(verified); });
 
     fs::path merged;
     std::vector<fs::path> parts;

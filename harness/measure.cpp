@@ -8,6 +8,7 @@
 #include "plan.h"
 #include "registry.h"
 #include "session.h"
+#include "whole_file.h"
 
 #include <fmt/format.h>
 
@@ -31,6 +32,16 @@ std::string solvers_for(ShapeKind source, ShapeKind target) {
     return fmt::format("choose one that does with --solver: {}", names);
 }
 
+std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
+    std::string names;
+    for (const SolverEntry& entry : solvers()) {
+        if (entry.info.certificates && refusal(entry.info, source, target).empty())
+            names += (names.empty() ? "" : ", ") + entry.info.name;
+    }
+    return names.empty() ? fmt::format("none does for {} against {}", to_string(source), to_string(target))
+                         : fmt::format("choose one that does with --solver: {}", names);
+}
+
 void check(const MeasureRequest& request) {
     if (!(request.tolerance > 0) || !std::isfinite(request.tolerance))
         throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
@@ -39,6 +50,7 @@ void check(const MeasureRequest& request) {
     if (!(request.time_limit >= 0))
         throw InputError(fmt::format("--time-limit: must be seconds of at least 0, not {}", request.time_limit));
     if (!request.fields.empty()) check_export_place(request.fields);
+    if (!request.certificate.empty()) check_place_to_write(request.certificate);
 }
 
 MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded) {
@@ -135,6 +147,9 @@ Measured measure(const MeasureRequest& asked) {
     if (!no.empty())
         throw InputError(
             fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), no, solvers_for(a, b)));
+    if (!request.certificate.empty() && !entry.info.certificates)
+        throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
+                                     request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
     measured.certified = promises(entry, request.options);
     const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), points_of(target.shape), measured);
     const MeasureWork work{entry, request, tolerance};
@@ -144,6 +159,11 @@ Measured measure(const MeasureRequest& asked) {
     else
         solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
+    if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
+        measured.warnings.push_back(
+            fmt::format("{} is not written: the solver ended before it had covered all of A; allow it more time, or a "
+                        "larger tolerance",
+                        request.certificate.string()));
     return measured;
 }
 
@@ -158,7 +178,8 @@ std::string no_answer(const Measured& measured) {
 }
 
 int exit_code(const Measured& measured, const MeasureRequest& request) {
-    if (!request.cutoff) return no_answer(measured).empty() ? 0 : 1;
+    const bool proof = request.certificate.empty() || measured.proven;
+    if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
     if (!no_answer(measured).empty()) return 3;
     const Status status = measured.result.status;
     return status == Status::below_floor ? 0 : status == Status::above_cutoff ? 1 : 3;

@@ -25,6 +25,7 @@ struct MeasureRequest {
     int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
     std::filesystem::path fields = {};                            // a file to write them into; empty: none are wanted
+    std::filesystem::path certificate = {};                       // likewise
     bool in_process = false;                                      // solve in this process: for debuggers
 };
 
@@ -57,6 +58,8 @@ struct Measured {
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;
     std::optional<NoAnswer> failed;
+    std::optional<double>
+        proven;  // what the certificate written says is an upper bound; none: no certificate was written
     std::vector<std::string> warnings = {};
 };
 
@@ -71,7 +74,7 @@ double grace_of(double time_limit);
 // Empty where the solver said anything at all: not where it stalled at [0, infinity], or failed.
 std::string no_answer(const Measured& measured);
 
-// 0, or 1 without an answer. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
+// 0, or 1 without an answer, or without the certificate that was asked for. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
 int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);

@@ -123,6 +123,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"tolerance_absolute", number(m.tolerance_absolute)},
                 {"cutoff", asked ? json(*request.cutoff) : json()},
                 {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
+                {"proven", m.proven ? number(*m.proven) : json()},
                 {"warnings", m.warnings},
                 {"prepare_seconds", m.prepare_seconds},
                 {"solve_seconds", m.solve_seconds},
@@ -153,6 +154,9 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};
         text += fmt::format("above {:.9g}? {}\n", *request.cutoff, answers[exit_code(m, request)]);
     }
+    if (m.proven)
+        text += fmt::format("proof      {}: at most {:.17g}; check it with `hausbench verify --certificate`\n",
+                            request.certificate.string(), *m.proven);
     for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
     return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
                               m.solve_seconds,

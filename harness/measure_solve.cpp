@@ -1,10 +1,12 @@
 #include "measure_solve.h"
 
+#include "certificate_file.h"
 #include "error.h"
 #include "field_file.h"
 #include "memory.h"
 #include "process.h"
 #include "session.h"
+#include "shape_file.h"
 
 #include <fmt/format.h>
 
@@ -33,6 +35,7 @@ Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
+    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
     return result;
 }
 
@@ -48,6 +51,11 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
     whole.bounds.lower = lower.bounds.lower;
     whole.witness = lower.witness;
     whole.outside_bytes = std::max(forward.outside_bytes, backward.outside_bytes);
+    whole.certificates.clear();
+    if (!forward.certificates.empty() && !backward.certificates.empty()) {
+        whole.certificates = forward.certificates;
+        whole.certificates.insert(whole.certificates.end(), backward.certificates.begin(), backward.certificates.end());
+    }
     if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
         whole.status = *answer;
         whole.note.clear();
@@ -104,6 +112,38 @@ public:
                 std::move(own->begin(), own->end(), std::back_inserter(fields));
         }
         export_fields(work_.request.fields, source.shape(), source.original(), fields);
+    }
+
+    // Once more too, with the bounds of the answer that it proves.
+    void write_certificate() {
+        Query query = query_;
+        query.wanted.certificate = true;
+        begin_ = Clock::now();
+        double ignored = 0;
+        Result result;
+        if (!work_.request.symmetric) {
+            result = ask(*forward_, query, ignored);
+        } else if (relative()) {
+            query.quantity = Quantity::symmetric;
+            result = ask(*both_, query, ignored);
+        } else {
+            const Result forward = ask(*forward_, query, ignored);
+            result = larger_of(query, forward, turned(ask(*backward_, query, ignored)));
+        }
+        if (result.certificates.empty()) return;
+        const MeasureRequest& request = work_.request;
+        const auto model = [](const std::filesystem::path& file, const PreparedShape& prepared) {
+            Shape shape = prepared.shape();
+            points_of(shape) = prepared.original();
+            return CertificateFile::Model{file.string(), content_hash(shape), {}};
+        };
+        measured_.proven = 0;
+        for (const Certificate& one : result.certificates) measured_.proven = std::max(*measured_.proven, one.proven);
+        hausbench::write_certificate(
+            request.certificate,
+            {model(request.source, *shapes_.source), model(request.target, *shapes_.target),
+             request.symmetric ? Quantity::symmetric : Quantity::directed, work_.entry.info.name, request.tolerance,
+             measured_.tolerance_of, result.bounds, result.witness, std::move(result.certificates)});
     }
 
 private:
@@ -236,6 +276,7 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
                 send({{"event", "prepared"}});
             },
             [&] { send(answers_json(measured)); });
+        if (measured.proven) send({{"event", "certificate"}, {"proven", number(*measured.proven)}});
         send({{"event", "end"}});
     } catch (const InputError& error) {
         trouble(Trouble::input, error.what());
@@ -309,7 +350,11 @@ private:
             if (name == "prepared") return allow("it did not answer");
             if (name == "answer") {
                 take_answers(event, measured_);
-                return allow("its fields were not written");
+                return allow("its fields or its certificate were not written");
+            }
+            if (name == "certificate") {
+                measured_.proven = number(event.at("proven"));
+                return;
             }
             if (name == "end") {
                 ended_ = true;
@@ -350,6 +395,7 @@ void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Meas
     measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
     answered();
     if (!work.request.fields.empty()) solving.write_fields();
+    if (!work.request.certificate.empty()) solving.write_certificate();
 }
 
 void solve_outside(const MeasureWork& work, Shape source, Shape target, Measured& measured) {

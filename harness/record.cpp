@@ -26,6 +26,20 @@ double number(const json& value) {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
+json pose_json(const Pose& pose) {
+    json out = json::array();
+    for (int i = 0; i < 9; ++i) out.push_back(number(pose.rotation(i / 3, i % 3)));
+    for (int i = 0; i < 3; ++i) out.push_back(number(pose.translation[i]));
+    return out;
+}
+
+Pose pose_of(const json& values) {
+    Pose pose;
+    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = number(values.at(std::size_t(i)));
+    for (int i = 0; i < 3; ++i) pose.translation[i] = number(values.at(std::size_t(9 + i)));
+    return pose;
+}
+
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
     return {Tolerance::Of::absolute, tolerance * unit()};

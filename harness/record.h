@@ -194,4 +194,8 @@ std::map<std::string, double> extras_of(const nlohmann::json& object);
 nlohmann::json number(double value);
 double number(const nlohmann::json& json);
 
+// Twelve numbers: the rotation row by row, then the translation.
+nlohmann::json pose_json(const Pose& pose);
+Pose pose_of(const nlohmann::json& values);
+
 }  // namespace hausbench

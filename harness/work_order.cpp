@@ -8,20 +8,6 @@ using nlohmann::json;
 
 namespace {
 
-json pose_json(const Pose& pose) {
-    json out = json::array();
-    for (int i = 0; i < 9; ++i) out.push_back(number(pose.rotation(i / 3, i % 3)));
-    for (int i = 0; i < 3; ++i) out.push_back(number(pose.translation[i]));
-    return out;
-}
-
-Pose pose_of(const json& values) {
-    Pose pose;
-    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = number(values.at(std::size_t(i)));
-    for (int i = 0; i < 3; ++i) pose.translation[i] = number(values.at(std::size_t(9 + i)));
-    return pose;
-}
-
 ParameterMap parameters_of(const json& object) {
     ParameterMap out;
     for (const auto& [name, value] : object.items()) out[name] = parameter_of(value);

@@ -8,6 +8,7 @@
 #include <hausbench/kernel/point_triangle.h>
 #include <hausbench/kernel/rounding.h>
 #include <hausbench/plugin.h>
+#include <hausbench/search/cover_certificate.h>
 
 #include <algorithm>
 
@@ -47,6 +48,7 @@ public:
         Field lowers{"lower", Field::Of::elements, Field::Meaning::lower, {}}, uppers = lowers;
         uppers.name = "upper", uppers.meaning = Field::Meaning::upper;
         const std::vector<Triangle> elements = elements_of(scene_->source, a);
+        CertificateBuilder proof{Index(elements.size())};
         for (std::size_t i = 0; i < elements.size(); ++i) {
             if (deadline.passed()) {
                 result.status = Status::time_limit;
@@ -68,12 +70,17 @@ public:
                 lowers.values.back() = std::max(lowers.values.back(), lower);
                 if (lower > result.bounds.lower || i == 0) result.bounds.lower = lower, result.witness = witness;
             }
-            uppers.values.push_back(
-                surface_distance_at_most(*std::min_element(farthest.begin(), farthest.end()), size, 0));
+            const auto least = std::min_element(farthest.begin(), farthest.end());
+            CertificateTree tree;
+            tree.one(Index(least - farthest.begin()));
+            proof.set(Index(i), tree);
+            uppers.values.push_back(surface_distance_at_most(*least, size, 0));
             upper = std::max(upper, uppers.values.back());
         }
         result.bounds.upper = upper;
         if (query.wanted.fields) result.fields = {lowers, uppers};
+        // With room for the rounding of whoever checks it (cover_certificate.h); no box has a diagonal of more than 2 sqrt(3) `size`.
+        if (query.wanted.certificate) result.certificates = {*proof.finish(upper + 100 * unit_roundoff * 4 * size)};
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
         result.status = close ? Status::converged : Status::budget;  // it knows no other way to come closer
         if (!close) result.note = "a solver that looks at vertices only comes no closer than this";
@@ -95,6 +102,7 @@ SolverEntry vertex_only_solver() {
     info.source = info.target = {.points = true, .mesh = true};
     info.certified = true;
     info.fields = true;
+    info.certificates = true;
     return {info,
             [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
 }
