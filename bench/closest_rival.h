@@ -32,6 +32,7 @@ public:
 std::unique_ptr<ClosestRival> bvh_rival();
 std::unique_ptr<ClosestRival> bvh_warm_rival();  // each query is told the triangle that answered the one before
 std::unique_ptr<ClosestRival> octree_rival();
+std::unique_ptr<ClosestRival> blocks_rival();
 
 // Null where the program was built without them.
 std::unique_ptr<ClosestRival> embree_rival();

@@ -39,7 +39,7 @@ using Rivals = std::vector<std::unique_ptr<ClosestRival>>;
 
 Rivals rivals() {
     Rivals all;
-    for (const auto& make : {bvh_rival, bvh_warm_rival, octree_rival, embree_rival, cgal_rival}) {
+    for (const auto& make : {bvh_rival, bvh_warm_rival, octree_rival, blocks_rival, embree_rival, cgal_rival}) {
         if (auto rival = make()) all.push_back(std::move(rival));
     }
     return all;

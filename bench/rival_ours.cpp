@@ -2,6 +2,7 @@
 
 #include "structures/bvh.h"
 #include "structures/octree.h"
+#include "structures/triangle_blocks.h"
 
 #include <cmath>
 #include <optional>
@@ -41,5 +42,8 @@ private:
 std::unique_ptr<ClosestRival> bvh_rival() { return std::make_unique<Ours<TriangleBvh>>("BVH", false); }
 std::unique_ptr<ClosestRival> bvh_warm_rival() { return std::make_unique<Ours<TriangleBvh>>("BVH (warm start)", true); }
 std::unique_ptr<ClosestRival> octree_rival() { return std::make_unique<Ours<TriangleOctree>>("octree", false); }
+std::unique_ptr<ClosestRival> blocks_rival() {
+    return std::make_unique<Ours<TriangleBlocks>>("triangle blocks", false);
+}
 
 }  // namespace hausbench

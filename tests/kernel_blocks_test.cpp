@@ -1,8 +1,11 @@
 // Triangle blocks must give the bits of a plain scan, on tame and on hostile meshes; and what they gather is what is near.
 #include "structures/triangle_blocks.h"
 
+#include "kernel/morton.h"
 #include "tree_meshes.h"
 
+#include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -60,7 +63,7 @@ TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
         EXPECT_GE(found.squared_distance, nearest);
         EXPECT_TRUE(nearest <= 0.01 ? found.squared_distance <= 0.01 : found.squared_distance == nearest);
     }
-    EXPECT_LT(early.point_triangle_distances, full.point_triangle_distances);
+    EXPECT_LT(early.node_visits, full.node_visits);
 }
 
 // A stray triangle far away, or a second cluster there, must not make a query look at everything.
@@ -163,6 +166,47 @@ TEST(TriangleBlocks, TakeFewBytes) {
     Random random(14);
     const TriangleMesh mesh = triangle_grid(random, 100, 0.05);
     EXPECT_LE(TriangleBlocks(mesh).bytes(), 95 * static_cast<std::size_t>(mesh.triangles.rows()));
+}
+
+// Every run of sixteen mixes scales, so that each might become two leaves.
+TEST(TriangleBlocks, TakeFewBytesWhereScalesAreMixed) {
+    Random random(15);
+    TriangleMesh mesh = triangle_soup(random, 8000, 0.001);
+    for (Index t = 0; t < 8000; t += 8) {
+        for (int k = 0; k < 3; ++k) mesh.vertices.row(3 * t + k) += random.vector(20);
+    }
+    const TriangleBlocks blocks(mesh);
+    EXPECT_LE(blocks.bytes(), 100 * 8000U);
+    EXPECT_GT(blocks.leaves().size(), 8000U / frames_width);  // some runs were cut
+}
+
+// Cells that follow each other on the curve are neighbours, and each cell has a place.
+TEST(Hilbert, IsACurveThroughAllCells) {
+    constexpr std::uint32_t side = 32, cells = side * side * side;
+    std::vector<std::array<std::uint32_t, 3>> cell(cells);
+    std::vector<int> visits(cells);
+    for (std::uint32_t x = 0; x < side; ++x) {
+        for (std::uint32_t y = 0; y < side; ++y) {
+            for (std::uint32_t z = 0; z < side; ++z) {
+                std::uint32_t key = 0;  // of a cell that is 2^5 times as wide, at its lower corner
+                for (int bit = 4; bit >= 0; --bit)
+                    key = key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | (z >> bit & 1);
+                const std::uint32_t place = hilbert_key(key << 15) >> 15;
+                ASSERT_LT(place, cells);
+                cell[place] = {x, y, z};
+                ++visits[place];
+            }
+        }
+    }
+    for (std::uint32_t i = 0; i < cells; ++i) {
+        ASSERT_EQ(visits[i], 1) << i;
+        if (i == 0) continue;
+        std::uint32_t steps = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            steps += std::max(cell[i][k], cell[i - 1][k]) - std::min(cell[i][k], cell[i - 1][k]);
+        }
+        ASSERT_EQ(steps, 1u) << i;
+    }
 }
 
 }  // namespace

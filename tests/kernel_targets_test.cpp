@@ -1,6 +1,7 @@
 // The same bits on every instruction set that this program was compiled for and this machine has: each is forced in turn.
 #include "structures/bvh.h"
 #include "structures/octree.h"
+#include "structures/triangle_blocks.h"
 #include "tree_meshes.h"
 #include "triangle_samples.h"
 
@@ -83,6 +84,7 @@ struct Answer {
     ClosestPoint closest;
     double certified;
     NearestPoint nearest;
+    double certified_by_blocks;
 };
 
 TEST(Targets, TreesAnswerAndCountAlike) {
@@ -97,6 +99,7 @@ TEST(Targets, TreesAnswerAndCountAlike) {
         for (const auto& [name, mesh] : meshes) {
             const TriangleBvh bvh(mesh);
             const TriangleOctree octree(mesh);
+            const TriangleBlocks blocks(mesh);
             const PointBvh points(mesh.vertices);
             Index warm = -1;
             for (int i = 0; i < 20; ++i) {
@@ -106,7 +109,12 @@ TEST(Targets, TreesAnswerAndCountAlike) {
                 hints.warm_triangle = i % 3 == 0 ? -1 : warm;
                 if (i % 5 == 0) hints.early_out_squared = 0.01;
                 Answer answer{tree.closest(p, hints, counters), tree.certified_distance(p, counters),
-                              points.nearest(p, std::numeric_limits<double>::infinity(), -1, counters)};
+                              points.nearest(p, std::numeric_limits<double>::infinity(), -1, counters),
+                              blocks.certified_distance(p, counters)};
+                if (i % 4 == 3) answer.closest = blocks.closest(p, hints, counters);
+                NearTriangles<float> near;
+                near.clear(blocks.leaves().front().units);
+                blocks.gather(p, 2 * std::sqrt(answer.closest.squared_distance), near, counters);
                 warm = answer.closest.triangle;
                 answers.push_back(answer);
             }
@@ -125,6 +133,7 @@ TEST(Targets, TreesAnswerAndCountAlike) {
             for (int k = 0; k < 3; ++k)
                 ASSERT_TRUE(same_bits(answers[i].closest.point[k], first[i].closest.point[k])) << where;
             ASSERT_TRUE(same_bits(answers[i].certified, first[i].certified)) << where;
+            ASSERT_TRUE(same_bits(answers[i].certified_by_blocks, first[i].certified_by_blocks)) << where;
             ASSERT_TRUE(same_bits(answers[i].nearest.squared_distance, first[i].nearest.squared_distance)) << where;
             ASSERT_EQ(answers[i].nearest.point, first[i].nearest.point) << where;
         }

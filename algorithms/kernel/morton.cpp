@@ -23,6 +23,46 @@ std::uint32_t spread(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249;
 }
 
+// One step down the Hilbert curve: the octant of a cell becomes the digit of its place, which depends on how the curve enters and leaves
+// the cube: at corner `entry`, and along axis `along`; state 3 entry + along. Two steps at once: six bits.
+struct HilbertStep {
+    std::uint8_t digits, state;
+};
+
+constexpr std::array<std::array<HilbertStep, 8>, 24> hilbert_single_steps() {
+    std::array<std::array<HilbertStep, 8>, 24> steps{};
+    const auto turned_left = [](unsigned x, unsigned by) { return (x << by | x >> (3 - by)) & 7; };
+    const auto gray = [](unsigned i) { return i ^ i >> 1; };
+    for (unsigned entry = 0; entry < 8; ++entry) {
+        for (unsigned along = 0; along < 3; ++along) {
+            const unsigned turn = (along + 1) % 3;
+            for (unsigned digit = 0; digit < 8; ++digit) {
+                const unsigned octant = turned_left(gray(digit), turn) ^ entry;
+                const unsigned next_entry = digit == 0 ? 0 : gray((digit - 1) / 2 * 2);
+                const auto ones =
+                    static_cast<unsigned>(std::countr_one(digit % 2 == 0 && digit > 0 ? digit - 1 : digit));
+                const unsigned next_along = (along + (digit == 0 ? 0 : ones % 3) + 1) % 3;
+                steps[3 * entry + along][octant] = {
+                    static_cast<std::uint8_t>(digit),
+                    static_cast<std::uint8_t>(3 * (entry ^ turned_left(next_entry, turn)) + next_along)};
+            }
+        }
+    }
+    return steps;
+}
+
+constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
+    constexpr auto single = hilbert_single_steps();
+    std::array<std::array<HilbertStep, 64>, 24> steps{};
+    for (std::size_t state = 0; state < 24; ++state) {
+        for (std::size_t octants = 0; octants < 64; ++octants) {
+            const HilbertStep first = single[state][octants >> 3], second = single[first.state][octants & 7];
+            steps[state][octants] = {static_cast<std::uint8_t>(first.digits << 3 | second.digits), second.state};
+        }
+    }
+    return steps;
+}
+
 // Key above, row below: one number to sort by.
 using Item = std::uint64_t;
 Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_cast<std::uint32_t>(row); }
@@ -51,7 +91,15 @@ void sort_items(std::span<Item> items, std::vector<Item>& room) {
     std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes ends in the other room
 }
 
+enum class Curve { morton, hilbert };
+
+template <Curve curve> std::uint32_t key_along(const MortonFrame& frame, const double* point) {
+    const std::uint32_t key = frame.key(point);
+    return curve == Curve::hilbert ? hilbert_key(key) : key;
+}
+
 // Sorts each run of one key by the keys of a smaller frame, which splits it but for rounding; what is not split is left as it is.
+template <Curve curve>
 void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {
         std::size_t end = begin + 1;
@@ -64,10 +112,10 @@ void refine_runs(const Points& points, std::span<Item> items, const MortonFrame&
                 std::vector<Item> run(end - begin);
                 for (std::size_t i = begin; i < end; ++i) {
                     const Index row = row_of(items[i]);
-                    run[i - begin] = item_of(frame.key(points.row(row).data()), row);
+                    run[i - begin] = item_of(key_along<curve>(frame, points.row(row).data()), row);
                 }
                 sort_items(run, room);
-                if (key_of(run.front()) != key_of(run.back())) refine_runs(points, run, frame, room);
+                if (key_of(run.front()) != key_of(run.back())) refine_runs<curve>(points, run, frame, room);
                 const std::uint32_t key = key_of(items[begin]);
                 for (std::size_t i = begin; i < end; ++i) items[i] = item_of(key, row_of(run[i - begin]));
             }
@@ -124,18 +172,43 @@ MortonFrame MortonFrame::inside(const Box& box) const {
     return {low, width};
 }
 
-std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
+std::uint32_t hilbert_key(std::uint32_t morton_key) {
+    static constexpr auto steps = hilbert_double_steps();
+    std::uint32_t key = 0;
+    std::size_t state = 0;
+    for (int shift = 3 * bits - 6; shift >= 0; shift -= 6) {
+        const HilbertStep step = steps[state][morton_key >> shift & 63];
+        key = key << 6 | step.digits;
+        state = step.state;
+    }
+    return key;
+}
+
+namespace {
+
+template <Curve curve>
+std::vector<Index> order_along(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
     const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
     std::vector<Item> items(count), room;
     for (std::size_t i = 0; i < count; ++i) {
         const Index row = chosen ? (*chosen)[i] : static_cast<Index>(i);
-        items[i] = item_of(frame.key(points.row(row).data()), row);
+        items[i] = item_of(key_along<curve>(frame, points.row(row).data()), row);
     }
     sort_items(items, room);
-    refine_runs(points, items, frame, room);
+    refine_runs<curve>(points, items, frame, room);
     std::vector<Index> order(count);
     for (std::size_t i = 0; i < count; ++i) order[i] = row_of(items[i]);
     return order;
+}
+
+}  // namespace
+
+std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
+    return order_along<Curve::morton>(points, chosen, frame);
+}
+
+std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame) {
+    return order_along<Curve::hilbert>(points, nullptr, frame);
 }
 
 }  // namespace hausbench

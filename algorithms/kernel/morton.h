@@ -41,4 +41,12 @@ private:
 // between the scales of the data. O(n) memory.
 std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
+// The place of a cell along the Hilbert curve through all 2^30 cells of a frame, from its key. Neighbours on the curve are neighbours in
+// space, where Morton order jumps: runs of it have smaller boxes.
+// Source: Hamilton and Rau-Chaplin, Compact Hilbert indices, 2008: the same curve, as a table of 24 states.
+std::uint32_t hilbert_key(std::uint32_t morton_key);
+
+// All rows by the Hilbert keys of their cells. Where points share a cell, as morton_order: a curve through each, O(n) likewise.
+std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame);
+
 }  // namespace hausbench

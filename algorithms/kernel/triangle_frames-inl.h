@@ -21,11 +21,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
 
 // row(i): row i of the frames as a vector, or one number of it in all lanes, where the points differ.
-template <class T, class Rows>
-HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<FrameLanes<T>> px,
-                                                    hn::Vec<FrameLanes<T>> py, hn::Vec<FrameLanes<T>> pz) {
-    using V = hn::Vec<FrameLanes<T>>;
-    const FrameLanes<T> d;
+template <class D, class Rows>
+HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::Vec<D> py, hn::Vec<D> pz) {
+    using V = hn::Vec<D>;
     const V zero = hn::Zero(d);
     const auto coordinate = [&](std::size_t axis) HWY_ATTR {
         const V xy = hn::Add(hn::Mul(row(3 * axis), px), hn::Mul(row(3 * axis + 1), py));
@@ -51,11 +49,20 @@ HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<Fra
     return hn::Add(hn::IfThenZeroElse(inside, squared), hn::Mul(z, z));
 }
 
+template <class T, class Rows>
+HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<FrameLanes<T>> px,
+                                                    hn::Vec<FrameLanes<T>> py, hn::Vec<FrameLanes<T>> pz) {
+    return squared_in_lanes(FrameLanes<T>(), row, px, py, pz);
+}
+
 // Bit i: lane i is set.
-template <class T> HWY_INLINE unsigned mask_bits(hn::Mask<FrameLanes<T>> mask) {
+template <class D> HWY_INLINE unsigned lane_bits(D d, hn::Mask<D> mask) {
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(FrameLanes<T>(), mask, bits);
-    return (bits[0] | static_cast<unsigned>(bits[1]) << 8) & ((1U << hn::Lanes(FrameLanes<T>())) - 1);
+    hn::StoreMaskBits(d, mask, bits);
+    return (bits[0] | static_cast<unsigned>(bits[1]) << 8) & ((1U << hn::Lanes(d)) - 1);
+}
+template <class T> HWY_INLINE unsigned mask_bits(hn::Mask<FrameLanes<T>> mask) {
+    return lane_bits(FrameLanes<T>(), mask);
 }
 
 }  // namespace hausbench::HWY_NAMESPACE

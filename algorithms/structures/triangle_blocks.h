@@ -1,17 +1,19 @@
-// Triangles in Morton order, sixteen a leaf, under an implicit tree of boxes with sixteen children a node.
+// Triangles along a Hilbert curve, sixteen a leaf, under an implicit tree of boxes with sixteen children a node.
 //
 // Quick to build (a radix sort, then one pass) and quick to search: a leaf keeps its triangles as frames in single precision
 // (kernel/triangle_frames.h), in coordinates of its own. These only filter. What they leave is measured in double precision, so
 // answers have the bits of a plain scan (kernel/closest.h).
 //
 // Each leaf and each node has an origin and a unit, a power of two: coordinates of its content are at most 1 there. So precision
-// follows the content: one stray triangle far away makes the boxes beside it coarse, and none below them.
+// follows the content: one stray triangle far away makes the boxes beside it coarse, and none below them. A run of triangles that
+// mixes scales is cut into leaves of one scale each.
 //
 // Nothing is lost by the filter. For a node with planes rounded outward in its units, a coordinate q of the point, rounded to u = 2^-24,
 // is off by u|q|; so is the distance to the content along an axis, beside the rounding of a difference, u of it. With
 // three of them, squares, sums and a root, sqrt(s) (1 - 8u) - 2u max|q| is no more than the exact distance. For a leaf it is
 // sqrt(s) - frame_error u (|q| + R), R < 2. A triangle whose computed squared distance (kernel/point_triangle.h) is at most s is within
-// sqrt(s) (1 + 4u) + 8uM, u = 2^-53, as no closest point is off its triangle by more than 7uM.
+// sqrt(s) (1 + 4u) + 8uM, u = 2^-53, M the largest |coordinate| of it and the point, as no closest point is off its triangle by
+// more than 7uM.
 #pragma once
 
 #include "kernel/closest.h"
@@ -27,6 +29,7 @@ namespace hausbench {
 struct LocalUnits {
     double origin[3];
     double unit, inverse;
+    double magnitude;  // no |coordinate| of the content is larger
 
     // For the content of a box: it is in [-1, 1]. `least`: of the unit, so that what is a point has one too.
     void set(const Box& box, double least);
@@ -81,7 +84,7 @@ public:
     static constexpr std::string_view structure_name = "triangle blocks";
     static constexpr int structure_layout = 1;
 
-    // `mesh` must outlive this. O(n) for tame data (see kernel/morton.h); about 86 bytes a triangle.
+    // `mesh` must outlive this. O(n) for tame data (see kernel/morton.h); about 87 bytes a triangle.
     explicit TriangleBlocks(const TriangleMesh& mesh);
 
     // As closest_by_scan (kernel/closest.h), to the bit; hints as there. O(log n) on well-behaved meshes.
@@ -100,22 +103,20 @@ public:
     const std::vector<TriangleFramesLeaf>& leaves() const { return leaves_; }
     std::size_t bytes() const;
 
-    // For the walk in triangle_blocks.cpp.
+    // For the walks in triangle_blocks_search.cpp.
     struct Tree {
         const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
         const std::vector<std::size_t>&
             level_begin;  // in `nodes`: level 1 has the boxes of leaves, the last one is one node
         const TriangleMesh& mesh;
-        double magnitude;
     };
 
 private:
-    Tree tree() const { return {leaves_, nodes_, level_begin_, *mesh_, magnitude_}; }
+    Tree tree() const { return {leaves_, nodes_, level_begin_, *mesh_}; }
     void add_level(const std::vector<Box>& below, std::vector<Box>& boxes, double least_unit);
 
     const TriangleMesh* mesh_;
-    double magnitude_ = 0;
     std::vector<TriangleFramesLeaf> leaves_;
     std::vector<BoxNode> nodes_;
     std::vector<std::size_t> level_begin_;
@@ -124,7 +125,7 @@ private:
 // All triangles of a list in frames of double precision.
 void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near);
 
-// The triangles of a mesh in Morton order of their centres: neighbours in it are mostly neighbours in space.
+// The triangles of a mesh by the places of their centres along a Hilbert curve: neighbours in it are neighbours in space.
 struct TriangleOrder {
     static constexpr std::string_view structure_name = "triangle order";
     static constexpr int structure_layout = 1;

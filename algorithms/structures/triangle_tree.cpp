@@ -9,56 +9,11 @@
 #define HWY_TARGET_INCLUDE "structures/triangle_tree.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "kernel/point_triangle-inl.h"
+#include "nearest-inl.h"
 #include "wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
-
-// The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
-#if HWY_TARGET == HWY_SCALAR
-HWY_INLINE V3 gather(const double* const (&place)[4]) {
-    const Doubles d;
-    return {hn::Set(d, place[0][0]), hn::Set(d, place[0][1]), hn::Set(d, place[0][2])};
-}
-#else
-HWY_INLINE V3 gather(const double* const (&place)[4]) {
-    const hn::FixedTag<double, 2> pair;
-#if HWY_CAP_GE256
-    const Doubles d;
-    const hn::FixedTag<double, 1> single;
-    const auto xy = [&](int one, int other)
-                        HWY_ATTR { return hn::Combine(d, hn::LoadU(pair, place[other]), hn::LoadU(pair, place[one])); };
-    const auto z = [&](int one, int other) HWY_ATTR {
-        return hn::Combine(pair, hn::LoadU(single, place[other] + 2), hn::LoadU(single, place[one] + 2));
-    };
-    const V even = xy(0, 2), odd = xy(1, 3);
-    return {hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd), hn::Combine(d, z(2, 3), z(0, 1))};
-#else
-    const V one = hn::LoadU(pair, place[0]), other = hn::LoadU(pair, place[1]);
-    return {hn::InterleaveLower(pair, one, other), hn::InterleaveUpper(pair, one, other),
-            hn::InterleaveUpper(pair, hn::LoadU(pair, place[0] + 1), hn::LoadU(pair, place[1] + 1))};
-#endif
-}
-#endif
-
-// Offers what is nearest among some lanes; triangle[k] is that of lane k. Seldom more than one is offered, so that branches
-// are foreseen.
-HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
-    const Doubles d;
-    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
-    const V squares = hn::IfThenElse(hn::LoadMaskBits(d, bytes), foot.squared, hn::Inf(d));
-    const V least = hn::MinOfLanes(d, squares);
-    if (hn::GetLane(least) > best.squared_distance) return;
-    alignas(64) double feet[3][block_width];
-    store(foot.point, feet, 0);
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Eq(squares, least), bits);
-    for (unsigned offered = bits[0] & lanes; offered != 0; offered &= offered - 1) {
-        const auto k = static_cast<std::size_t>(std::countr_zero(offered));
-        offer(best, {hn::GetLane(least), {feet[0][k], feet[1][k], feet[2][k]}}, triangle[k]);
-    }
-}
 
 // Offers the triangles of a leaf that are near enough to matter. Which are counted is decided by what was known before the
 // leaf, so that counters are the same whatever the width of a vector.

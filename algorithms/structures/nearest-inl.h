@@ -1,0 +1,99 @@
+// The triangle of smallest computed distance among some, as many at once as a vector of doubles holds. Compiled once for every
+// target: include it after hwy/foreach_target.h.
+#include "kernel/closest.h"
+#include "kernel/point_triangle-inl.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#if defined(HAUSBENCH_NEAREST_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAUSBENCH_NEAREST_INL
+#undef HAUSBENCH_NEAREST_INL
+#else
+#define HAUSBENCH_NEAREST_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+
+// The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE V3 gather(const double* const (&place)[4]) {
+    const Doubles d;
+    return {hn::Set(d, place[0][0]), hn::Set(d, place[0][1]), hn::Set(d, place[0][2])};
+}
+#else
+HWY_INLINE V3 gather(const double* const (&place)[4]) {
+    const hn::FixedTag<double, 2> pair;
+#if HWY_CAP_GE256
+    const Doubles d;
+    const hn::FixedTag<double, 1> single;
+    const auto xy = [&](int one, int other)
+                        HWY_ATTR { return hn::Combine(d, hn::LoadU(pair, place[other]), hn::LoadU(pair, place[one])); };
+    const auto z = [&](int one, int other) HWY_ATTR {
+        return hn::Combine(pair, hn::LoadU(single, place[other] + 2), hn::LoadU(single, place[one] + 2));
+    };
+    const V even = xy(0, 2), odd = xy(1, 3);
+    return {hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd), hn::Combine(d, z(2, 3), z(0, 1))};
+#else
+    const V one = hn::LoadU(pair, place[0]), other = hn::LoadU(pair, place[1]);
+    return {hn::InterleaveLower(pair, one, other), hn::InterleaveUpper(pair, one, other),
+            hn::InterleaveUpper(pair, hn::LoadU(pair, place[0] + 1), hn::LoadU(pair, place[1] + 1))};
+#endif
+}
+#endif
+
+// Offers what is nearest among some lanes; triangle[k] is that of lane k. Seldom more than one is offered, so that branches
+// are foreseen.
+HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
+    const Doubles d;
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
+    const V squares = hn::IfThenElse(hn::LoadMaskBits(d, bytes), foot.squared, hn::Inf(d));
+    const V least = hn::MinOfLanes(d, squares);
+    if (hn::GetLane(least) > best.squared_distance) return;
+    alignas(64) double feet[3][block_width];
+    store(foot.point, feet, 0);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::Eq(squares, least), bits);
+    for (unsigned offered = bits[0] & lanes; offered != 0; offered &= offered - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(offered));
+        offer(best, {hn::GetLane(least), {feet[0][k], feet[1][k], feet[2][k]}}, triangle[k]);
+    }
+}
+
+// Offers some triangles of a mesh. Not inlined: the code is there once.
+inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& mesh, const Index* triangle,
+                                         std::size_t count, ClosestPoint& best) {
+    const Doubles d;
+    const V3 p = set(point);
+    const double* const vertices = mesh.vertices.data();
+    for (std::size_t begin = 0; begin < count; begin += hn::Lanes(d)) {
+        const std::size_t used = std::min(hn::Lanes(d), count - begin);
+        const double* place[3][4];
+        for (std::size_t k = 0; k < used; ++k) {
+            const Index* const corners = mesh.triangles.row(triangle[begin + k]).data();
+            const double* at[3];
+            for (int v = 0; v < 3; ++v) at[v] = vertices + 3 * static_cast<std::ptrdiff_t>(corners[v]);
+            const auto squared_edge = [&](int from, int to) {
+                const double x = at[to][0] - at[from][0], y = at[to][1] - at[from][1], z = at[to][2] - at[from][2];
+                return (x * x + y * y) + z * z;
+            };
+            // As longest_edge (point_triangle.h), but without a branch: it could not be foreseen.
+            const double ab = squared_edge(0, 1), bc = squared_edge(1, 2), ca = squared_edge(2, 0);
+            const unsigned is_bc = static_cast<unsigned>(bc > ab) & static_cast<unsigned>(bc >= ca);
+            const unsigned first = is_bc | (static_cast<unsigned>(ca > ab) & (is_bc ^ 1)) << 1;
+            const double* const turned[5] = {at[0], at[1], at[2], at[0], at[1]};
+            for (unsigned v = 0; v < 3; ++v) place[v][k] = turned[v + first];
+        }
+        for (std::size_t k = used; k < hn::Lanes(d); ++k)
+            for (auto& corner : place) corner[k] = corner[0];
+        const V3 a = gather(place[0]), b = gather(place[1]), c = gather(place[2]);
+        offer_nearest(closest_point(p, a, b, c, box_of(a, b, c)), (1U << used) - 1, triangle + begin, best);
+    }
+}
+
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
