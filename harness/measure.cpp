@@ -103,8 +103,8 @@ Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, cons
 }
 
 std::string default_solver(ShapeKind source, ShapeKind target) {
-    if (source != target) return "guthe";
-    return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "guthe";
+    if (source != target) return "cover";
+    return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "cover";
 }
 
 // Where the file's own numbers are coarser than the answer.

@@ -255,7 +255,7 @@ private:
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.warm = true;
-    info.threads = true;
+    info.threads = info.certificates = true;
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }
