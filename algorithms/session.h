@@ -98,6 +98,7 @@ private:
     Opening open(Query query, const Clock& clock, Trace& trace) const;
     Threads builders(const QuerySet& queries) const;
     static void join(Result& whole, const Result& other);
+    static void join(Result& whole, const Result& other, bool backward);
     Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
     Query scaled(const Query& query) const;
     void scale_back(Result& result, Trace& trace, double wider) const;

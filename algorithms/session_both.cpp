@@ -60,8 +60,8 @@ Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) co
     return opening;
 }
 
-// Adds what is known of the other direction.
-void Session::join(Result& whole, const Result& other) {
+// Adds what is known of the other direction; `backward`: that is h(B,A).
+void Session::join(Result& whole, const Result& other, bool backward) {
     if (other.bounds.lower > whole.bounds.lower) {
         whole.bounds.lower = other.bounds.lower;
         whole.witness = other.witness;
@@ -78,7 +78,8 @@ void Session::join(Result& whole, const Result& other) {
     if (whole.certificates.empty() || other.certificates.empty())
         whole.certificates.clear();
     else
-        whole.certificates.insert(whole.certificates.end(), other.certificates.begin(), other.certificates.end());
+        whole.certificates.insert(backward ? whole.certificates.end() : whole.certificates.begin(),
+                                  other.certificates.begin(), other.certificates.end());  // that of h(A,B) first
     add(whole.counters, other.counters);
     whole.reported.insert(other.reported.begin(), other.reported.end());
     whole.reported_seconds += other.reported_seconds;
@@ -116,7 +117,7 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
         trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
                                    std::max(whole.bounds.upper, sample.upper)});
     }
-    join(whole, other);
+    join(whole, other, !opening.backward);
     if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
         whole.status = *answer;
         whole.note.clear();

@@ -308,7 +308,7 @@ private:
         for (Meeting* meeting : {&p, &q}) {
             if (meeting->on_edge()) meeting->t = reader_.parameter();
         }
-        if (pending_.size() + 2 > most_pending)
+        if (pending_.size() == most_pending)
             throw Refused(fmt::format("more than {} polygons wait for their leaves", most_pending));
         const auto [first, second] = cut(polygon, p, q);
         pending_.push_back(second);

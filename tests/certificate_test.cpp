@@ -164,7 +164,7 @@ TEST(Certificate, ManyCuts) {
     for (int i = 0; i < 5000; ++i)
         bytes += written(Proof{{cut(CutPoint::corner(0), CutPoint::along(1, 0.5))}}, 0).bytes;
     EXPECT_EQ(check_at_rest(flat, above, {"hausbench cover 1", {}, infinity, bytes}).refusal,
-              "triangle 0, node 4095: more than 4096 polygons wait for their leaves");
+              "triangle 0, node 4096: more than 4096 polygons wait for their leaves");
     // One corner more with each cut.
     Tree round;
     for (int i = 0; i < 62; ++i) {

@@ -5,8 +5,14 @@
 // below it, its second child. A node is a convex polygon; the root has the three corners of the triangle, 0, 1, 2 in the order of
 // the mesh. Edge i goes from corner i to corner i + 1, or to corner 0 from the last one.
 //
-// The proof is about exact points: a point on an edge is a + t (b - a) without rounding, where a and b are themselves exact. A solver that
-// works with rounded points must have room for the difference in `proven`.
+// The proof is about exact points: a point on an edge is a + t (b - a) without rounding, where a and b are themselves exact. `proven` has
+// to leave room for two things:
+// - What the solver's own points and distances are off, if its upper bound does not hold for the exact polygons too.
+// - What the check loses by rounding outward: for a leaf below L cuts at most (14 L + 100) u D, where u = 2^-53 and D is the diagonal of
+//   the box of both shapes where they stand. A coordinate of a point p - q of the difference of the two triangles at hand is a sum
+//   (a - s) + v e + w e' - (x f + y f'), of edges e, e' of A's and f, f' of B's triangle. A cut widens the weights v and w by 7u:
+//   u for 1 - t, 2u for either product and 2u for the sum; so 7 L u (|e| + |e'|) <= 14 L u D. The rest is differences, products and
+//   sums of lengths below D, each off by at most 4u of its value. (The tests measure it: certificate_soups_test.cpp.)
 #pragma once
 
 #include "geometry.h"
@@ -21,8 +27,8 @@
 namespace hausbench {
 
 inline constexpr std::string_view cover_certificate_format = "hausbench cover 1";
-inline constexpr std::size_t most_certificate_corners = 64;  // of a polygon
-inline constexpr std::size_t most_certificate_depth = 4096;  // cuts from the root to a node
+inline constexpr std::size_t most_certificate_corners = 64;    // of a polygon
+inline constexpr std::size_t most_certificate_pending = 4096;  // second children whose first is not complete
 
 // Where a cut meets the boundary of a polygon: at a corner, or at t of the way along an edge. On an edge it is always a new corner
 // of both children, even where t is 0 or 1: the shape of the children does not depend on t.

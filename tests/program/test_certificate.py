@@ -1,0 +1,185 @@
+"""`measure --certificate` and `verify --certificate`: a proof of the upper bound, from the solver to whoever does not believe it.
+
+The files that no solver writes are written here from docs/certificate.md alone."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from conftest import Program
+from test_plugin import outside, plugin  # noqa: F401  (fixtures)
+
+File = tuple[dict[str, Any], bytes]
+
+
+def read(file: Path) -> File:
+    line, rest = file.read_bytes().split(b"\n", 1)
+    return json.loads(line), rest
+
+
+def write(file: Path, content: File) -> Path:
+    file.write_bytes(json.dumps(content[0]).encode() + b"\n" + content[1])
+    return file
+
+
+def number(value: int) -> bytes:
+    out = b""
+    while value >= 0x80:
+        out += bytes([value & 0x7F | 0x80])
+        value >>= 7
+    return out + bytes([value])
+
+
+def one(k: int) -> bytes:
+    return number(k << 2 | 1)
+
+
+def cut(edge: int, t: float, corner: int) -> bytes:
+    """From a point on an edge to a corner."""
+    return number((edge << 2 | (corner << 2 | 1) << 8) << 2) + struct.pack("<d", t)
+
+
+@pytest.fixture
+def proof(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> Path:  # noqa: F811
+    file = tmp_path / "proof"
+    done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--certificate", file)
+    assert done.returncode == 0, done.stderr
+    assert f"proof      {file}: at most 0.25" in done.stdout
+    return file
+
+
+def test_a_proof_is_written_and_accepted(hausbench: Program, proof: Path, tetrahedron: Path, raised: Path) -> None:
+    done = hausbench("verify", "--certificate", proof)
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = {line[:11].strip(): line[11:] for line in done.stdout.splitlines() if line[0] != " "}
+    assert list(lines) == ["answer", "h(A,B)", "lower", "accepted"]
+    assert lines["lower"].endswith("holds, by its witness")
+    assert lines["accepted"].startswith("the distance is at most 0.25")
+    assert "0 cuts, 4 leaves (one 4, centre 0, vertex 0)" in done.stdout
+    header, _ = read(proof)
+    assert header["source"]["file"] == str(tetrahedron) and header["quantity"] == "directed"
+    assert 0.25 <= header["certificates"][0]["proven"] <= 0.25 + 1e-13
+
+    # Moved elsewhere, and named.
+    moved = tetrahedron.rename(tetrahedron.with_name("moved.off"))
+    assert "moved.off" not in (line := hausbench.fails("verify", "--certificate", proof)) and "name A and B" in line
+    assert hausbench("verify", "--certificate", proof, moved, raised).returncode == 0
+    assert "is not the shape" in hausbench.fails("verify", "--certificate", proof, raised, moved)
+
+
+def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path) -> None:  # noqa: F811
+    spike = tmp_path / "spike.off"
+    spike.write_text(tetrahedron.read_text().replace("0 0 1\n3", "0 0 3\n3", 1))
+    for of in ("diagonal", "lower"):
+        file = tmp_path / "both"
+        asked = ("--symmetric", "--tolerance", "0.5", "--of", of)
+        done = hausbench("measure", tetrahedron, spike, "--solver", "vertex_only", "--plugin", plugin, "--json", *asked, "--certificate", file)
+        assert done.returncode == 0, done.stderr
+        header, _ = read(file)
+        assert [c["direction"] for c in header["certificates"]] == ["source to target", "target to source"]
+        assert json.loads(done.stdout)["proven"] == max(c["proven"] for c in header["certificates"]) >= 2
+        done = hausbench("verify", "--certificate", file)
+        assert done.returncode == 0, done.stdout
+        assert "\nh(A,B) " in done.stdout and "\nh(B,A) " in done.stdout
+        # One direction is no proof of H.
+        header["certificates"].pop()
+        done = hausbench("verify", "--certificate", write(tmp_path / "half", (header, read(file)[1][: header["certificates"][0]["bytes"]])))
+        assert done.returncode == 1 and "refused    H(A,B) takes" in done.stdout
+
+
+def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path) -> None:
+    """The face of A at z = 0 is a quarter below that of B; the others have a quarter of B's beside them."""
+    header, rest = read(proof)
+    certificate = header["certificates"][0]
+    leaves = [one(k) for k in range(4)]
+
+    def answer(trees: list[bytes], **changes: Any) -> tuple[int, str]:
+        data = b"".join(trees)
+        certificate.update({"bytes": len(data), "proven": 0.25 + 1e-12, **changes})
+        done = hausbench("verify", "--certificate", write(tmp_path / "mine", (header, data)))
+        assert done.stderr == ""
+        return done.returncode, done.stdout
+
+    assert rest == b"".join(leaves)
+    assert answer(leaves)[0] == 0
+    halves = [cut(0, 0.5, 2) + leaves[0] + leaves[0], *leaves[1:]]
+    code, said = answer(halves)
+    assert code == 0 and "1 cuts, 5 leaves" in said
+    # What is false is refused, and so is what is not complete.
+    code, said = answer([leaves[1], *leaves[1:]])
+    assert code == 1 and "refused    triangle 0: its leaves show 1" in said
+    assert answer(leaves, proven=0.2499)[0] == 1
+    assert "triangle 3, node 0: the certificate ends here" in answer(leaves[:3])[1]
+    assert "triangle 3, node 0: the certificate ends here" in answer([cut(0, 0.5, 2), *leaves])[1]
+    assert "triangle 4, node 0: there are bytes after the last triangle" in answer([*leaves, leaves[0]])[1]
+    assert "triangle 2, node 0: a leaf names triangle 4 of 4 in the target" in answer([*leaves[:2], one(4), leaves[3]])[1]
+    assert "a cut is not between the ends of its edge" in answer([cut(0, float("nan"), 2), leaves[0], *leaves])[1]
+    assert "its format is not" in answer(leaves, format="another")[1]
+    # It may prove less than the answer says, but by no more than rounding.
+    code, said = answer(leaves, format="hausbench cover 1", proven=0.26)
+    assert code == 1 and "above the upper bound 0.25" in said
+
+
+def test_the_lower_bound_is_checked_too(hausbench: Program, proof: Path, tmp_path: Path) -> None:
+    header, rest = read(proof)
+
+    def answer(**changes: Any) -> tuple[int, str]:
+        done = hausbench("verify", "--certificate", write(tmp_path / "mine", ({**header, **changes}, rest)))
+        return done.returncode, done.stdout
+
+    code, said = answer(lower=0.2500001)
+    assert code == 1 and "refused    lower bound 0.2500001: its witness shows 0.25 only" in said
+    assert answer(lower=-1)[0] == answer(lower="nan")[0] == 1
+    assert answer(lower=0)[0] == 0
+    nowhere = {**header["witness"], "source_point": ["nan", "nan", "nan"]}
+    code, said = answer(witness=nowhere)
+    assert code == 0 and "not checked: the answer has no witness" in said
+    assert answer(witness={**header["witness"], "direction": "target to source"})[0] == 1
+
+
+@pytest.mark.parametrize("change", ["no header", "no line", "cut short", "too long", "huge", "negative", "version", "types", "quantity"])
+def test_files_that_are_no_certificates(hausbench: Program, proof: Path, tmp_path: Path, change: str) -> None:
+    header, rest = read(proof)
+    size = header["certificates"][0]
+    bad = tmp_path / "bad"
+    if change == "cut short":
+        rest = rest[:-1]
+    elif change == "too long":
+        rest += b"\0"
+    elif change == "huge":
+        size["bytes"] = 2**63
+    elif change == "negative":
+        size["bytes"] = -1
+    elif change == "version":
+        header["hausbench_certificate"] = 2
+    elif change == "types":
+        header["witness"] = 3
+    elif change == "quantity":
+        header["quantity"] = "mean"
+    write(bad, (header, rest))
+    if change == "no header":
+        bad.write_bytes(b"{}\n" + rest)
+    elif change == "no line":
+        bad.write_bytes(b"\xff" * 100)
+    assert "is no certificate file" in hausbench.fails("verify", "--certificate", bad)
+
+
+def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path) -> None:  # noqa: F811
+    assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path / "missing")
+    assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path)
+    assert "A and B" in hausbench.fails("verify", "--certificate", proof, tetrahedron)
+    assert "--certificate" in hausbench.fails("verify", proof, tetrahedron)
+    line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "guthe", "--plugin", plugin, "--certificate", tmp_path / "x")
+    assert "writes no certificates" in line and "vertex_only" in line
+    at = tmp_path / "no folder" / "x"
+    assert "folder" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "vertex_only", "--plugin", plugin, "--certificate", at)
+    # An answer without a proof, where one was asked for, is said and is no success.
+    out = tmp_path / "none"
+    done = hausbench("measure", tetrahedron, tetrahedron, "--solver", "vertex_only",
+                     "--plugin", plugin, "--time-limit", "0", "--certificate", out)
+    assert done.returncode == 1 and not out.exists()
