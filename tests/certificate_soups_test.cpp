@@ -255,6 +255,7 @@ TEST(CertificateSoups, TheEndsOfTheRangeOfDoubles) {
     EXPECT_EQ(found(rows({{0x1p1000, 0x1p-1000, 0}}), rows({{0x1p1000, 0, 0}})),
               0x1p-72);  // a coordinate that scaling loses
     EXPECT_EQ(found(rows({{5e-324, 0, 0}}), rows({{0, 0, 0}})), 5e-324);
+    EXPECT_EQ(found(rows({{5e-324, 5e-324, 0}}), rows({{0, 0, 0}})), 1e-323);  // the root of 2, rounded up
     EXPECT_EQ(found(rows({{1.7e308, 0, 0}}), rows({{-1.7e308, 0, 0}})), infinity);
     EXPECT_EQ(found(rows({{0x1p1023, 0, 0}}), rows({{0x1p1022, 0, 0}})), 0x1p1022);
     Pose far;

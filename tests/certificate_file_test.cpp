@@ -1,0 +1,137 @@
+// A certificate in a file: what is read is what was written, and an answer is accepted as a whole or not at all.
+#include "certificate_file.h"
+
+#include "certificates.h"
+#include "error.h"
+#include "scenes.h"
+#include "shape_file.h"
+#include "temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace hausbench {
+namespace {
+
+using namespace certificates;
+using Direction = Witness::Direction;
+
+// A is a triangle at height 0, B the same at height 1, moved there by its pose; h(A,B) = h(B,A) = 1.
+const Shape flat = soup(rows({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}));
+
+CertificateFile proof_of(Quantity quantity) {
+    CertificateFile c;
+    c.source = {"a.off", content_hash(flat), {}};
+    c.target = {"b \"2\".off", content_hash(flat), {}};
+    c.target.pose = turned(1, 0, {0, 0, 1});
+    c.target.pose.rotation.setIdentity();
+    c.quantity = quantity;
+    c.solver = "a solver";
+    c.tolerance = 1e-3, c.tolerance_of = "diagonal";
+    c.bounds = {1, 1};
+    c.witness = {Vec3(0, 0, 0), Vec3(0, 0, 1), 0, 0, Direction::source_to_target};
+    Certificate one = written(Proof{{Node{}}}, 1 + 1e-12);
+    c.certificates = {one};
+    one.direction = Direction::target_to_source;
+    if (quantity == Quantity::symmetric) c.certificates.push_back(one);
+    return c;
+}
+
+std::string refusal(const CertificateFile& c, const Shape& a = flat, const Shape& b = flat) {
+    const CertificateVerdict verdict = verify_certificate(c, a, b);
+    EXPECT_EQ(verdict.accepted, verdict.refusal.empty());
+    EXPECT_NE(describe(c, verdict).find(verdict.accepted ? "\naccepted " : "\nrefused "), std::string::npos);
+    return verdict.refusal;
+}
+
+TEST(CertificateFile, WhatIsReadIsWhatWasWritten) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "proof";
+    for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
+        CertificateFile c = proof_of(quantity);
+        c.certificates[0].bytes = std::string("\0\n\xff{", 4);
+        c.certificates[0].proven = std::nextafter(1.0 / 3, 1);
+        c.bounds.upper = std::numeric_limits<double>::infinity();
+        c.witness.target_point[1] = std::nan("");
+        write_certificate(file, c);
+        const CertificateFile read = read_certificate(file);
+        EXPECT_EQ(read.target.file, c.target.file);
+        EXPECT_EQ(read.target.sha256, c.target.sha256);
+        EXPECT_EQ(read.target.pose.rotation, c.target.pose.rotation);
+        EXPECT_EQ(read.target.pose.translation, c.target.pose.translation);
+        EXPECT_EQ(read.source.file, c.source.file);
+        EXPECT_EQ(read.quantity, quantity);
+        EXPECT_EQ(read.solver, c.solver);
+        EXPECT_EQ(read.bounds.lower, 1);
+        EXPECT_EQ(read.bounds.upper, c.bounds.upper);
+        EXPECT_EQ(read.witness.source_point, c.witness.source_point);
+        EXPECT_FALSE(read.witness.target_point.allFinite());
+        ASSERT_EQ(read.certificates.size(), c.certificates.size());
+        for (std::size_t i = 0; i < c.certificates.size(); ++i) {
+            EXPECT_EQ(read.certificates[i].bytes, c.certificates[i].bytes);
+            EXPECT_EQ(read.certificates[i].direction, c.certificates[i].direction);
+            EXPECT_EQ(read.certificates[i].format, c.certificates[i].format);
+            EXPECT_EQ(read.certificates[i].proven, c.certificates[i].proven);
+        }
+        std::ofstream(file, std::ios::app) << "x";
+        EXPECT_THROW(read_certificate(file), InputError);
+        write_certificate(file, c);
+        std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+        EXPECT_THROW(read_certificate(file), InputError);
+    }
+}
+
+TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
+    for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
+        const CertificateFile good = proof_of(quantity);
+        EXPECT_EQ(refusal(good), "");
+        const CertificateVerdict verdict = verify_certificate(good, flat, flat);
+        EXPECT_EQ(verdict.proven, 1 + 1e-12);
+        EXPECT_EQ(verdict.lower, "holds, by its witness");
+        for (std::size_t i = 0; i < good.certificates.size(); ++i) {
+            CertificateFile bad = good;
+            bad.certificates[i].proven = 0.9;
+            EXPECT_NE(refusal(bad), "");
+            bad = good;
+            bad.certificates[i].bytes.clear();
+            EXPECT_NE(refusal(bad), "");
+            bad = good;
+            bad.certificates.erase(bad.certificates.begin() + std::ptrdiff_t(i));
+            EXPECT_NE(refusal(bad), "");
+            bad = good;
+            bad.certificates.push_back(good.certificates[i]);
+            EXPECT_NE(refusal(bad), "");
+        }
+        CertificateFile bad = good;
+        bad.bounds.upper = 0.9;  // lower than what is proven
+        EXPECT_NE(refusal(bad), "");
+        bad = good;
+        bad.bounds.upper = std::nan("");
+        EXPECT_NE(refusal(bad), "");
+        for (const double lower : {1.1, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+            bad = good;
+            bad.bounds.lower = lower;
+            bad.bounds.upper = std::max(1.0, lower);
+            EXPECT_NE(refusal(bad), "") << lower;
+        }
+        bad = good;
+        bad.witness.direction = Direction::target_to_source;
+        EXPECT_EQ(refusal(bad) == "", quantity == Quantity::symmetric);
+        bad = good;
+        bad.witness.source_point = bad.witness.target_point = Vec3::Constant(std::nan(""));
+        EXPECT_EQ(refusal(bad), "");
+        EXPECT_EQ(verify_certificate(bad, flat, flat).lower.find("not checked"), 0u);
+        Shape other = flat;
+        points_of(other)(0, 0) = 1e-300;
+        EXPECT_THROW((void)refusal(good, other, flat), InputError);
+        EXPECT_THROW((void)refusal(good, flat, other), InputError);
+        bad = good;
+        bad.target.pose = {};  // then the distance is 0, and the lower bound wrong
+        EXPECT_NE(refusal(bad), "");
+    }
+}
+
+}  // namespace
+}  // namespace hausbench
