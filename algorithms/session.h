@@ -97,7 +97,6 @@ private:
     Result one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const;
     Opening open(Query query, const Clock& clock, Trace& trace) const;
     Threads builders(const QuerySet& queries) const;
-    static void join(Result& whole, const Result& other);
     static void join(Result& whole, const Result& other, bool backward);
     Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
     Query scaled(const Query& query) const;
