@@ -32,26 +32,35 @@ struct BoxDistances {
     HWY_INLINE double operator[](std::size_t i) const { return unit > 0 ? unit * squares[i] : from_far[i]; }
 };
 
+// Bytes of the planes along each axis, from `lane` on, as numbers.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2], const std::uint8_t (&z)[tree_width],
+                                         std::size_t lane, int k) {
+    return hn::Set(BoxLanes(), k < 2 ? xy[lane][k] : z[lane]);
+}
+#else
+HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2], const std::uint8_t (&z)[tree_width],
+                                         std::size_t lane, int k) {
+    const BoxLanes d;
+    const hn::Rebind<std::int32_t, BoxLanes> d32;
+    const hn::Rebind<std::uint16_t, BoxLanes> pairs;
+    const hn::Repartition<std::uint8_t, decltype(pairs)> bytes;
+    if (k == 2) return hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(hn::Rebind<std::uint8_t, BoxLanes>(), z + lane)));
+    const auto both = hn::BitCast(pairs, hn::LoadU(bytes, xy[lane]));  // x below y
+    return hn::PromoteTo(d, hn::PromoteTo(d32, k == 0 ? hn::And(both, hn::Set(pairs, 0xff)) : hn::ShiftRight<8>(both)));
+}
+#endif
+
 // From far away: the computed squared distances to the boxes, as squared_distance_to_box (box.h).
 inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const BoxLanes d;
-    const hn::Rebind<std::int32_t, BoxLanes> d32;
-    const hn::Rebind<std::uint8_t, BoxLanes> d8;
     const auto step = hn::Set(d, boxes.step);
-    alignas(64) std::uint8_t low[3][tree_width], high[3][tree_width];
-    for (std::size_t i = 0; i < tree_width; ++i) {
-        for (int k = 0; k < 2; ++k) low[k][i] = boxes.low_xy[i][k], high[k][i] = boxes.high_xy[i][k];
-        low[2][i] = boxes.low_z[i], high[2][i] = boxes.high_z[i];
-    }
     for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
         const auto axis = [&](int k) HWY_ATTR {
             const auto origin = hn::Set(d, boxes.origin[k]), at = hn::Set(d, p[k]);
-            const auto plane = [&](const std::uint8_t* q) HWY_ATTR {
-                const auto steps = hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(d8, q + lane)));
-                return hn::Add(origin, hn::Mul(steps, step));
-            };
-            const auto below = hn::Sub(plane(low[k]), at), above = hn::Sub(at, plane(high[k]));
-            const auto out = hn::Max(hn::Max(below, above), hn::Zero(d));
+            const auto low = hn::Add(origin, hn::Mul(load_planes(boxes.low_xy, boxes.low_z, lane, k), step));
+            const auto high = hn::Add(origin, hn::Mul(load_planes(boxes.high_xy, boxes.high_z, lane, k), step));
+            const auto out = hn::Max(hn::Max(hn::Sub(low, at), hn::Sub(at, high)), hn::Zero(d));
             return hn::Mul(out, out);
         };
         hn::Store(hn::Add(hn::Add(axis(0), axis(1)), axis(2)), d, distances.from_far + lane);
@@ -151,8 +160,13 @@ HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared)
 }
 
 inline unsigned near_from_far(const BoxDistances& distances, double squared) {
+    const BoxLanes d;
     unsigned mask = 0;
-    for (std::size_t i = 0; i < tree_width; ++i) mask |= (distances.from_far[i] <= squared ? 1U : 0U) << i;
+    for (std::size_t lane = 0; lane < tree_width; lane += hn::Lanes(d)) {
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Le(hn::Load(d, distances.from_far + lane), hn::Set(d, squared)), bits);
+        mask |= (bits[0] & ((1U << hn::Lanes(d)) - 1)) << lane;
+    }
     return mask;
 }
 
