@@ -21,31 +21,44 @@ void expect_same(const ClosestPoint& a, const ClosestPoint& b, const std::string
     EXPECT_EQ(a.point, b.point) << where;
 }
 
+void expect_same_as_scan(const TriangleMesh& mesh, Random& random, int queries, const std::string& name) {
+    const TriangleBlocks blocks(mesh);
+    Counters counters;
+    for (int i = 0; i < queries; ++i) {
+        const Vec3 point = query_near(mesh, random);
+        const ClosestPoint expected = closest_by_scan(mesh, point, {}, counters);
+        expect_same(blocks.closest(point, {}, counters), expected, name);
+        ClosestHints warm;
+        warm.warm_triangle =
+            random.below(2) != 0 ? expected.triangle : random.below(static_cast<Index>(mesh.triangles.rows()));
+        expect_same(blocks.closest(point, warm, counters), expected, name + ", warm");
+        ClosestHints radius;
+        radius.squared_radius = expected.squared_distance;
+        expect_same(blocks.closest(point, radius, counters), expected, name + ", radius just large enough");
+        radius.squared_radius = std::nextafter(expected.squared_distance, -1);
+        EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
+        radius.warm_triangle = warm.warm_triangle;
+        EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
+
+        const double certified = blocks.certified_distance(point, counters);
+        EXPECT_GE(certified, certified_distance_by_scan(mesh, point, counters)) << name;
+        EXPECT_LE(certified, std::sqrt(expected.squared_distance)) << name;
+    }
+}
+
 TEST(TriangleBlocks, SameBitsAsAScanOn200Meshes) {
     Random random(4);
-    for (const auto& [name, mesh] : tree_meshes()) {
-        const TriangleBlocks blocks(mesh);
-        Counters counters;
-        for (int i = 0; i < (mesh.triangles.rows() > 1000 ? 100 : 200); ++i) {
-            const Vec3 point = query_near(mesh, random);
-            const ClosestPoint expected = closest_by_scan(mesh, point, {}, counters);
-            expect_same(blocks.closest(point, {}, counters), expected, name);
-            ClosestHints warm;
-            warm.warm_triangle =
-                random.below(2) != 0 ? expected.triangle : random.below(static_cast<Index>(mesh.triangles.rows()));
-            expect_same(blocks.closest(point, warm, counters), expected, name + ", warm");
-            ClosestHints radius;
-            radius.squared_radius = expected.squared_distance;
-            expect_same(blocks.closest(point, radius, counters), expected, name + ", radius just large enough");
-            radius.squared_radius = std::nextafter(expected.squared_distance, -1);
-            EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
-            radius.warm_triangle = warm.warm_triangle;
-            EXPECT_EQ(blocks.closest(point, radius, counters).triangle, -1) << name;
+    for (const auto& [name, mesh] : tree_meshes())
+        expect_same_as_scan(mesh, random, mesh.triangles.rows() > 1000 ? 100 : 200, name);
+}
 
-            const double certified = blocks.certified_distance(point, counters);
-            EXPECT_GE(certified, certified_distance_by_scan(mesh, point, counters)) << name;
-            EXPECT_LE(certified, std::sqrt(expected.squared_distance)) << name;
-        }
+// So far from the origin that computed distances err by more than those in the frames of a leaf.
+TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
+    Random random(6);
+    for (const double away : {1e10, 1e12, 1e13, 1e14}) {
+        TriangleMesh mesh = triangle_soup(random, 300, 0.3);
+        mesh.vertices.array() += away;
+        expect_same_as_scan(mesh, random, 300, fmt::format("{} away", away));
     }
 }
 

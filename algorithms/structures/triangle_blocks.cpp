@@ -156,7 +156,6 @@ TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh) : mesh_(&mesh) {
     } while (boxes.size() > 1);
 }
 
-// Planes are moved outward by 2^-23, which is more than rounding them to float, twice, takes: they are at most 1.
 void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& boxes, double least_unit) {
     level_begin_.push_back(nodes_.size());
     const std::size_t count = (below.size() + frames_width - 1) / frames_width;
@@ -175,9 +174,9 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
                 const bool used = begin + c < end;
                 const auto axis = static_cast<Index>(k);
                 node.low[k][c] =
-                    used ? local(below[begin + c].low[axis]) - 0x1p-23F : std::numeric_limits<float>::infinity();
+                    used ? local(below[begin + c].low[axis]) - plane_error : std::numeric_limits<float>::infinity();
                 node.high[k][c] =
-                    used ? local(below[begin + c].high[axis]) + 0x1p-23F : -std::numeric_limits<float>::infinity();
+                    used ? local(below[begin + c].high[axis]) + plane_error : -std::numeric_limits<float>::infinity();
             }
         }
     }

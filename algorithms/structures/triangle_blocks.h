@@ -8,12 +8,14 @@
 // follows the content: one stray triangle far away makes the boxes beside it coarse, and none below them. A run of triangles that
 // mixes scales is cut into leaves of one scale each.
 //
-// Nothing is lost by the filter. For a node with planes rounded outward in its units, a coordinate q of the point, rounded to u = 2^-24,
-// is off by u|q|; so is the distance to the content along an axis, beside the rounding of a difference, u of it. With
-// three of them, squares, sums and a root, sqrt(s) (1 - 8u) - 2u max|q| is no more than the exact distance. For a leaf it is
-// sqrt(s) - frame_error u (|q| + R), R < 2. A triangle whose computed squared distance (kernel/point_triangle.h) is at most s is within
-// sqrt(s) (1 + 4u) + 8uM, u = 2^-53, M the largest |coordinate| of it and the point, as no closest point is off its triangle by
-// more than 7uM.
+// Nothing is lost by the filter. u = 2^-24, and what is of double precision is far below it.
+//   - Boxes. A plane is at most 1: rounding it to float and moving it outward by plane_error costs u/2 + u. A coordinate q of the point
+//     errs by u|q| when it is rounded. Where |q| <= 4 all that is less than 8u = plane_error. Where |q| > 4 the point is more
+//     than 3/4 |q| outside, and u|q| is less than 4/3 u of that. A difference errs by u, a square by u more, sums by 2u: s <= d^2 (1 + 8u),
+//     and box_error is 16u.
+//   - Leaves. |sqrt(s) - d| <= frame_error u (|q| + R) (kernel/triangle_frames.h), with |q| <= 2 max|q_k| and R < 2.
+//   - A triangle whose computed squared distance (kernel/point_triangle.h) is f is within sqrt(f) (1 + 4u) + 8uM, u = 2^-53, M the
+//     largest |coordinate| of it and the point (kernel/rounding.h).
 #pragma once
 
 #include "kernel/closest.h"
@@ -47,6 +49,10 @@ struct alignas(64) BoxNode {
     LocalUnits units;
     std::int32_t count;
 };
+
+// The planes of a node are that much farther out, and squares may be that much too large.
+inline constexpr float plane_error = 0x1p-21F;
+inline constexpr double box_error = 0x1p-20;
 
 // Triangles near a place, for those who measure many points there: frames in coordinates of the place.
 template <class T> struct NearTriangles {

@@ -59,11 +59,8 @@ struct Reach {
     }
 };
 
-// Rounded to nearest; what is added makes up for that.
-HWY_INLINE float float_above(double x) {
-    constexpr float largest = std::numeric_limits<float>::max();
-    return x < 0x1p126 ? static_cast<float>(x * (1 + 0x1p-22)) : largest;
-}
+// To the nearest: a float that is at most x is at most this. Not infinite.
+HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x) : std::numeric_limits<float>::max(); }
 
 HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
 
@@ -84,9 +81,9 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
 }
 
 // What the square of something within `reach` is at most in measure_children.
-HWY_INLINE float box_limit(const BoxNode& node, double most_coordinate, const Reach& reach) {
-    const double in_units = reach.at(node.units) * node.units.inverse + most_coordinate * 0x1p-23;
-    return float_above(in_units * in_units * (1 + 0x1p-20));
+HWY_INLINE float box_limit(const BoxNode& node, const Reach& reach) {
+    const double in_units = reach.at(node.units) * node.units.inverse;
+    return limit_of(in_units * in_units * (1 + box_error));
 }
 
 // The children of a node in the order of their distance: squares in its units, rounded down to a multiple of 16 in the last place, as
@@ -168,13 +165,13 @@ HWY_INLINE float least_of(const float (&squared)[frames_width]) {
 
 // How much a computed distance in the frames of a leaf may differ from the exact one, in its units.
 HWY_INLINE double leaf_error(const LocalPoint& point) {
-    return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2) + frame_underflow<float>;
+    return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
 }
 
 // The square, in units of the leaf, that a triangle within `reach` has at most.
 HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const Reach& reach) {
     const double in_units = reach.at(leaf.units) * leaf.units.inverse + error;
-    return float_above(in_units * in_units);
+    return limit_of(in_units * in_units);
 }
 
 // Calls leaf(number) for each leaf that may have something within `reach`, in any order, and ends where it returns false.
@@ -195,7 +192,7 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
         unsigned mask = in_use(node.count);
         if (local.is_near()) {
             const F d;
-            const VF most = hn::Set(d, box_limit(node, local.most, reach));
+            const VF most = hn::Set(d, box_limit(node, reach));
             unsigned within = 0;
             measure_children(node, local, [&](std::size_t lane, VF squares) HWY_ATTR {
                 within |= lane_bits(d, hn::Le(squares, most)) << lane;
@@ -223,13 +220,12 @@ HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& poin
     struct Step {
         OrderedChildren children;
         const BoxNode* node;
-        double most_coordinate;      // of the point there
         std::uint32_t level, first;  // of the children
     };
     Step path[most_levels];
     std::size_t depth = 0;
     std::uint32_t level = static_cast<std::uint32_t>(tree.level_begin.size()), index = 0;
-    const auto limit = [&](const Step& step) { return box_limit(*step.node, step.most_coordinate, reach); };
+    const auto limit = [&](const Step& step) { return box_limit(*step.node, reach); };
     const auto beyond = [&](const Step& step, std::int32_t key) {
         return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(step));
     };
@@ -245,7 +241,6 @@ HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& poin
             next = step->children.set_unknown(node.count);
         }
         step->node = &node;
-        step->most_coordinate = local.most;
         step->level = level - 1;
         step->first = static_cast<std::uint32_t>(index * frames_width);
         if (step->level == 0) {
@@ -273,10 +268,9 @@ HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& poin
     }
 }
 
-// Exact distances of triangles whose computed squared distance is at most `squared` are within the reach of that: sqrt(squared) (1 + 4u)
-// + 8uM (kernel/rounding.h). M is of one triangle and the point.
-constexpr double computed_rounding = 16 * unit_roundoff;
-HWY_INLINE double reach_of(double squared) { return std::sqrt(squared) * (1 + 8 * unit_roundoff); }
+// The exact distance of a triangle is at most its computed one, times 1 + 4u, and this part of M, the largest |coordinate| of it and the
+// point. Limits of boxes and leaves, and `beyond`, have room for the factor.
+constexpr double computed_rounding = 8 * unit_roundoff;
 
 // The search for one closest point. Nothing whose computed distance is within the reach is ever left out, but triangles are measured in
 // double precision only once most of those that frames cannot tell from the nearest are known.
@@ -289,14 +283,14 @@ public:
           early_out_(early_out),
           best_(best),
           counters_(counters),
-          reach_{reach_of(best.squared_distance), computed_rounding, point.cwiseAbs().maxCoeff()} {}
+          reach_{std::sqrt(best.squared_distance), computed_rounding, point.cwiseAbs().maxCoeff()} {}
 
     // Frames shorten the reach by what is certain of exact distances. That the computed distance of a nearest triangle is no larger than
     // that is so in practice, and not proven; so it is looked at, and what was left out is searched where it is larger.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
-        const double needed = reach_of(best_.squared_distance);
+        const double needed = std::sqrt(best_.squared_distance);
         if (HWY_LIKELY(needed <= reach_.distance)) return;
         reach_.distance = needed;
         walk<false>();
@@ -357,7 +351,7 @@ private:
         counters_.point_triangle_distances += count;
         offer_triangles(point_, tree_.mesh, candidate_, count, best_);
         done_ = best_.triangle >= 0 && best_.squared_distance <= early_out_;
-        reach_.distance = std::min(reach_.distance, reach_of(best_.squared_distance));
+        reach_.distance = std::min(reach_.distance, std::sqrt(best_.squared_distance));
     }
 
     const TriangleBlocks::Tree& tree_;
@@ -388,7 +382,7 @@ HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& poin
 
 void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double nearest, double& least,
                     Counters& counters) {
-    const Reach reach{reach_of(nearest)};
+    const Reach reach{std::sqrt(nearest)};
     visit_within(tree, point, reach, counters.node_visits, [&](std::size_t number) HWY_ATTR {
         const TriangleFramesLeaf& leaf = tree.leaves[number];
         for (unsigned mask = leaf_within(leaf, point, reach); mask != 0; mask &= mask - 1)
@@ -409,7 +403,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
         move[k] = static_cast<float>(delta);
         away += delta * delta;
     }
-    const VF ratio = hn::Set(d, ratio_of), moved = hn::Set(d, float_above(0.15 * (std::sqrt(away) + 2.0 * ratio_of)));
+    const VF ratio = hn::Set(d, ratio_of), moved = hn::Set(d, limit_of(0.15 * (std::sqrt(away) + 2.0 * ratio_of)));
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
         const unsigned lanes = mask >> lane & ((1U << hn::Lanes(d)) - 1);
         if (lanes == 0) continue;
