@@ -62,6 +62,25 @@ TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     }
 }
 
+// Farther than single precision is used for. Along an axis, as what is not much farther is not told apart from a slant.
+TEST(TriangleBlocks, SameBitsAsAScanFromVeryFarAway) {
+    Random random(7);
+    Counters counters;
+    const TriangleMesh mesh = triangle_grid(random, 12, 0.5);
+    const TriangleBlocks blocks(mesh);
+    for (int exponent = 36; exponent < 60; ++exponent) {
+        for (int k = 0; k < 3; ++k) {
+            Vec3 point = mesh.vertices.row(random.below(144));
+            point[k] += random.below(2) == 0 ? -std::ldexp(1.0, exponent) : std::ldexp(1.0, exponent);
+            const ClosestPoint expected = closest_by_scan(mesh, point, {}, counters);
+            expect_same(blocks.closest(point, {}, counters), expected, std::to_string(exponent));
+            ClosestHints radius;
+            radius.squared_radius = expected.squared_distance;
+            expect_same(blocks.closest(point, radius, counters), expected, std::to_string(exponent) + ", radius");
+        }
+    }
+}
+
 TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
     Random random(5);
     const TriangleMesh mesh = triangle_soup(random, 2000, 0.1);

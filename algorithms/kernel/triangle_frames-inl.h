@@ -23,23 +23,23 @@ template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
 // row(i): row i of the frames as a vector, or one number of it in all lanes, where the points differ.
 template <class D, class Rows>
 HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::Vec<D> py, hn::Vec<D> pz) {
-    using V = hn::Vec<D>;
-    const V zero = hn::Zero(d);
+    using Numbers = hn::Vec<D>;
+    const Numbers zero = hn::Zero(d);
     const auto coordinate = [&](std::size_t axis) HWY_ATTR {
-        const V xy = hn::Add(hn::Mul(row(3 * axis), px), hn::Mul(row(3 * axis + 1), py));
+        const Numbers xy = hn::Add(hn::Mul(row(3 * axis), px), hn::Mul(row(3 * axis + 1), py));
         return hn::Add(hn::Add(xy, hn::Mul(row(3 * axis + 2), pz)), row(frame_row::shift + axis));
     };
-    const V x = coordinate(0), y = coordinate(1), z = coordinate(2);
-    const V length = row(frame_row::length);
-    const V beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
-    V squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
+    const Numbers x = coordinate(0), y = coordinate(1), z = coordinate(2);
+    const Numbers length = row(frame_row::length);
+    const Numbers beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
+    Numbers squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
     V inner = y;
     // `side` is how far to the inner side of the line of an edge that begins at `from`; +1 where the triangle is to its right.
-    const auto edge = [&](std::size_t direction, std::size_t edge_length, V from_x, bool right) HWY_ATTR {
-        const V ux = row(direction), uy = row(direction + 1);
-        const V t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
-        const V across = hn::Sub(hn::Mul(from_x, uy), hn::Mul(y, ux));
-        const V off = hn::Sub(t, hn::Min(hn::Max(t, zero), row(edge_length)));
+    const auto edge = [&](std::size_t direction, std::size_t edge_length, Numbers from_x, bool right) HWY_ATTR {
+        const Numbers ux = row(direction), uy = row(direction + 1);
+        const Numbers t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
+        const Numbers across = hn::Sub(hn::Mul(from_x, uy), hn::Mul(y, ux));
+        const Numbers off = hn::Sub(t, hn::Min(hn::Max(t, zero), row(edge_length)));
         squared = hn::Min(squared, hn::Add(hn::Mul(off, off), hn::Mul(across, across)));
         inner = hn::Min(inner, right ? across : hn::Neg(across));
     };

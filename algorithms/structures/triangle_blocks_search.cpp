@@ -12,265 +12,12 @@
 #define HWY_TARGET_INCLUDE "structures/triangle_blocks_search.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "kernel/triangle_frames-inl.h"
 #include "nearest-inl.h"
+#include "triangle_blocks_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
-
-// Eight: a search waits for what it looked at before it knows what to look at next, and wider vectors take longer.
-using F = hn::CappedTag<float, 8>;
-using VF = hn::Vec<F>;
-using Keys = hn::RebindToSigned<F>;
-
-// Farther from the origin of a leaf or node, in its units, squares might overflow, and there is no filter.
-constexpr double farthest_filtered = 0x1p40;
-constexpr std::size_t most_levels = 9;  // 16^9 leaves are more than an Index counts
-
-// A point in the coordinates of a leaf or node.
-struct LocalPoint {
-    float at[3];
-    double most;  // |coordinate|
-
-    HWY_INLINE LocalPoint(const LocalUnits& units, const Vec3& point) : most(0) {
-        for (int k = 0; k < 3; ++k) {
-            const double q = (point[k] - units.origin[k]) * units.inverse;
-            at[k] = static_cast<float>(q);
-            most = std::max(most, std::abs(q));
-        }
-    }
-    HWY_INLINE bool is_near() const { return most < farthest_filtered; }
-
-    // Where it is too far for a filter: no part of the content, which is within sqrt(3) units of the origin, is nearer.
-    HWY_INLINE bool beyond(const LocalUnits& units, double reach) const {
-        return most < 0x1p900 && (most * (1 - 0x1p-50) - 2) * units.unit > reach;
-    }
-};
-
-// How far away something may be and still matter.
-struct Reach {
-    double distance;
-    double rounding = 0;  // of the larger one of |coordinate| of the point and of what is there: may be added
-    double point_magnitude = 0;
-
-    HWY_INLINE double at(const LocalUnits& units) const {
-        return distance + rounding * std::max(units.magnitude, point_magnitude);
-    }
-};
-
-// To the nearest: a float that is at most x is at most this. Not infinite.
-HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x) : std::numeric_limits<float>::max(); }
-
-HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
-
-// Calls use(lane, squares) with the squared distances to the boxes of the children, as computed. Those of what is not in use are
-// infinite.
-template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const LocalPoint& point, const Use& use) {
-    const F d;
-    const VF at[3] = {hn::Set(d, point.at[0]), hn::Set(d, point.at[1]), hn::Set(d, point.at[2])};
-    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
-        const auto square = [&](std::size_t k) HWY_ATTR {
-            const VF out = hn::Max(hn::Sub(hn::Load(d, node.low[k] + lane), at[k]),
-                                   hn::Sub(at[k], hn::Load(d, node.high[k] + lane)));
-            const VF outside = hn::Max(out, hn::Zero(d));
-            return hn::Mul(outside, outside);
-        };
-        use(lane, hn::Add(hn::Add(square(0), square(1)), square(2)));
-    }
-}
-
-// What the square of something within `reach` is at most in measure_children.
-HWY_INLINE float box_limit(const BoxNode& node, const Reach& reach) {
-    const double in_units = reach.at(node.units) * node.units.inverse;
-    return limit_of(in_units * in_units * (1 + box_error));
-}
-
-// The children of a node in the order of their distance: squares in its units, rounded down to a multiple of 16 in the last place, as
-// integers, which are in the same order; the last four bits tell the child.
-struct alignas(64) OrderedChildren {
-    std::int32_t key[frames_width];
-
-    static constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max(), child_bits = frames_width - 1;
-
-    HWY_INLINE std::int32_t least() const {
-        const Keys d;
-        auto all = hn::Load(d, key);
-        for (std::size_t lane = hn::Lanes(d); lane < frames_width; lane += hn::Lanes(d))
-            all = hn::Min(all, hn::Load(d, key + lane));
-        return hn::GetLane(hn::MinOfLanes(d, all));
-    }
-    HWY_INLINE void remove(std::int32_t taken) {
-        const Keys d;
-        for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
-            const auto keys = hn::Load(d, key + lane);
-            hn::Store(hn::IfThenElse(hn::Eq(keys, hn::Set(d, taken)), hn::Set(d, none), keys), d, key + lane);
-        }
-    }
-    // Returns the least.
-    HWY_INLINE std::int32_t set(const BoxNode& node, const LocalPoint& point) {
-        const Keys d;
-        auto all = hn::Set(d, none);
-        measure_children(node, point, [&](std::size_t lane, VF squares) HWY_ATTR {
-            const auto bits = hn::AndNot(hn::Set(d, child_bits), hn::BitCast(d, squares));
-            const auto keys = hn::Or(bits, hn::Iota(d, static_cast<std::int32_t>(lane)));
-            hn::Store(keys, d, key + lane);
-            all = hn::Min(all, keys);
-        });
-        return hn::GetLane(hn::MinOfLanes(d, all));
-    }
-    // Bit c: the square of child c is at most `most`. What is none is no number.
-    HWY_INLINE unsigned within(float most) const {
-        const F d;
-        const Keys di;
-        unsigned mask = 0;
-        for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
-            const auto squares = hn::BitCast(d, hn::AndNot(hn::Set(di, child_bits), hn::Load(di, key + lane)));
-            mask |= lane_bits(d, hn::Le(squares, hn::Set(d, most))) << lane;
-        }
-        return mask;
-    }
-    // Where nothing is known of distances.
-    HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
-        for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
-        return 0;
-    }
-};
-
-// Squared distances to the triangles of a leaf.
-HWY_INLINE void leaf_squares(const TriangleFramesLeaf& leaf, const LocalPoint& point, float (&squared)[frames_width]) {
-    const F d;
-    const VF x = hn::Set(d, point.at[0]), y = hn::Set(d, point.at[1]), z = hn::Set(d, point.at[2]);
-    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
-        const auto row = [&](std::size_t i) HWY_ATTR { return hn::Load(d, leaf.frames.row[i] + lane); };
-        hn::Store(squared_in_lanes(d, row, x, y, z), d, squared + lane);
-    }
-}
-
-HWY_INLINE unsigned squares_within(const float (&squared)[frames_width], float most) {
-    const F d;
-    unsigned mask = 0;
-    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d))
-        mask |= lane_bits(d, hn::Le(hn::Load(d, squared + lane), hn::Set(d, most))) << lane;
-    return mask;
-}
-
-HWY_INLINE float least_of(const float (&squared)[frames_width]) {
-    const F d;
-    VF all = hn::Load(d, squared);
-    for (std::size_t lane = hn::Lanes(d); lane < frames_width; lane += hn::Lanes(d))
-        all = hn::Min(all, hn::Load(d, squared + lane));
-    return hn::GetLane(hn::MinOfLanes(d, all));
-}
-
-// How much a computed distance in the frames of a leaf may differ from the exact one, in its units.
-HWY_INLINE double leaf_error(const LocalPoint& point) {
-    return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
-}
-
-// The square, in units of the leaf, that a triangle within `reach` has at most.
-HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const Reach& reach) {
-    const double in_units = reach.at(leaf.units) * leaf.units.inverse + error;
-    return limit_of(in_units * in_units);
-}
-
-// Calls leaf(number) for each leaf that may have something within `reach`, in any order, and ends where it returns false.
-template <class Leaf>
-HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const Reach& reach,
-                             std::uint64_t& visits, const Leaf& leaf) {
-    struct Entry {
-        std::uint32_t level, index;
-    };
-    Entry stack[frames_width * most_levels];
-    std::size_t size = 0;
-    stack[size++] = {static_cast<std::uint32_t>(tree.level_begin.size()), 0};
-    while (size > 0) {
-        const Entry at = stack[--size];
-        const BoxNode& node = tree.nodes[tree.level_begin[at.level - 1] + at.index];
-        visits += static_cast<std::uint64_t>(node.count);
-        const LocalPoint local(node.units, point);
-        unsigned mask = in_use(node.count);
-        if (local.is_near()) {
-            const F d;
-            const VF most = hn::Set(d, box_limit(node, reach));
-            unsigned within = 0;
-            measure_children(node, local, [&](std::size_t lane, VF squares) HWY_ATTR {
-                within |= lane_bits(d, hn::Le(squares, most)) << lane;
-            });
-            mask &= within;
-        } else if (local.beyond(node.units, reach.at(node.units))) {
-            mask = 0;
-        }
-        for (; mask != 0; mask &= mask - 1) {
-            const auto child = static_cast<std::uint32_t>(at.index * frames_width) +
-                               static_cast<std::uint32_t>(std::countr_zero(mask));
-            if (at.level > 1)
-                stack[size++] = {at.level - 1, child};
-            else if (!leaf(std::size_t{child}))
-                return;
-        }
-    }
-}
-
-// Calls leaf(number) for leaves that may have something within `reach`, which it may lower, and ends where it returns false. Nearest
-// child first.
-template <class Leaf>
-HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const Reach& reach,
-                              std::uint64_t& visits, const Leaf& leaf) {
-    struct Step {
-        OrderedChildren children;
-        const BoxNode* node;
-        std::uint32_t level, first;  // of the children
-    };
-    Step path[most_levels];
-    std::size_t depth = 0;
-    std::uint32_t level = static_cast<std::uint32_t>(tree.level_begin.size()), index = 0;
-    const auto limit = [&](const Step& step) { return box_limit(*step.node, reach); };
-    const auto beyond = [&](const Step& step, std::int32_t key) {
-        return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(step));
-    };
-    while (true) {
-        const BoxNode& node = tree.nodes[tree.level_begin[level - 1] + index];
-        visits += static_cast<std::uint64_t>(node.count);
-        const LocalPoint local(node.units, point);
-        Step* step = path + depth++;
-        std::int32_t next = OrderedChildren::none;
-        if (HWY_LIKELY(local.is_near())) {
-            next = step->children.set(node, local);
-        } else if (!local.beyond(node.units, reach.at(node.units))) {
-            next = step->children.set_unknown(node.count);
-        }
-        step->node = &node;
-        step->level = level - 1;
-        step->first = static_cast<std::uint32_t>(index * frames_width);
-        if (step->level == 0) {
-            // The nearest leaf, and then the others as they come: none has to wait for another then.
-            if (!beyond(*step, next)) {
-                const auto nearest = static_cast<unsigned>(next & OrderedChildren::child_bits);
-                if (!leaf(std::size_t{step->first + nearest})) return;
-                for (unsigned mask = step->children.within(limit(*step)) & ~(1U << nearest); mask != 0;
-                     mask &= mask - 1) {
-                    const auto c = static_cast<std::uint32_t>(std::countr_zero(mask));
-                    if (beyond(*step, step->children.key[c])) continue;
-                    if (!leaf(std::size_t{step->first + c})) return;
-                }
-            }
-            if (--depth == 0) return;
-            next = (--step)->children.least();
-        }
-        while (beyond(*step, next)) {
-            if (--depth == 0) return;
-            next = (--step)->children.least();
-        }
-        step->children.remove(next);
-        index = step->first + static_cast<std::uint32_t>(next & OrderedChildren::child_bits);
-        level = step->level;
-    }
-}
-
-// The exact distance of a triangle is at most its computed one, times 1 + 4u, and this part of M, the largest |coordinate| of it and the
-// point. Limits of boxes and leaves, and `beyond`, have room for the factor.
-constexpr double computed_rounding = 8 * unit_roundoff;
 
 // The search for one closest point. Nothing whose computed distance is within the reach is ever left out, but triangles are measured in
 // double precision only once most of those that frames cannot tell from the nearest are known.
@@ -283,10 +30,10 @@ public:
           early_out_(early_out),
           best_(best),
           counters_(counters),
-          reach_{std::sqrt(best.squared_distance), computed_rounding, point.cwiseAbs().maxCoeff()} {}
+          reach_(std::sqrt(best.squared_distance), point) {}
 
-    // Frames shorten the reach by what is certain of exact distances. That the computed distance of a nearest triangle is no larger than
-    // that is so in practice, and not proven; so it is looked at, and what was left out is searched where it is larger.
+    // Frames shorten the reach by what is certain of exact distances. The computed distance of a nearest triangle may be larger, where
+    // a mesh is small beside its coordinates; then what was left out is searched too.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
@@ -330,10 +77,7 @@ private:
         leaf_squares(leaf, local, seen.squared);
         if constexpr (by_frames) {
             const double nearest = std::sqrt(static_cast<double>(least_of(seen.squared))) * (1 + 0x1p-50);
-            const double most = (nearest + seen.error) * leaf.units.unit;
-            const double rounding =
-                2 * computed_rounding * (most + std::max(leaf.units.magnitude, reach_.point_magnitude));
-            reach_.distance = std::min(reach_.distance, most + rounding);
+            reach_.distance = std::min(reach_.distance, (nearest + seen.error) * leaf.units.unit);
         }
         if (!by_frames || leaves_ == most_seen || reach_.distance * reach_.distance <= early_out_) measure();
     }
@@ -382,7 +126,7 @@ HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& poin
 
 void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double nearest, double& least,
                     Counters& counters) {
-    const Reach reach{std::sqrt(nearest)};
+    const Reach reach(std::sqrt(nearest), point);
     visit_within(tree, point, reach, counters.node_visits, [&](std::size_t number) HWY_ATTR {
         const TriangleFramesLeaf& leaf = tree.leaves[number];
         for (unsigned mask = leaf_within(leaf, point, reach); mask != 0; mask &= mask - 1)
@@ -438,7 +182,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
 
 void blocks_gather(const TriangleBlocks::Tree& tree, const Vec3& centre, double radius, NearTriangles<float>& near,
                    Counters& counters) {
-    const Reach reach{radius};
+    const Reach reach(radius, centre);
     visit_within(tree, centre, reach, counters.node_visits, [&](std::size_t number) HWY_ATTR {
         const TriangleFramesLeaf& leaf = tree.leaves[number];
         counters.point_triangle_distances += static_cast<std::uint64_t>(leaf.count);
