@@ -172,7 +172,9 @@ std::map<std::string, Counts> all_counts() {
         all[name] = point_solver_counts(name);
     all["nohd_without_early_break"] = point_solver_counts("nohd", {{"early_break", false}});
     all["ohd_without_culling"] = point_solver_counts("ohd", {{"culling", std::string("none")}});
-    all["scan_by_tree"] = point_solver_counts("scan", {{"tree_from", std::int64_t{0}}});
+    all["scan_by_tree"] =
+        point_solver_counts("scan", {{"cells_from", std::int64_t{1'000'000'000'000}}, {"tree_from", std::int64_t{0}}});
+    all["scan_by_cells"] = point_solver_counts("scan", {{"cells_from", std::int64_t{0}}});
     all["surface_enclosure"] = surface_counts("surface_enclosure");
     all["surface_meshes"] = surface_counts("surface_meshes", {{"cells", std::int64_t(12)}});
     all["interval_subdivision"] = surface_counts("interval_subdivision", {{"depth", std::int64_t(4)}});

@@ -1,6 +1,7 @@
 // scan against naive, bit by bit, on many scenes; and what it is built of.
 #include "exact.h"
 #include "kernel/morton.h"
+#include "points/scan_cells.h"
 #include "points/scan_search.h"
 #include "random.h"
 #include "registry.h"
@@ -8,6 +9,7 @@
 #include "session.h"
 #include "structures/near_grid.h"
 #include "structures/point_blocks.h"
+#include "structures/point_cells.h"
 
 #include <cmath>
 #include <limits>
@@ -146,10 +148,13 @@ void expect_same(const Pair& pair, const Pose& pose, const Result& scan, const s
     }
 }
 
-// The number of pairs from which on a tree is built: always, as it comes, never.
+// The numbers of pairs from which on cells and a tree are used: the tree alone, as it comes, plain comparing, cells and then the tree.
 const std::vector<ParameterMap>& variants() {
-    static const std::vector<ParameterMap> list = {
-        {{"tree_from", std::int64_t{0}}}, {}, {{"tree_from", std::int64_t{1'000'000'000'000}}}};
+    constexpr std::int64_t none = 0, many = 1'000'000'000'000;
+    static const std::vector<ParameterMap> list = {{{"cells_from", many}, {"tree_from", none}},
+                                                   {},
+                                                   {{"cells_from", many}, {"tree_from", many}},
+                                                   {{"cells_from", none}, {"tree_from", none}}};
     return list;
 }
 
@@ -159,7 +164,7 @@ TEST(Scan, SameBitsAsNaiveOnManyScenes) {
         const Index most = i % 100 == 0 ? 3000 : i % 10 == 0 ? 700 : 100;
         const Pair pair = random_pair(random, i % kinds, 1 + random.below(most), 1 + random.below(most));
         const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
-        const ParameterMap& given = variants()[static_cast<std::size_t>(random.below(3))];
+        const ParameterMap& given = variants()[static_cast<std::size_t>(random.below(4))];
         QuerySet queries;
         queries.moves = random.below(3) == 0;  // then the tree is built beforehand
         expect_same(pair, Pose{}, answer("scan", pair, Pose{}, queries, given), where);
@@ -176,7 +181,7 @@ TEST(Scan, SameBitsAsNaiveAtEveryPose) {
         queries.count = 5;
         const Scene scene{PointSet{pair.a}, PointSet{pair.b}};
         const Session moving(entry, Options("scan", entry.info.parameters, {}), scene, queries);
-        const Session once(entry, Options("scan", entry.info.parameters, variants()[0]), scene, {});
+        const Session once(entry, Options("scan", entry.info.parameters, variants()[i % 2 == 0 ? 0 : 3]), scene, {});
         for (int p = 0; p < 5; ++p) {
             const Pose pose = turned(0.6, 0.8, random.vector(std::pow(10.0, random.below(6) - 3)));
             Query query;
@@ -203,7 +208,7 @@ TEST(Scan, SameWorkOnEveryVectorTarget) {
         ran.insert(scan_target());
         ASSERT_EQ(scan_target(), target) << "asked for " << hwy::TargetName(target);
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const Result result = answer("scan", pairs[i], Pose{}, {}, variants()[i % 2]);
+            const Result result = answer("scan", pairs[i], Pose{}, {}, variants()[i % 4]);
             const std::string where = std::string(hwy::TargetName(target)) + ", " + pairs[i].name;
             if (first.size() < pairs.size()) {
                 first.push_back(result);
@@ -236,11 +241,130 @@ TEST(Scan, StopsWithBoundsThatHold) {
             query.budget = budget;
             Trace trace;
             const Result result = session.solve(query, trace);
-            EXPECT_EQ(to_string(result.status), to_string(Status::budget)) << budget;
+            if (budget <= 5) {
+                EXPECT_EQ(to_string(result.status), to_string(Status::budget)) << budget;
+            }
+            if (result.status == Status::converged) {
+                EXPECT_EQ(result.bounds.upper, whole.bounds.upper) << budget;
+            }
             EXPECT_LE(result.bounds.lower, whole.bounds.lower) << budget;
             EXPECT_GE(result.bounds.upper, whole.bounds.upper) << budget;
             EXPECT_LE(result.bounds.upper, 2 * diagonal(pair.b)) << budget;
         }
+    }
+}
+
+// Sizes that are many blocks of A and of B.
+TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
+    Random random(43);
+    for (int i = 0; i < 2 * kinds; ++i) {
+        const Pair pair = random_pair(random, i % kinds, 20'000 + random.below(20'000), 40'000 + random.below(20'000));
+        const SolverEntry& entry = find_solver("scan");
+        const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
+        Result one;
+        for (const int threads : {1, 2, 3, 8}) {
+            QuerySet queries;
+            queries.threads = threads;
+            const Session session(entry, Options("scan", entry.info.parameters, {}),
+                                  Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
+            Query query;
+            query.tolerance.value = 1e-9;
+            query.threads = threads;
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            if (threads == 1) one = result;
+            EXPECT_EQ(result.bounds.lower, one.bounds.lower) << where;
+            EXPECT_EQ(result.bounds.upper, one.bounds.upper) << where;
+            EXPECT_EQ(result.witness.source_element, one.witness.source_element) << where;
+            EXPECT_EQ(result.witness.target_element, one.witness.target_element) << where;
+            EXPECT_EQ(result.counters, one.counters) << where;
+        }
+    }
+}
+
+// Every chosen row in the list of its cell, once; lists that are the same whatever the threads; ranges that hold all near points.
+TEST(PointCells, HoldEachChosenRowOnce) {
+    Random random(44);
+    for (int i = 0; i < 3 * kinds; ++i) {
+        const Points points = random_pair(random, i % kinds, 1, 1 + random.below(i < kinds ? 20 : 3000)).b;
+        if (magnitude(points) > 1e100) continue;
+        std::vector<Index> chosen;
+        for (Index j = 0; j < points.rows(); ++j)
+            if (random.below(3) > 0) chosen.push_back(j);
+        const std::vector<Index>* const which = i % 2 == 0 ? &chosen : nullptr;
+        if (which && chosen.empty()) continue;
+        const Box box = extent_of(points).box;
+        const double per_length = std::pow(10.0, random.below(5)) / std::max((box.high - box.low).maxCoeff(), 1e-300);
+        const PointCells one(points, which, box, per_length, Threads(1)),
+            three(points, which, box, per_length, Threads(3));
+        for (Index j = 0; j < points.rows(); ++j) {
+            const PointCells::Cell cell = one.cell_of(points.row(j).data());
+            int times = 0;
+            Index other = three.first(cell);
+            for (Index k = one.first(cell); k >= 0; k = one.next(k), other = three.next(other)) {
+                ASSERT_EQ(k, other);
+                times += k == j;
+                ASSERT_TRUE(!which || std::binary_search(chosen.begin(), chosen.end(), k));
+            }
+            ASSERT_LT(other, 0);
+            ASSERT_EQ(times, !which || std::binary_search(chosen.begin(), chosen.end(), j) ? 1 : 0);
+        }
+    }
+}
+
+// B has a point P at the first double of a cell, and Q, which the grid knows, farther by one unit in the last place of the squared
+// distance. The root of that is short of P: a range of cells that is not widened for rounding ends before P.
+TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
+    Random random(45);
+    int needed = 0;
+    for (int i = 0; i < 20000 && needed < 50; ++i) {
+        const Box box{Vec3(-2, -1, -1), Vec3(2, 1, 1)};
+        const double per_length = 4 + random.unit();
+        Points ends(2, 3);
+        ends.row(0) = box.low;
+        ends.row(1) = box.high;
+        const PointCells grid(ends, nullptr, box, per_length, Threads(1));
+        double before = 0.5, edge = 0.9;
+        const auto cell = [&](double x) { return grid.cell_of(Vec3(x, 0, 0).data())[0]; };
+        while (std::nextafter(before, 1) < edge) {
+            const double middle = before + (edge - before) / 2;
+            (cell(middle) == cell(0.5) ? before : edge) = middle;
+        }
+        const double x = -random.unit(), apart = edge - x;
+        const Points a = rows({{x, 0, 0}});
+        const double least = squared_distance(a.data(), Vec3(edge, 0, 0).data()), more = std::nextafter(least, 10);
+        // Q on the other side, with a small y that makes up for the last bit.
+        Points b = rows({{x - apart, 0, 0}, {edge, 0, 0}});
+        for (double y = 1e-9; y < 4e-8 && squared_distance(a.data(), b.data()) < more; y *= 1.02) b(0, 1) = y;
+        if (squared_distance(a.data(), b.data()) != more || b(0, 0) < box.low[0]) continue;
+        if (cell(x + std::sqrt(more)) == cell(edge)) continue;
+        ++needed;
+        const NearGrid near(Points(b.topRows(1)), {Vec3(b.row(0)), Vec3(b.row(0))});
+        const PointCells cells(b, nullptr, box, per_length, Threads(1));
+        CellFindings findings;
+        findings.farthest.squared = 0;
+        search_cells(cells, near, a, 0, 1, b, findings);
+        ASSERT_TRUE(findings.open.empty());
+        ASSERT_EQ(findings.farthest.squared, least) << "x = " << x;
+        ASSERT_EQ(findings.farthest.target, 1);
+    }
+    EXPECT_EQ(needed, 50);
+}
+
+// The closest point is the last of a list that is too long to look at.
+TEST(PointCells, CrowdedCellsLeaveAPointOpen) {
+    Random random(46);
+    const Points b =
+        stacked(rows({{0.001, 0, 0}}), (cloud(random, 5000, 1e-4).rowwise() + Eigen::RowVector3d(0.002, 0, 0)));
+    const Points a = rows({{0, 0, 0}});
+    const Box box = extent_of(b).box;
+    for (const double per_length : {1.0, 1e6}) {
+        const PointCells cells(b, nullptr, box, per_length, Threads(1));
+        CellFindings findings;
+        findings.farthest.squared = 0;
+        search_cells(cells, NearGrid(b.bottomRows(1), extent_of(b.bottomRows(1)).box), a, 0, 1, b, findings);
+        EXPECT_EQ(findings.open, std::vector<Index>{0});
+        EXPECT_EQ(findings.farthest.squared, 0);
     }
 }
 

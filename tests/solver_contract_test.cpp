@@ -365,7 +365,7 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
                                                                         {"ohd", {{"lambda", 0.0}}},
                                                                         {"adaptive", {{"theta", 1.0}}},
                                                                         {"adaptive", {{"theta", 0.0}}},
-                                                                        {"scan", {{"tree_from", std::int64_t{0}}}},
+                                                                        {"scan", {{"cells_from", std::int64_t{0}}, {"tree_from", std::int64_t{0}}}},
                                                                         {"kdtree", {{"leaf_size", std::int64_t{1}}}},
                                                                         {"cgal", {{"match_faces", false}}}};
     for (const auto& variant : variants) {

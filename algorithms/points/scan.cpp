@@ -7,9 +7,15 @@
 //   2. the points of A whose candidates are farthest are compared with all of B: the largest distance so far;
 //   3. points of A whose candidate is no farther than that are decided;
 //   4. of B only what may be nearest to an undecided point is kept: the grid cells no farther from it than its candidate;
-//   5. if that is much, it is sorted in Morton order under a tree of boxes, and so are the undecided points of A. A leaf
+//   5. that is put into cells of about the distance between neighbours. A near point is mostly in the cell of a point of A, or beside
+//      it; else all cells are looked at that may have one;
+//   6. where points crowd in cells, they are sorted in Morton order under a tree of boxes, and so are the undecided points of A. A leaf
 //      of A is decided by a near leaf of B as a whole, or else point by point: by that leaf, then by a search.
-// A tree over all of B is built beforehand only if there are several queries.
+// Where 3 would decide few points, as a sample tells, 5 takes all. A tree over all of B is built beforehand, and does the work of 5, only
+// if there are several queries.
+//
+// Threads take the points of A in blocks (1, 3 and 5), each of which starts from the distance that was known before the round: so the
+// work, the answer and its witness are the same whatever their number.
 //
 // Outliers and clusters: the grid covers the part of B where most points are, and both sorts refine every cell that holds
 // many points in the frame of its own box (kernel/morton.h), so that no step takes its scale from the farthest points.
@@ -19,12 +25,14 @@
 // the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
+#include "points/scan_cells.h"
 #include "points/scan_search.h"
 #include "solver.h"
 #include "structures/near_grid.h"
 #include "structures/point_blocks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -39,7 +47,9 @@ struct Undecided {
 
 class Scan final : public Solver {
 public:
-    explicit Scan(const Options& options) : tree_from_(static_cast<double>(options.integer("tree_from"))) {}
+    explicit Scan(const Options& options)
+        : cells_from_(static_cast<double>(options.integer("cells_from"))),
+          tree_from_(static_cast<double>(options.integer("tree_from"))) {}
 
     Needs needs(const Scene& scene, const QuerySet& queries) const override {
         // A target that fits one leaf needs no tree; one query alone builds what it needs of it.
@@ -53,7 +63,7 @@ public:
         const Points& b = points_of(scene.target);
         target_ = extent_of(b);
         if (target_.magnitude() > largest_safe_coordinate) return;
-        grid_ = NearGrid(b, target_.box);
+        grid_ = NearGrid(b, target_.box, prepared.threads());
         if (prepared.has<PointBlocks>(Side::target)) blocks_ = &prepared.get<PointBlocks>(Side::target);
     }
 
@@ -75,16 +85,33 @@ public:
         if (stopped != Status::converged) {
             left = squared_distances_at_most(a, b, nullptr, 0);
         } else {
-            sample(a, b, state);
-            undecided = keep_undecided(a, b, state);
-            stopped = finish(query, deadline, a, b, undecided, state);
-            if (stopped != Status::converged) left = most_of(undecided);
+            const Work work{query, deadline, Threads(query.threads), a, b};
+            const std::vector<Undecided> farthest = farthest_of_blocks(work);
+            std::vector<Undecided> first = farthest;
+            compare_farthest(a, b, first, batch, state);
+            if (candidates_decide_few(a, state)) {
+                stopped = search_near(work, nullptr, nullptr, state);
+                if (stopped != Status::converged) left = most_of(farthest);
+            } else {
+                undecided = keep_undecided(work, farthest, state);
+                stopped = finish(work, undecided, state);
+                if (stopped != Status::converged) left = most_of(undecided);
+            }
         }
         return exact_result(query, a, b, state.farthest, state.counters, source.tiny || target_.tiny, left, stopped);
     }
 
 private:
-    static constexpr std::size_t batch = 8;  // points compared with all of B in one pass over it
+    static constexpr std::size_t batch = 8;          // points compared with all of B in one pass over it
+    static constexpr std::size_t block_rows = 1024;  // of A, that one thread takes at a time
+
+    // One query, with the shapes at its pose.
+    struct Work {
+        const Query& query;
+        const Deadline& deadline;
+        Threads threads;
+        const Points &a, &b;
+    };
 
     static Status stop(const Query& query, const Deadline& deadline, const ScanState& state) {
         if (state.counters.closest_point_queries >= query.budget) return Status::budget;
@@ -102,46 +129,90 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Puts the farthest candidates first, compares their points of A with all of B.
+    // Compares those whose candidates are farthest with all of B: they are decided.
     static void compare_farthest(const Points& a, const Points& b, std::vector<Undecided>& undecided, std::size_t count,
                                  ScanState& state) {
         count = std::min(count, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
             return x.squared != y.squared ? x.squared > y.squared : x.row < y.row;
         };
-        std::partial_sort(undecided.begin(), undecided.begin() + static_cast<std::ptrdiff_t>(count), undecided.end(),
-                          farther);
+        const auto end = undecided.begin() + static_cast<std::ptrdiff_t>(count);
+        std::partial_sort(undecided.begin(), end, undecided.end(), farther);
         std::vector<Index> rows;
         for (std::size_t i = 0; i < count; ++i) rows.push_back(undecided[i].row);
         compare_with_all(a, rows, b, state.farthest, state.counters);
+        undecided.erase(undecided.begin(), end);
+        drop_decided(undecided, state);
     }
 
-    // A first lower bound.
-    void sample(const Points& a, const Points& b, ScanState& state) const {
-        constexpr std::int64_t most = 1024;
-        const std::int64_t count = std::min<std::int64_t>(a.rows(), most);
-        std::vector<Undecided> some;
-        for (std::int64_t i = 0; i < count; ++i) {
-            const auto row = static_cast<Index>(a.rows() * i / count);
-            some.push_back({squared_to_candidate(a.row(row).data()), row});
+    // Replaces candidates by the nearest of some points of B that are spread evenly: far from B, one is about as near as the closest.
+    void compare_with_spread(const Points& a, const Points& b, std::vector<Undecided>& undecided,
+                             ScanState& state) const {
+        const std::size_t work = undecided.size() * grid_.occupied();
+        if (undecided.empty() || work > 8 * static_cast<std::size_t>(b.rows())) return;
+        std::vector<Index> rows;
+        for (const Undecided& one : undecided) rows.push_back(one.row);
+        const std::vector<double> squared = squared_to_nearest(a, rows, grid_.spread());
+        state.counters.point_distances += work;
+        for (std::size_t i = 0; i < rows.size(); ++i) undecided[i].squared = std::min(undecided[i].squared, squared[i]);
+        drop_decided(undecided, state);
+    }
+
+    // Some of the rows (of all of A if null), one of each of up to 1024 parts.
+    static std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows) {
+        const std::size_t all = rows ? rows->size() : static_cast<std::size_t>(a.rows());
+        std::vector<Index> some(std::min<std::size_t>(all, 1024));
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const std::size_t at = part(all, i, some.size()).begin;
+            some[i] = rows ? (*rows)[at] : static_cast<Index>(at);
         }
-        state.counters.point_distances += static_cast<std::uint64_t>(count);
-        compare_farthest(a, b, some, batch / 2, state);
+        return some;
+    }
+
+    // The point of each block of A whose candidate is farthest.
+    std::vector<Undecided> farthest_of_blocks(const Work& work) const {
+        const auto count = static_cast<std::size_t>(work.a.rows());
+        std::vector<Undecided> farthest((count + block_rows - 1) / block_rows);
+        work.threads.for_each(farthest.size(), [&](std::size_t block) {
+            const std::size_t begin = block * block_rows, some = std::min(block_rows, count - begin);
+            double squared[block_rows];
+            grid_.squared_to_candidates(work.a.data() + 3 * begin, some, squared);
+            const auto most = static_cast<std::size_t>(std::max_element(squared, squared + some) - squared);
+            farthest[block] = {squared[most], static_cast<Index>(begin + most)};
+        });
+        return farthest;
+    }
+
+    // Whether the candidates of most points of A are farther than the largest distance so far.
+    bool candidates_decide_few(const Points& a, ScanState& state) const {
+        const std::vector<Index> some = sample_of(a, nullptr);
+        std::size_t left = 0;
+        for (const Index row : some) left += squared_to_candidate(a.row(row).data()) > state.farthest.squared ? 1 : 0;
+        state.counters.point_distances += static_cast<std::uint64_t>(a.rows()) + some.size();
+        return left > some.size() / 2;
     }
 
     // The points of A that their candidate does not decide.
-    std::vector<Undecided> keep_undecided(const Points& a, const Points& b, ScanState& state) const {
+    std::vector<Undecided> keep_undecided(const Work& work, const std::vector<Undecided>& farthest,
+                                          ScanState& state) const {
+        const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> undecided;
-        for (Index i = 0; i < a.rows(); ++i) {
-            const double squared = squared_to_candidate(a.row(i).data());
-            if (squared > state.farthest.squared) undecided.push_back({squared, i});
+        for (std::size_t block = 0; block < farthest.size(); ++block) {
+            if (farthest[block].squared <= state.farthest.squared) continue;
+            const std::size_t begin = block * block_rows, some = std::min(block_rows, count - begin);
+            double squared[block_rows];
+            grid_.squared_to_candidates(work.a.data() + 3 * begin, some, squared);
+            state.counters.point_distances += some;
+            for (std::size_t i = 0; i < some; ++i) {
+                if (squared[i] > state.farthest.squared)
+                    undecided.push_back({squared[i], static_cast<Index>(begin + i)});
+            }
         }
-        state.counters.point_distances += static_cast<std::uint64_t>(a.rows());
-        // One pass over B for the farthest candidates, and more while each decides half of what is left: cheaper than a tree.
+        compare_with_spread(work.a, work.b, undecided, state);
+        // One pass over B for the farthest candidates, and more while each decides half of what is left: cheaper than cells.
         for (std::size_t before = 2 * undecided.size(); !undecided.empty() && undecided.size() <= before / 2;) {
             before = undecided.size();
-            compare_farthest(a, b, undecided, batch, state);
-            drop_decided(undecided, state);
+            compare_farthest(work.a, work.b, undecided, batch, state);
         }
         return undecided;
     }
@@ -150,25 +221,90 @@ private:
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }
 
-    Status finish(const Query& query, const Deadline& deadline, const Points& a, const Points& b,
-                  const std::vector<Undecided>& undecided, ScanState& state) const {
+    Status finish(const Work& work, const std::vector<Undecided>& undecided, ScanState& state) const {
         if (undecided.empty()) return Status::converged;
-        if (const Status stopped = stop(query, deadline, state); stopped != Status::converged) return stopped;
         std::vector<Index> rows;
         for (const Undecided& one : undecided) rows.push_back(one.row);
         std::sort(rows.begin(), rows.end());
-        const auto search_in = [&](const PointBlocks& blocks) {
-            const std::vector<Index>* chosen = rows.size() == static_cast<std::size_t>(a.rows()) ? nullptr : &rows;
-            return search(query, deadline, leaves_of(a, chosen, blocks.frame), blocks, state);
-        };
-        if (blocks_) return search_in(*blocks_);
+        std::optional<std::vector<Index>> near;
+        if (!blocks_) near = near_undecided(work.a, work.b, undecided, state);
+        return search_near(work, &rows, near ? &*near : nullptr, state);
+    }
 
-        const std::optional<std::vector<Index>> near = near_undecided(a, b, undecided, state);
-        const std::size_t count = near ? near->size() : static_cast<std::size_t>(b.rows());
-        if (static_cast<double>(rows.size()) * static_cast<double>(count) < tree_from_) {
-            return compare(query, deadline, a, rows, b, near, state);
+    // The rows of A (all if null) against the points of B that may be closest to them (likewise), with what is cheapest for so many.
+    Status search_near(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near,
+                       ScanState& state) const {
+        if (const Status stopped = stop(work.query, work.deadline, state); stopped != Status::converged) return stopped;
+        const auto tree = [&](const PointBlocks& blocks) {
+            return search(work.query, work.deadline, leaves_of(work.a, rows, blocks.frame), blocks, state);
+        };
+        if (blocks_) return tree(*blocks_);
+        const auto count = static_cast<double>(near ? near->size() : static_cast<std::size_t>(work.b.rows()));
+        const auto pairs = [&] {
+            return count * static_cast<double>(rows ? rows->size() : static_cast<std::size_t>(work.a.rows()));
+        };
+        std::vector<Index> open;
+        if (grid_.cells_per_length() > 0 && pairs() >= cells_from_) {
+            const std::optional<Status> stopped = search_in_cells(work, rows, near, open, state);
+            if (stopped && (*stopped != Status::converged || open.empty())) return *stopped;
+            if (stopped) rows = &open;
         }
-        return search_in(PointBlocks(b, near ? &*near : nullptr, target_.box));
+        if (pairs() < tree_from_) return compare(work.query, work.deadline, work.a, rows, work.b, near, state);
+        return tree(PointBlocks(work.b, near, target_.box));
+    }
+
+    // `open` are the rows that it does not decide. None: cells are no help here.
+    std::optional<Status> search_in_cells(const Work& work, const std::vector<Index>* rows,
+                                          const std::vector<Index>* near, std::vector<Index>& open,
+                                          ScanState& state) const {
+        // On a surface, a cell of that size that has points has about two. Where the largest distance so far is long, a larger cell does:
+        // all points within one are near enough to each other.
+        const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(grid_.occupied());
+        const double finer = std::sqrt(std::max(crowd / 2, 1.0));
+        const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
+        const double cells_per_length = std::min(grid_.cells_per_length() * finer, wide_enough);
+        const PointCells cells(work.b, near, target_.box, cells_per_length, work.threads);
+        // First a few rows: their largest distance decides most others at once.
+        const std::vector<Index> some = sample_of(work.a, rows);
+        CellFindings first{state.farthest, {}, {}};
+        search_cells(cells, grid_, work.a, some, work.b, first);
+        take(first, state);
+        if (first.open.size() > some.size() / 4) return std::nullopt;
+        return search_blocks(work, rows, cells, open, state);
+    }
+
+    static void take(const CellFindings& found, ScanState& state) {
+        state.counters.point_distances += found.counters.point_distances;
+        state.counters.closest_point_queries += found.counters.closest_point_queries;
+        if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
+    }
+
+    // Blocks of rows, each with the largest distance that was known before them and what it finds itself, so that the answer does not
+    // depend on which of them are searched at the same time.
+    Status search_blocks(const Work& work, const std::vector<Index>* rows, const PointCells& cells,
+                         std::vector<Index>& open, ScanState& state) const {
+        constexpr std::size_t size = block_rows, at_once = 64;  // blocks between two looks at the clock
+        const std::size_t count = rows ? rows->size() : static_cast<std::size_t>(work.a.rows());
+        for (std::size_t begin = 0; begin < count; begin += size * at_once) {
+            if (const Status stopped = stop(work.query, work.deadline, state); stopped != Status::converged)
+                return stopped;
+            const std::size_t end = std::min(count, begin + size * at_once), blocks = (end - begin + size - 1) / size;
+            std::vector<CellFindings> findings(blocks, CellFindings{state.farthest, {}, {}});
+            work.threads.for_each(blocks, [&](std::size_t block) {
+                const std::size_t from = begin + block * size, to = std::min(end, from + size);
+                if (rows)
+                    search_cells(cells, grid_, work.a, std::span(*rows).subspan(from, to - from), work.b,
+                                 findings[block]);
+                else
+                    search_cells(cells, grid_, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b,
+                                 findings[block]);
+            });
+            for (const CellFindings& found : findings) {
+                take(found, state);
+                open.insert(open.end(), found.open.begin(), found.open.end());
+            }
+        }
+        return Status::converged;
     }
 
     // The points of B in cells that the closest points of undecided ones may lie in; none if that would hardly leave any out.
@@ -192,10 +328,12 @@ private:
     }
 
     // Plain early breaking.
-    static Status compare(const Query& query, const Deadline& deadline, const Points& a, const std::vector<Index>& rows,
-                          const Points& b, const std::optional<std::vector<Index>>& near, ScanState& state) {
+    static Status compare(const Query& query, const Deadline& deadline, const Points& a, const std::vector<Index>* rows,
+                          const Points& b, const std::vector<Index>* near, ScanState& state) {
         const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
-        for (const Index i : rows) {
+        const auto those = rows ? static_cast<Index>(rows->size()) : static_cast<Index>(a.rows());
+        for (Index r = 0; r < those; ++r) {
+            const Index i = rows ? (*rows)[static_cast<std::size_t>(r)] : r;
             if (const Status stopped = stop(query, deadline, state); stopped != Status::converged) return stopped;
             FarthestPoint nearest{std::numeric_limits<double>::infinity(), i, -1};
             ++state.counters.closest_point_queries;
@@ -221,7 +359,7 @@ private:
         return Status::converged;
     }
 
-    double tree_from_;
+    double cells_from_, tree_from_;
     const Scene* scene_ = nullptr;
     Extent target_;
     NearGrid grid_;
@@ -237,13 +375,23 @@ SolverEntry scan_solver() {
     info.source.points = info.target.points = true;
     info.certified = true;
     info.ignores_tolerance = true;
+    info.threads = true;
     info.may_need = {need<PointBlocks>(Side::target)};
     info.parameters = {
+        {.name = "cells_from",
+         .default_value = std::int64_t{1} << 17,
+         .unit = "pairs",
+         .paper_value = "",
+         .description =
+             "from this many undecided points of A times points of B near them on, these are sorted into cells",
+         .choices = {},
+         .least = 0,
+         .most = 1e18},
         {.name = "tree_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
          .paper_value = "",
-         .description = "from this many undecided points of A times points of B near them on, a tree is built",
+         .description = "from this many pairs that the cells leave undecided on, a tree is built",
          .choices = {},
          .least = 0,
          .most = 1e18},

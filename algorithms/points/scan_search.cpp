@@ -65,15 +65,15 @@ HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
 }
 
-void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                      Counters& counters) {
+struct Best {
+    double squared = infinity;
+    Index begin = 0;  // of the tile of B that has it
+};
+
+std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b) {
     const Doubles d;
     constexpr std::size_t tile = 256;
     HWY_ALIGN double x[tile], y[tile], z[tile];
-    struct Best {
-        double squared = infinity;
-        Index begin = 0;  // of the tile that has it
-    };
     std::vector<Best> best(rows.size());
     const auto count = static_cast<std::size_t>(b.rows());
     for (std::size_t begin = 0; begin < count; begin += tile) {
@@ -94,7 +94,19 @@ void compare_with_all(const Points& a, std::span<const Index> rows, const Points
             if (squared < best[q].squared) best[q] = {squared, static_cast<Index>(begin)};
         }
     }
-    counters.point_distances += rows.size() * count;
+    return best;
+}
+
+std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b) {
+    std::vector<double> squared;
+    for (const Best& best : nearest_of_all(a, rows, b)) squared.push_back(best.squared);
+    return squared;
+}
+
+void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
+                      Counters& counters) {
+    const std::vector<Best> best = nearest_of_all(a, rows, b);
+    counters.point_distances += rows.size() * static_cast<std::size_t>(b.rows());
     counters.closest_point_queries += rows.size();
     for (std::size_t q = 0; q < rows.size(); ++q) {
         if (!(best[q].squared > farthest.squared)) continue;
@@ -278,6 +290,7 @@ namespace hausbench {
 
 HWY_EXPORT(extent_of);
 HWY_EXPORT(compare_with_all);
+HWY_EXPORT(squared_to_nearest);
 HWY_EXPORT(search_samples);
 HWY_EXPORT(search_leaves);
 HWY_EXPORT(scan_target);
@@ -287,6 +300,10 @@ Extent extent_of(const Points& points) { return HWY_DYNAMIC_DISPATCH(extent_of)(
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
                       Counters& counters) {
     HWY_DYNAMIC_DISPATCH(compare_with_all)(a, rows, b, farthest, counters);
+}
+
+std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b) {
+    return HWY_DYNAMIC_DISPATCH(squared_to_nearest)(a, rows, b);
 }
 
 void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace hausbench {
 
@@ -22,6 +23,9 @@ Extent extent_of(const Points& points);
 // The nearest point of B to each of a few rows of A, by comparing with all; updates `farthest`. O(rows |B|).
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
                       Counters& counters);
+
+// The squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
+std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b);
 
 // Leaves of A against the tree of B. What carries over from one leaf to the next is where the last answer was.
 struct ScanState {

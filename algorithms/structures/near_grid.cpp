@@ -58,44 +58,95 @@ Box dense_part(const Points& points, const Box& box) {
 
 }  // namespace
 
-NearGrid::NearGrid(const Points& points, const Box& box) {
+NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads) {
     const Box part = dense_part(points, box);
     const bool whole = part.low == box.low && part.high == box.high;
     lay_cells(part, static_cast<double>(std::clamp<Eigen::Index>(points.rows() / 8, 1, Eigen::Index{1} << 16)));
+    const std::int32_t* const size = layout_.size;
     candidates_.assign(
-        static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]),
+        static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]),
         {{0, 0, 0}, -1});
-    for (Index i = 0; i < points.rows(); ++i) {
-        const double* p = points.row(i).data();
-        Candidate& candidate = candidates_[cell_of(p)];
-        // A point outside the grid may be far from the cell that it belongs to: any other is better.
-        const Vec3 at(p[0], p[1], p[2]);
-        const bool inside =
-            whole || ((at.array() >= part.low.array()).all() && (at.array() <= part.high.array()).all());
-        if (inside || candidate.row < 0) candidate = {{p[0], p[1], p[2]}, i};
-    }
+    take_last_of_each(points, whole ? nullptr : &part, threads);
     fill_empty_cells();
+}
+
+// The last point of each cell. A point that is not inside may be far from the cell that it belongs to: any other is better.
+//
+// A part of the points for each of a few threads, which note the last row of each cell; of two parts the later one counts.
+void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
+    constexpr std::size_t chunk = 1024;
+    const auto count = static_cast<std::size_t>(points.rows());
+    const std::size_t parts = std::min(static_cast<std::size_t>(threads.most()), blocks_of(count, 16 * chunk));
+    struct Last {
+        std::vector<Index> any, within;  // by cell; -1: none
+    };
+    std::vector<Last> last(parts);
+    threads.for_each(parts, [&](std::size_t p) {
+        const Part mine = part(count, p, parts);
+        last[p].any.assign(candidates_.size(), -1);
+        if (inside) last[p].within.assign(candidates_.size(), -1);
+        std::int32_t cells[chunk];
+        for (std::size_t begin = mine.begin; begin < mine.end; begin += chunk) {
+            const std::size_t some = std::min(chunk, mine.end - begin);
+            cells_of(layout_, points.data() + 3 * begin, some, cells);
+            for (std::size_t i = 0; i < some; ++i) {
+                const auto cell = static_cast<std::size_t>(cells[i]);
+                const auto row = static_cast<Index>(begin + i);
+                last[p].any[cell] = row;
+                if (!inside) continue;
+                const double* const x = points.row(row).data();
+                const Vec3 at(x[0], x[1], x[2]);
+                if ((at.array() >= inside->low.array()).all() && (at.array() <= inside->high.array()).all())
+                    last[p].within[cell] = row;
+            }
+        }
+    });
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        Index row = -1;
+        for (std::size_t p = parts; p-- > 0 && row < 0 && inside;) row = last[p].within[c];
+        for (std::size_t p = parts; p-- > 0 && row < 0;) row = last[p].any[c];
+        if (row < 0) continue;
+        const double* const x = points.row(row).data();
+        candidates_[c] = {{x[0], x[1], x[2]}, row};
+        ++occupied_;
+    }
+}
+
+void NearGrid::squared_to_candidates(const double* points, std::size_t count, double* squared) const {
+    constexpr std::size_t chunk = 256;
+    std::int32_t cells[chunk];
+    for (std::size_t begin = 0; begin < count; begin += chunk) {
+        const std::size_t some = std::min(chunk, count - begin);
+        cells_of(layout_, points + 3 * begin, some, cells);
+        for (std::size_t i = 0; i < some; ++i) {
+            const double* const p = points + 3 * (begin + i);
+            const double* const q = candidates_[static_cast<std::size_t>(cells[i])].point;
+            const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+            squared[begin + i] = (x * x + y * y) + z * z;
+        }
+    }
 }
 
 // As many cells along the longest axis as the total allows.
 void NearGrid::lay_cells(const Box& box, double most) {
     const Vec3 width = box.high - box.low;
     const double longest = width.maxCoeff();
-    for (int k = 0; k < 3; ++k) low_[k] = box.low[k];
+    for (int k = 0; k < 3; ++k) layout_.low[k] = box.low[k];
     for (int along = longest > 0x1p-900 ? 1024 : 0; along >= 1; along = along * 7 / 8) {
         int size[3];
         double total = 1;
         for (int k = 0; k < 3; ++k) total *= size[k] = 1 + static_cast<int>(along * (width[k] / longest));
         if (total > most && along > 1) continue;
-        cells_per_length_ = along / longest;
-        for (int k = 0; k < 3; ++k) size_[k] = size[k];
+        layout_.cells_per_length = along / longest;
+        for (int k = 0; k < 3; ++k) layout_.size[k] = size[k];
         break;
     }
-    for (int k = 0; k < 3; ++k) last_[k] = size_[k] - 1;
+    for (int k = 0; k < 3; ++k) layout_.last[k] = layout_.size[k] - 1;
 }
 
 void NearGrid::fill_empty_cells() {
     std::vector<Place> places(candidates_.size());
+    const std::int32_t(&size_)[3] = layout_.size;
     const auto at = [&](int x, int y, int z) { return static_cast<std::size_t>(x + size_[0] * (y + size_[1] * z)); };
     const auto sweep = [&](bool forward) {
         const int step = forward ? 1 : -1;
@@ -137,13 +188,24 @@ void NearGrid::fill_empty_cells() {
     }
 }
 
+Points NearGrid::spread() const {
+    Points points(static_cast<Eigen::Index>(occupied_), 3);
+    Eigen::Index count = 0;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        const double* const p = candidates_[c].point;
+        if (cell_of(p) == c && count < points.rows()) points.row(count++) << p[0], p[1], p[2];
+    }
+    return points.topRows(count);
+}
+
 std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const {
     // Rounding to nearest is monotone and leaves a double as it is: point - radius <= x <= point + radius, exact, implies
     // the same of the rounded ends for every double x. So the ends need no slack.
+    const std::int32_t(&size_)[3] = layout_.size;
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {
-        from[k] = cell(point[k] - radius, k);
-        to[k] = cell(point[k] + radius, k);
+        from[k] = layout_.along(point[k] - radius, k);
+        to[k] = layout_.along(point[k] + radius, k);
     }
     for (int z = from[2]; z <= to[2]; ++z) {
         for (int y = from[1]; y <= to[1]; ++y) {

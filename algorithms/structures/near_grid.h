@@ -5,6 +5,8 @@
 #pragma once
 
 #include "kernel/box.h"
+#include "kernel/parallel.h"
+#include "structures/near_cells.h"
 
 #include <cstdint>
 #include <vector>
@@ -22,33 +24,36 @@ public:
 
     // `box` is that of `points`. The grid covers the part of it where most points are, so that a few outliers do not make its
     // cells large. About an eighth as many cells as points, 2^16 at most. O(n + cells).
-    NearGrid(const Points& points, const Box& box);
+    NearGrid(const Points& points, const Box& box, const Threads& threads = Threads());
 
     // Points outside the grid belong to the cell nearest to them along each axis. Monotone in each coordinate.
-    std::size_t cell_of(const double* point) const {
-        return static_cast<std::size_t>(cell(point[0], 0) +
-                                        size_[0] * (cell(point[1], 1) + size_[1] * cell(point[2], 2)));
-    }
+    std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
     const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
+
+    // Of many points, three coordinates each: the squared distance of each to its candidate, as squared_distance() computes it.
+    void squared_to_candidates(const double* points, std::size_t count, double* squared) const;
 
     // Sets the flag of every cell that may hold a point with |x - point| <= radius along each axis; returns how many cells
     // those are.
     std::size_t mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const;
 
+    // Cells a length, the same along each axis; 0 where all is one cell.
+    double cells_per_length() const { return layout_.cells_per_length; }
+
+    // How many cells have points of their own, and one of each: spread over the points evenly, however dense they are.
+    std::size_t occupied() const { return occupied_; }
+    Points spread() const;
+
     std::size_t cells() const { return candidates_.size(); }
     std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
 
 private:
-    int cell(double x, int k) const {
-        const double scaled = (x - low_[k]) * cells_per_length_;
-        return static_cast<int>(std::min(std::max(scaled, 0.0), last_[k]));
-    }
     void lay_cells(const Box& box, double most);
+    void take_last_of_each(const Points& points, const Box* inside, const Threads& threads);
     void fill_empty_cells();
 
-    double low_[3] = {}, last_[3] = {};
-    double cells_per_length_ = 0;
-    int size_[3] = {1, 1, 1};
+    CellLayout layout_;
+    std::size_t occupied_ = 0;
     std::vector<Candidate> candidates_;
 };
 
