@@ -1,5 +1,5 @@
 // Doubles and intervals are rounded upward throughout the check: of plain doubles, a sum or a product of positive numbers, and a
-// root, is then at least the exact one, and -(x - y) at most y - x. Comments say where a bound depends on it.
+// root, is then at least the exact one. Comments say where a bound depends on it.
 #include "certificate_check.h"
 
 #include "verify_exact.h"
@@ -202,10 +202,10 @@ private:
     }
     // Also of a NaN, which a slope may be where a square underflows.
     static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
-    // In [0, 1], and x + y <= 1 also without rounding: -(y - 1) is at most 1 - y.
+    // In [0, 1], and x + y <= 1 also without rounding.
     static Weights weights(double x, double y) {
         y = clamped(y, 1);
-        return {clamped(x, -(y - 1)), y};
+        return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
     }
     double squared(const Vec3& p, const Weights& at) const {
         return (p - at.first * along_ - at.second * side_).squaredNorm();
@@ -214,7 +214,7 @@ private:
     Weights foot(const Vec3& p) const {
         // First the height, from what is left beside the longest edge; then the place along that edge, for this height.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
-        if (x >= 0 && y >= 0 && y <= -(x - 1)) return weights(x, y);
+        if (x >= 0 && y >= 0 && x + y <= 1) return weights(x, y);
         const double last = slope(p - along_, third_);
         const std::array<Weights, 3> edges = {weights(slope(p, along_), 0), weights(0, slope(p, side_)),
                                               weights(1, last)};
@@ -303,7 +303,6 @@ private:
     }
 
     void divide(const Polygon& polygon, std::uint64_t bits) {
-        if (bits >> 16 != 0) throw Refused("a cut has bits that mean nothing");
         Meeting p = read_meeting(bits & 0xff, polygon.count), q = read_meeting(bits >> 8, polygon.count);
         for (Meeting* meeting : {&p, &q}) {
             if (meeting->on_edge()) meeting->t = reader_.parameter();

@@ -91,6 +91,17 @@ TEST(Certificate, BothChildrenOfACut) {
     EXPECT_NEAR(found({ends, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
 }
 
+// A cut so near a corner that 1 - t is no double.
+TEST(Certificate, CutsNearACornerAreNotAtIt) {
+    Points points(6, 3);
+    points << flat.vertices, flat.vertices.row(1).replicate(3, 1);
+    const Tree tree = {cut(CutPoint::back(0, 0x1.ffp-54), CutPoint::along(1, 0x1.ffp-54)), leaf(Kind::one, 1),
+                       leaf(Kind::one, 0)};
+    const CertificateCheck check = check_at_rest(flat, soup(points), written(Proof{tree}, infinity));
+    EXPECT_TRUE(check.accepted);
+    EXPECT_GE(check.found, 5.65 * 0x1.ffp-54);  // from Q to corner 1, which is sqrt 32 t
+}
+
 TEST(Certificate, RefusalsNameThePlace) {
     const auto refusal = [&](const Tree& tree) {
         const CertificateCheck check = check_tree(tree);
@@ -139,7 +150,7 @@ TEST(Certificate, OtherFormatsAndBytesAreRefused) {
     EXPECT_NE(refusal(std::string(8, '\xfd') + '\x7f'), "");  // triangle 2^61 - 1 of B
     const std::string cut_of_corners = written(Proof{{cut(CutPoint::corner(0), CutPoint::corner(1))}}, 0).bytes;
     EXPECT_EQ(cut_of_corners.size(), 2u);
-    EXPECT_NE(refusal(std::string("\x80\x80\x80\x01", 4)), "");  // bits of a cut that mean nothing
+    EXPECT_NE(refusal(std::string("\x80\x80\x80\x01", 4)), "");  // a cut to corner or edge 128
     const Shape surface = AlgebraicSurface{"x", rows({{-1, -1, -1}, {1, 1, 1}})};
     EXPECT_NE(check_at_rest(surface, above, {"hausbench cover 1", {}, infinity, "\1"}).refusal, "");
 }
