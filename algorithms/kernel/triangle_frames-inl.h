@@ -33,7 +33,7 @@ HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::
     const Numbers length = row(frame_row::length);
     const Numbers beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
     Numbers squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
-    V inner = y;
+    Numbers inner = y;
     // `side` is how far to the inner side of the line of an edge that begins at `from`; +1 where the triangle is to its right.
     const auto edge = [&](std::size_t direction, std::size_t edge_length, Numbers from_x, bool right) HWY_ATTR {
         const Numbers ux = row(direction), uy = row(direction + 1);
