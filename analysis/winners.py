@@ -30,9 +30,9 @@ RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_sp
 # Whose a claim is, by a part of its text; the first that matches.
 CLAIMS: Final = (("as printed", "`ohd_as_printed`, `nohd_as_printed`"), ("framework", "`adaptive`"), ("INC", "`inc`"),
                  ("EARLYBREAK takes less", "`earlybreak`"), ("(?<!N)OHD (with cells|takes less)|culling", "`ohd`"),
-                 ("NOHD", "`nohd`"), ("Sacht (2024 is|takes|ends)", "`sacht`"), ("Zheng 2022 is", "`zheng`"), ("Tang 2009 is", "`tang`"))
+                 ("NOHD", "`nohd`"), ("cover", "`cover`"), ("Sacht (2024 is|takes|ends)", "`sacht`"), ("Zheng 2022 is", "`zheng`"), ("Tang 2009 is", "`tang`"))
 ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`",
-                "`guthe`", "`sacht`", "`zheng`", "`tang`", "`kang`")  # then the others
+                "`cover`", "`guthe`", "`sacht`", "`zheng`", "`tang`", "`kang`")  # then the others
 SKIPPED: Final = ("peaks where", "fastest at", "increases with", "a much ", "inner steps", "Eq. 7", "as many points")
 
 
