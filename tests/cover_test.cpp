@@ -109,5 +109,74 @@ TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
     }
 }
 
+// In single precision too, no bound is below the exact distance of a corner: the error of a frame is in it. One triangle of B, so
+// that the corner that is farthest is known exactly.
+TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
+    Random random(43);
+    double closest_call = 1;
+    for (int i = 0; i < 3000; ++i) {
+        const TriangleMesh mesh = triangle_soup(random, 1, 0.6);
+        const TriangleBlocks blocks(mesh);
+        Box box;
+        const Triangle t{0.5 * random.vector(), 0.5 * random.vector(), 0.5 * random.vector()};
+        for (const Vec3* corner : {&t.a, &t.b, &t.c}) box.add(*corner);
+        LocalUnits place;
+        place.set(box, 1e-30);
+        OffsetCover<float> cover;
+        cover.near.clear(place);
+        Counters counters;
+        blocks.gather(Vec3::Zero(), 10, cover.near, counters);
+        ASSERT_EQ(cover.near.count(), 1U);
+        cover.make_rows(most_shared_points + most_polygon_corners + 4);
+        cover.set_threshold(8 * place.inverse);
+        CoverPoints<float> points;
+        CoverPolygon<float> piece;
+        long double farthest = 0;
+        const Triangle b = triangle_of(mesh, 0);
+        for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
+            float local[3];
+            for (int k = 0; k < 3; ++k) local[k] = static_cast<float>(((*corner)[k] - place.origin[k]) * place.inverse);
+            points.x[points.count] = local[0], points.y[points.count] = local[1], points.z[points.count++] = local[2];
+            piece.add(local[0], local[1], local[2], 0);
+            farthest = std::max(farthest, exact::root(exact::squared_distance_to_triangle(
+                                              exact::vector(*corner), exact::vector(b.a), exact::vector(b.b), exact::vector(b.c))));
+        }
+        measure_shared(cover, points);
+        const CoverResult result = cover_shared(cover, piece, {0, 1, 2}, 48);
+        ASSERT_TRUE(result.covered);
+        const double upper = result.upper * place.unit;
+        EXPECT_GE(upper, static_cast<double>(farthest)) << i;
+        EXPECT_LE(upper, static_cast<double>(farthest) + 1e-4) << i;
+        closest_call = std::min(closest_call, upper - static_cast<double>(farthest));
+    }
+    EXPECT_LT(closest_call, 1e-4);
+}
+
+// A sample of random scenes with 1, 2 and 5 threads, and with a budget: the same bits.
+TEST(Cover, TheAnswerDoesNotDependOnTheNumberOfThreads) {
+    Random random(44);
+    const SolverEntry& entry = find_solver("cover");
+    for (int i = 0; i < 12; ++i) {
+        const TriangleMesh a = triangle_grid(random, 30, 0.05), b = triangle_grid(random, 25, 0.07);
+        std::optional<Result> first;
+        for (const int threads : {1, 2, 5}) {
+            Query query;
+            query.tolerance.value = i % 3 == 0 ? 1e-3 : 1e-7;
+            query.threads = threads;
+            if (i % 4 == 3) query.budget = 500;
+            QuerySet queries;
+            queries.threads = threads;
+            Trace trace;
+            const Result result = Session(entry, Options("cover", {}, {}), Scene{a, b}, queries).solve(query, trace);
+            if (!first) first = result;
+            EXPECT_EQ(result.bounds.lower, first->bounds.lower) << i << ", " << threads;
+            EXPECT_EQ(result.bounds.upper, first->bounds.upper) << i << ", " << threads;
+            EXPECT_EQ(result.witness.source_point, first->witness.source_point) << i;
+            EXPECT_EQ(result.counters, first->counters) << i << ", " << threads;
+            EXPECT_EQ(result.status, i % 4 == 3 ? first->status : Status::converged) << i;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// 2,000 random pairs of small meshes: the interval of every certified mesh solver, with each of its options in turn, against two slow
+// 5,000 random pairs of small meshes: the interval of every certified mesh solver, with each of its options in turn, against two slow
 // references that share nothing with it, and against the intervals of all others.
 #include "exact.h"
 #include "quick_options.h"
@@ -87,7 +87,7 @@ TEST(MeshSoups, IntervalsHoldBothReferencesAndOverlap) {
     constexpr double tolerance = 1e-5;
     std::map<std::string, int> converged;
     int count = 0;
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < 5000; ++i) {
         const bool large = i % 10 == 9;
         const Scene scene = large ? middling_scene(random, i) : small_scene(random, i);
         const TriangleMesh &a = mesh_of(scene.source), &b = mesh_of(scene.target);
