@@ -33,7 +33,7 @@ Made by `make bench-reference` and not edited. Contenders take turns, forth and 
 time is CPU time, the median of the rounds. A ratio is that contender's time over the first one's, the median over rounds
 with a 95 % order-statistic interval: above 1, the first is faster. Only ratios within one table mean anything.
 
-BVH and octree are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
+BVH, octree and triangle blocks are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
 precision: vertices are rounded to float beforehand, off the clock, queries as they come; one thread, default build
 quality (medium), default (not robust) scene, `rtcPointQuery` with a scalar callback. CGAL is `AABB_tree` over
 `Simple_cartesian<double>` with its default search structure, which counts as building. The last column is the largest
