@@ -1,0 +1,141 @@
+// The trees of cuts in a certificate, as its check reads them (docs/certificate.md): bytes, polygons in intervals, and cuts. Intervals are
+// CGAL's, which round outward while the rounding mode is upward: the caller sees to that.
+#pragma once
+
+#ifndef __ROUNDING_MATH__
+#error \
+    "certificate_tree.h: compile with -frounding-math: without it the compiler may move arithmetic across a change of the rounding mode"
+#endif
+
+#include <CGAL/Interval_nt.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace hausbench::certificate {
+
+using Interval = CGAL::Interval_nt<false>;
+
+inline constexpr std::size_t most_corners = 64, most_pending = 4096;
+
+// What is wrong with a certificate; its text goes into the refusal.
+struct Refused : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// --- the bytes --------------------------------------------------------------------------------------------------------
+
+class Reader {
+public:
+    explicit Reader(const std::string& bytes) : bytes_(bytes) {}
+
+    bool at_end() const { return at_ == bytes_.size(); }
+
+    // Seven bits a byte, the lowest first, in as few bytes as it takes: so nothing can be written in two ways.
+    std::uint64_t number() {
+        std::uint64_t value = 0;
+        for (int shift = 0; shift < 63; shift += 7) {
+            const std::uint64_t byte = next();
+            value |= (byte & 0x7f) << shift;
+            if (byte < 0x80) {
+                if (byte == 0 && shift > 0) throw Refused("a number is not written in as few bytes as it takes");
+                return value;
+            }
+        }
+        throw Refused("a number has more than 63 bits");
+    }
+
+    // Eight bytes, the lowest first.
+    double parameter() {
+        std::uint64_t bits = 0;
+        for (int shift = 0; shift < 64; shift += 8) bits |= next() << shift;
+        // In this order no number below 0, no -0 and no NaN is between 0 and 1.
+        if (bits > std::bit_cast<std::uint64_t>(1.0)) throw Refused("a cut is not between the ends of its edge");
+        return std::bit_cast<double>(bits);
+    }
+
+private:
+    std::uint64_t next() {
+        if (at_end()) throw Refused("the certificate ends here");
+        return static_cast<unsigned char>(bytes_[at_++]);
+    }
+
+    const std::string& bytes_;
+    std::size_t at_ = 0;
+};
+
+// --- polygons of a triangle of A ----------------------------------------------------------------------------------------
+
+// The point a + v (b - a) + w (c - a) of a triangle abc.
+struct Corner {
+    Interval v, w;
+};
+
+// a + t (b - a), as (1 - t) a + t b: that way intervals do not grow from cut to cut, but for the rounding.
+inline Corner between(const Corner& a, const Corner& b, double t) {
+    const Interval to(t), from = Interval(1) - to;
+    return {from * a.v + to * b.v, from * a.w + to * b.w};
+}
+
+struct Polygon {
+    std::size_t count = 0;
+    std::array<Corner, most_corners> corners;
+
+    void add(const Corner& corner) {
+        if (count == most_corners) throw Refused(fmt::format("a polygon has more than {} corners", most_corners));
+        corners[count++] = corner;
+    }
+};
+
+// Where a cut meets the boundary, on a circle of 2n places: corner i is 2i, edge i is 2i + 1.
+struct Meeting {
+    std::size_t place = 0;
+    bool backward = false;
+    double t = 0;
+
+    bool on_edge() const { return place % 2 == 1; }
+};
+
+inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
+    const bool corner = bits & 1;
+    const std::size_t i = bits >> 2;
+    if (i >= corners) throw Refused(fmt::format("a cut names {} {} of {}", corner ? "corner" : "edge", i, corners));
+    if (corner && (bits & 2)) throw Refused("a cut at a corner has a direction");
+    return {2 * i + !corner, (bits & 2) != 0, 0};
+}
+
+inline Corner point_at(const Polygon& polygon, const Meeting& meeting) {
+    const std::size_t i = meeting.place / 2, next = (i + 1) % polygon.count;
+    if (!meeting.on_edge()) return polygon.corners[i];
+    return between(polygon.corners[meeting.backward ? next : i], polygon.corners[meeting.backward ? i : next],
+                   meeting.t);
+}
+
+// The part between two places: the point there, the corners after it and before the end, the point at the end.
+inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to, const Corner& first,
+                    const Corner& last) {
+    const std::size_t places = 2 * whole.count;
+    Polygon child;
+    child.add(first);
+    for (std::size_t place = (from.place + 1) % places; place != to.place; place = (place + 1) % places) {
+        if (place % 2 == 0) child.add(whole.corners[place / 2]);
+    }
+    child.add(last);
+    if (child.count < 3) throw Refused("a cut runs along an edge");
+    return child;
+}
+
+inline std::pair<Polygon, Polygon> cut(const Polygon& whole, const Meeting& p, const Meeting& q) {
+    if (p.place == q.place) throw Refused("a cut begins and ends at one corner or edge");
+    const Corner at_p = point_at(whole, p), at_q = point_at(whole, q);
+    return {part(whole, p, q, at_p, at_q), part(whole, q, p, at_q, at_p)};
+}
+
+}  // namespace hausbench::certificate
