@@ -2,6 +2,7 @@
 #include "exact.h"
 #include "kernel/morton.h"
 #include "points/scan_cells.h"
+#include "points/scan_passes.h"
 #include "points/scan_search.h"
 #include "random.h"
 #include "registry.h"

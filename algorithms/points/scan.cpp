@@ -11,8 +11,8 @@
 //      it; else all cells are looked at that may have one;
 //   6. where points crowd in cells, they are sorted in Morton order under a tree of boxes, and so are the undecided points of A. A leaf
 //      of A is decided by a near leaf of B as a whole, or else point by point: by that leaf, then by a search.
-// Where 3 would decide few points, as a sample tells, 5 takes all. A tree over all of B is built beforehand, and does the work of 5, only
-// if there are several queries.
+// Where 3 would decide few points, as a sample tells, 5 takes all. Only the grid is built beforehand: what 5 and 6 build depends on the
+// distance, and costs less than searching.
 //
 // Threads take the points of A in blocks (1, 3 and 5), each of which starts from the distance that was known before the round: so the
 // work, the answer and its witness are the same whatever their number.
@@ -26,6 +26,7 @@
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
 #include "points/scan_cells.h"
+#include "points/scan_passes.h"
 #include "points/scan_search.h"
 #include "solver.h"
 #include "structures/near_grid.h"
@@ -51,20 +52,12 @@ public:
         : cells_from_(static_cast<double>(options.integer("cells_from"))),
           tree_from_(static_cast<double>(options.integer("tree_from"))) {}
 
-    Needs needs(const Scene& scene, const QuerySet& queries) const override {
-        // A target that fits one leaf needs no tree; one query alone builds what it needs of it.
-        if (points_of(scene.target).rows() <= static_cast<Eigen::Index>(block_points)) return {};
-        if (!queries.moves && queries.count <= 1) return {};
-        return {need<PointBlocks>(Side::target)};
-    }
-
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
-        target_ = extent_of(b);
+        target_ = extent_of(b, prepared.threads());
         if (target_.magnitude() > largest_safe_coordinate) return;
         grid_ = NearGrid(b, target_.box, prepared.threads());
-        if (prepared.has<PointBlocks>(Side::target)) blocks_ = &prepared.get<PointBlocks>(Side::target);
     }
 
     std::size_t prepared_bytes() const override { return grid_.bytes(); }
@@ -74,7 +67,8 @@ public:
         if (!query.source_pose.is_identity()) moved = posed(points_of(scene_->source), query.source_pose);
         const Points& a = query.source_pose.is_identity() ? points_of(scene_->source) : moved;
         const Points& b = points_of(scene_->target);
-        const Extent source = extent_of(a);
+        const Threads threads(query.threads);
+        const Extent source = extent_of(a, threads);
         if (std::max(source.magnitude(), target_.magnitude()) > largest_safe_coordinate) return {};
 
         const Deadline deadline(query.time_limit);
@@ -85,10 +79,10 @@ public:
         if (stopped != Status::converged) {
             left = squared_distances_at_most(a, b, nullptr, 0);
         } else {
-            const Work work{query, deadline, Threads(query.threads), a, b};
+            const Work work{query, deadline, threads, a, b};
             const std::vector<Undecided> farthest = farthest_of_blocks(work);
             std::vector<Undecided> first = farthest;
-            compare_farthest(a, b, first, batch, state);
+            compare_farthest(work, first, state);
             if (candidates_decide_few(a, state)) {
                 stopped = search_near(work, nullptr, nullptr, state);
                 if (stopped != Status::converged) left = most_of(farthest);
@@ -130,9 +124,8 @@ private:
     }
 
     // Compares those whose candidates are farthest with all of B: they are decided.
-    static void compare_farthest(const Points& a, const Points& b, std::vector<Undecided>& undecided, std::size_t count,
-                                 ScanState& state) {
-        count = std::min(count, undecided.size());
+    static void compare_farthest(const Work& work, std::vector<Undecided>& undecided, ScanState& state) {
+        const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
             return x.squared != y.squared ? x.squared > y.squared : x.row < y.row;
         };
@@ -140,20 +133,19 @@ private:
         std::partial_sort(undecided.begin(), end, undecided.end(), farther);
         std::vector<Index> rows;
         for (std::size_t i = 0; i < count; ++i) rows.push_back(undecided[i].row);
-        compare_with_all(a, rows, b, state.farthest, state.counters);
+        compare_with_all(work.a, rows, work.b, work.threads, state.farthest, state.counters);
         undecided.erase(undecided.begin(), end);
         drop_decided(undecided, state);
     }
 
     // Replaces candidates by the nearest of some points of B that are spread evenly: far from B, one is about as near as the closest.
-    void compare_with_spread(const Points& a, const Points& b, std::vector<Undecided>& undecided,
-                             ScanState& state) const {
-        const std::size_t work = undecided.size() * grid_.occupied();
-        if (undecided.empty() || work > 8 * static_cast<std::size_t>(b.rows())) return;
+    void compare_with_spread(const Work& work, std::vector<Undecided>& undecided, ScanState& state) const {
+        const std::size_t pairs = undecided.size() * grid_.occupied();
+        if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
         std::vector<Index> rows;
         for (const Undecided& one : undecided) rows.push_back(one.row);
-        const std::vector<double> squared = squared_to_nearest(a, rows, grid_.spread());
-        state.counters.point_distances += work;
+        const std::vector<double> squared = squared_to_nearest(work.a, rows, grid_.spread(), work.threads);
+        state.counters.point_distances += pairs;
         for (std::size_t i = 0; i < rows.size(); ++i) undecided[i].squared = std::min(undecided[i].squared, squared[i]);
         drop_decided(undecided, state);
     }
@@ -176,8 +168,7 @@ private:
         work.threads.for_each(farthest.size(), [&](std::size_t block) {
             const std::size_t begin = block * block_rows, some = std::min(block_rows, count - begin);
             double squared[block_rows];
-            grid_.squared_to_candidates(work.a.data() + 3 * begin, some, squared);
-            const auto most = static_cast<std::size_t>(std::max_element(squared, squared + some) - squared);
+            const std::size_t most = grid_.squared_to_candidates(work.a.data() + 3 * begin, some, squared);
             farthest[block] = {squared[most], static_cast<Index>(begin + most)};
         });
         return farthest;
@@ -208,11 +199,13 @@ private:
                     undecided.push_back({squared[i], static_cast<Index>(begin + i)});
             }
         }
-        compare_with_spread(work.a, work.b, undecided, state);
-        // One pass over B for the farthest candidates, and more while each decides half of what is left: cheaper than cells.
-        for (std::size_t before = 2 * undecided.size(); !undecided.empty() && undecided.size() <= before / 2;) {
+        compare_with_spread(work, undecided, state);
+        // One pass over B for the farthest candidates, and more while each decides half of what is left, or two more would do: cheaper
+        // than cells.
+        for (std::size_t before = 2 * undecided.size();
+             !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();
-            compare_farthest(work.a, work.b, undecided, batch, state);
+            compare_farthest(work, undecided, state);
         }
         return undecided;
     }
@@ -226,8 +219,7 @@ private:
         std::vector<Index> rows;
         for (const Undecided& one : undecided) rows.push_back(one.row);
         std::sort(rows.begin(), rows.end());
-        std::optional<std::vector<Index>> near;
-        if (!blocks_) near = near_undecided(work.a, work.b, undecided, state);
+        const std::optional<std::vector<Index>> near = near_undecided(work.a, work.b, undecided, state);
         return search_near(work, &rows, near ? &*near : nullptr, state);
     }
 
@@ -235,10 +227,6 @@ private:
     Status search_near(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near,
                        ScanState& state) const {
         if (const Status stopped = stop(work.query, work.deadline, state); stopped != Status::converged) return stopped;
-        const auto tree = [&](const PointBlocks& blocks) {
-            return search(work.query, work.deadline, leaves_of(work.a, rows, blocks.frame), blocks, state);
-        };
-        if (blocks_) return tree(*blocks_);
         const auto count = static_cast<double>(near ? near->size() : static_cast<std::size_t>(work.b.rows()));
         const auto pairs = [&] {
             return count * static_cast<double>(rows ? rows->size() : static_cast<std::size_t>(work.a.rows()));
@@ -250,7 +238,8 @@ private:
             if (stopped) rows = &open;
         }
         if (pairs() < tree_from_) return compare(work.query, work.deadline, work.a, rows, work.b, near, state);
-        return tree(PointBlocks(work.b, near, target_.box));
+        const PointBlocks blocks(work.b, near, target_.box);
+        return search(work.query, work.deadline, leaves_of(work.a, rows, blocks.frame), blocks, state);
     }
 
     // `open` are the rows that it does not decide. None: cells are no help here.
@@ -363,7 +352,6 @@ private:
     const Scene* scene_ = nullptr;
     Extent target_;
     NearGrid grid_;
-    const PointBlocks* blocks_ = nullptr;
 };
 
 }  // namespace
@@ -376,7 +364,6 @@ SolverEntry scan_solver() {
     info.certified = true;
     info.ignores_tolerance = true;
     info.threads = true;
-    info.may_need = {need<PointBlocks>(Side::target)};
     info.parameters = {
         {.name = "cells_from",
          .default_value = std::int64_t{1} << 17,

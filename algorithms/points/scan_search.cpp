@@ -18,105 +18,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the points of a leaf
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// --- passes over rows of three coordinates ----------------------------------------------------------------------------
-
-Extent extent_of(const Points& points) {
-    const Doubles d;
-    const std::size_t lanes = hn::Lanes(d), count = static_cast<std::size_t>(points.size());
-    const double* const data = points.data();
-    Extent extent;
-    const auto look = [&](double x, std::size_t i) {
-        const auto k = static_cast<Index>(i % 3);
-        extent.box.low[k] = std::min(extent.box.low[k], x);
-        extent.box.high[k] = std::max(extent.box.high[k], x);
-        extent.tiny = extent.tiny || (x != 0 && std::abs(x) < smallest_safe_coordinate);
-    };
-    std::size_t i = 0;
-    if (count >= 3 * lanes) {
-        // Three vectors hold whole rows; lane j of vector v is coordinate (v lanes + j) mod 3 of its row.
-        hn::Vec<Doubles> low[3], high[3];
-        for (auto& v : low) v = hn::Set(d, infinity);
-        for (auto& v : high) v = hn::Set(d, -infinity);
-        auto tiny = hn::Zero(d);
-        const auto safe = hn::Set(d, smallest_safe_coordinate), one = hn::Set(d, 1.0);
-        for (; i + 3 * lanes <= count; i += 3 * lanes) {
-            for (std::size_t v = 0; v < 3; ++v) {
-                const auto x = hn::LoadU(d, data + i + v * lanes);
-                low[v] = hn::Min(low[v], x);
-                high[v] = hn::Max(high[v], x);
-                const auto small = hn::And(hn::Lt(hn::Abs(x), safe), hn::Ne(x, hn::Zero(d)));
-                tiny = hn::Max(tiny, hn::IfThenElseZero(small, one));
-            }
-        }
-        HWY_ALIGN double buffer[8];
-        for (std::size_t v = 0; v < 3; ++v) {
-            hn::Store(low[v], d, buffer);
-            for (std::size_t j = 0; j < lanes; ++j) look(buffer[j], v * lanes + j);
-            hn::Store(high[v], d, buffer);
-            for (std::size_t j = 0; j < lanes; ++j) look(buffer[j], v * lanes + j);
-        }
-        extent.tiny = hn::GetLane(hn::MaxOfLanes(d, tiny)) > 0;
-    }
-    for (; i < count; ++i) look(data[i], i);
-    return extent;
-}
-
 HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
 }
-
-struct Best {
-    double squared = infinity;
-    Index begin = 0;  // of the tile of B that has it
-};
-
-std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b) {
-    const Doubles d;
-    constexpr std::size_t tile = 256;
-    HWY_ALIGN double x[tile], y[tile], z[tile];
-    std::vector<Best> best(rows.size());
-    const auto count = static_cast<std::size_t>(b.rows());
-    for (std::size_t begin = 0; begin < count; begin += tile) {
-        const double* const data = b.data() + 3 * begin;
-        for (std::size_t i = 0; i < tile; ++i) {  // the last tile repeats the last point
-            const double* const p = data + 3 * std::min(i, count - 1 - begin);
-            x[i] = p[0], y[i] = p[1], z[i] = p[2];
-        }
-        for (std::size_t q = 0; q < rows.size(); ++q) {
-            const double* const p = a.row(rows[q]).data();
-            const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]);
-            auto least = hn::Set(d, infinity);
-            for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
-                least = hn::Min(least, squares(hn::Sub(px, hn::Load(d, x + i)), hn::Sub(py, hn::Load(d, y + i)),
-                                               hn::Sub(pz, hn::Load(d, z + i))));
-            }
-            const double squared = hn::GetLane(hn::MinOfLanes(d, least));
-            if (squared < best[q].squared) best[q] = {squared, static_cast<Index>(begin)};
-        }
-    }
-    return best;
-}
-
-std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b) {
-    std::vector<double> squared;
-    for (const Best& best : nearest_of_all(a, rows, b)) squared.push_back(best.squared);
-    return squared;
-}
-
-void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                      Counters& counters) {
-    const std::vector<Best> best = nearest_of_all(a, rows, b);
-    counters.point_distances += rows.size() * static_cast<std::size_t>(b.rows());
-    counters.closest_point_queries += rows.size();
-    for (std::size_t q = 0; q < rows.size(); ++q) {
-        if (!(best[q].squared > farthest.squared)) continue;
-        Index j = best[q].begin;
-        while (squared_distance(a.row(rows[q]).data(), b.row(j).data()) != best[q].squared) ++j;
-        farthest = {best[q].squared, rows[q], j};
-    }
-}
-
-// --- leaves and nodes -------------------------------------------------------------------------------------------------
 
 struct Nearest {
     double squared = infinity;
@@ -288,23 +192,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace hausbench {
 
-HWY_EXPORT(extent_of);
-HWY_EXPORT(compare_with_all);
-HWY_EXPORT(squared_to_nearest);
 HWY_EXPORT(search_samples);
 HWY_EXPORT(search_leaves);
 HWY_EXPORT(scan_target);
-
-Extent extent_of(const Points& points) { return HWY_DYNAMIC_DISPATCH(extent_of)(points); }
-
-void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                      Counters& counters) {
-    HWY_DYNAMIC_DISPATCH(compare_with_all)(a, rows, b, farthest, counters);
-}
-
-std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b) {
-    return HWY_DYNAMIC_DISPATCH(squared_to_nearest)(a, rows, b);
-}
 
 void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state) {
     HWY_DYNAMIC_DISPATCH(search_samples)(b, a, state);

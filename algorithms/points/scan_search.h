@@ -1,4 +1,4 @@
-// The inner loops of points/scan.cpp, in vector instructions chosen at run time; answers are the same bits on every target.
+// Leaves of A against the tree of B, in vector instructions chosen at run time; answers are the same bits on every target.
 #pragma once
 
 #include "kernel/counters.h"
@@ -10,22 +10,6 @@
 #include <vector>
 
 namespace hausbench {
-
-// What one pass over points tells.
-struct Extent {
-    Box box;
-    bool tiny = false;  // some coordinate is not 0 but smaller than smallest_safe_coordinate
-
-    double magnitude() const { return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()); }
-};
-Extent extent_of(const Points& points);
-
-// The nearest point of B to each of a few rows of A, by comparing with all; updates `farthest`. O(rows |B|).
-void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, FarthestPoint& farthest,
-                      Counters& counters);
-
-// The squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
-std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b);
 
 // Leaves of A against the tree of B. What carries over from one leaf to the next is where the last answer was.
 struct ScanState {

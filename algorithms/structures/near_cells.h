@@ -28,4 +28,9 @@ struct CellLayout {
 // Writes layout.cell_of(point) for `count` points, three coordinates each, to cells[0..].
 void cells_of(const CellLayout& layout, const double* points, std::size_t count, std::int32_t* cells);
 
+// Writes the squared distance, as squared_distance() computes it, of each of `count` points to the point of its cell, whose coordinates
+// are at of_cells[4 cell], and after it. Returns the number of the farthest of them, the first of equals; count > 0.
+std::size_t squared_to_cells(const CellLayout& layout, const double* of_cells, const double* points, std::size_t count,
+                             double* squared);
+
 }  // namespace hausbench

@@ -112,19 +112,9 @@ void NearGrid::take_last_of_each(const Points& points, const Box* inside, const 
     }
 }
 
-void NearGrid::squared_to_candidates(const double* points, std::size_t count, double* squared) const {
-    constexpr std::size_t chunk = 256;
-    std::int32_t cells[chunk];
-    for (std::size_t begin = 0; begin < count; begin += chunk) {
-        const std::size_t some = std::min(chunk, count - begin);
-        cells_of(layout_, points + 3 * begin, some, cells);
-        for (std::size_t i = 0; i < some; ++i) {
-            const double* const p = points + 3 * (begin + i);
-            const double* const q = candidates_[static_cast<std::size_t>(cells[i])].point;
-            const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-            squared[begin + i] = (x * x + y * y) + z * z;
-        }
-    }
+std::size_t NearGrid::squared_to_candidates(const double* points, std::size_t count, double* squared) const {
+    static_assert(sizeof(Candidate) == 4 * sizeof(double));
+    return squared_to_cells(layout_, candidates_.front().point, points, count, squared);
 }
 
 // As many cells along the longest axis as the total allows.

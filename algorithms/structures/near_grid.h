@@ -30,8 +30,9 @@ public:
     std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
     const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
 
-    // Of many points, three coordinates each: the squared distance of each to its candidate, as squared_distance() computes it.
-    void squared_to_candidates(const double* points, std::size_t count, double* squared) const;
+    // Of many points, three coordinates each: the squared distance of each to its candidate, as squared_distance() computes it. Returns
+    // the number of the farthest, the first of equals.
+    std::size_t squared_to_candidates(const double* points, std::size_t count, double* squared) const;
 
     // Sets the flag of every cell that may hold a point with |x - point| <= radius along each axis; returns how many cells
     // those are.
