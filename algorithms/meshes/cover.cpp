@@ -22,6 +22,7 @@
 //
 // Warm start (ours as well): the point that was farthest at the pose before is measured first. Fields: those of guthe.cpp.
 // Budget: cuts; with a budget each round has one part.
+#include "kernel/box.h"
 #include "kernel/parallel.h"
 #include "search/bounds.h"
 #include "search/cover_groups.h"
@@ -221,9 +222,13 @@ Result Search::run() {
     }
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
-        // Who checks it rounds as well, by less than this: see docs/certificate.md.
-        if (const auto proof = proofs_->finish(result.bounds.upper + 64 * unit_roundoff * pair_.magnitude))
-            result.certificates = {*proof};
+        // Who checks it loses up to (14 cuts + 100) u of the diagonal (search/cover_certificate.h); a chain of 280 cuts fits in.
+        Box box;
+        for (Index i = 0; i < pair_.points.rows(); ++i) box.add(Vec3(pair_.points.row(i)));
+        for (Index i = 0; i < pair_.target.mesh().vertices.rows(); ++i) box.add(Vec3(pair_.target.mesh().vertices.row(i)));
+        const double diagonal = (box.high - box.low).norm();
+        const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal);
+        if (proof) result.certificates = {*proof};
     }
     result.reported = stages_.seconds();
     return result;
