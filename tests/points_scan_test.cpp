@@ -318,6 +318,10 @@ TEST(PointCells, HoldEachChosenRowOnce) {
 TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     Random random(45);
     int needed = 0;
+    Points others = cloud(random, 400, 0.05);  // far from both, so that the table has many entries
+    others.col(1).array() += 0.95;
+    others.col(2).array() += 0.95;
+    others = others.cwiseMin(1);
     for (int i = 0; i < 20000 && needed < 50; ++i) {
         const Box box{Vec3(-2, -1, -1), Vec3(2, 1, 1)};
         const double per_length = 4 + random.unit();
@@ -331,7 +335,7 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
             const double middle = before + (edge - before) / 2;
             (cell(middle) == cell(0.5) ? before : edge) = middle;
         }
-        const double x = -random.unit(), apart = edge - x;
+        const double x = -0.2 * random.unit(), apart = edge - x;
         const Points a = rows({{x, 0, 0}});
         const double least = squared_distance(a.data(), Vec3(edge, 0, 0).data()), more = std::nextafter(least, 10);
         // Q on the other side, with a small y that makes up for the last bit.
@@ -341,10 +345,11 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
         if (cell(x + std::sqrt(more)) == cell(edge)) continue;
         ++needed;
         const NearGrid near(Points(b.topRows(1)), {Vec3(b.row(0)), Vec3(b.row(0))});
-        const PointCells cells(b, nullptr, box, per_length, Threads(1));
+        const Points all = stacked(b, others);
+        const PointCells cells(all, nullptr, box, per_length, Threads(1));
         CellFindings findings;
         findings.farthest.squared = 0;
-        search_cells(cells, near, a, 0, 1, b, findings);
+        search_cells(cells, near, a, 0, 1, all, findings);
         ASSERT_TRUE(findings.open.empty());
         ASSERT_EQ(findings.farthest.squared, least) << "x = " << x;
         ASSERT_EQ(findings.farthest.target, 1);
@@ -480,6 +485,10 @@ TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
         a.row(10) << x, 0, 0;
         const Pair pair{"a candidate at the first double of a cell", a, b};
         expect_same(pair, Pose{}, answer("scan", pair, Pose{}), "x = " + std::to_string(x));
+        const NearGrid grid(b, extent_of(b).box);
+        std::vector<std::uint8_t> flags(grid.cells());
+        grid.mark_within(a.row(10).data(), squared_distance(a.row(10).data(), b.row(last).data()), flags);
+        ASSERT_TRUE(flags[grid.cell_of(b.row(last).data())]) << x;
     }
     EXPECT_GT(rounded_down, 20);
 }
@@ -502,6 +511,10 @@ TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     const double squared = squared_distance(a.row(10).data(), b.row(last).data());
     ASSERT_EQ(squared, 20 * 0x1p-1074);
     ASSERT_LT(distance_at_most(squared, false), b(last, 0) - a(10, 0)) << "the slack is not needed here";
+    const NearGrid grid(b, extent_of(b).box);
+    std::vector<std::uint8_t> flags(grid.cells());
+    grid.mark_within(a.row(10).data(), squared, flags);
+    EXPECT_TRUE(flags[grid.cell_of(b.row(last).data())]);
     const Pair pair{"squares underflow", a, b};
     expect_same(pair, Pose{}, answer("scan", pair, Pose{}), "scan");
 }

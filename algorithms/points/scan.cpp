@@ -297,15 +297,12 @@ private:
     }
 
     // The points of B in cells that the closest points of undecided ones may lie in; none if that would hardly leave any out.
-    //
-    // A closest point of B is at a computed squared distance of at most that of the candidate, so along each axis its exact
-    // distance is at most distance_at_most() of it (kernel/rounding.h).
     std::optional<std::vector<Index>> near_undecided(const Points& a, const Points& b,
                                                      const std::vector<Undecided>& undecided, ScanState& state) const {
         std::vector<std::uint8_t> flags(grid_.cells());
         std::size_t work = 0;
         for (const Undecided& one : undecided) {
-            work += 8 + grid_.mark(a.row(one.row).data(), distance_at_most(one.squared, true), flags);
+            work += 8 + grid_.mark_within(a.row(one.row).data(), one.squared, flags);
             if (work > static_cast<std::size_t>(b.rows())) return {};
         }
         state.counters.bound_tests += undecided.size();

@@ -6,6 +6,7 @@
 
 #include "kernel/box.h"
 #include "kernel/parallel.h"
+#include "kernel/rounding.h"
 #include "structures/near_cells.h"
 
 #include <cstdint>
@@ -44,6 +45,12 @@ public:
     // How many cells have points of their own, and one of each: spread over the points evenly, however dense they are.
     std::size_t occupied() const { return occupied_; }
     Points spread() const;
+
+    // The same of every cell that may hold a point whose squared distance, as computed, is at most that: along each axis its exact
+    // distance is at most distance_at_most() of it (kernel/rounding.h).
+    std::size_t mark_within(const double* point, double squared, std::vector<std::uint8_t>& flags) const {
+        return mark(point, distance_at_most(squared, true), flags);
+    }
 
     std::size_t cells() const { return candidates_.size(); }
     std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
