@@ -156,6 +156,7 @@ Counts scan_counts() {
 
 std::map<std::string, Counts> all_counts() {
     std::map<std::string, Counts> all;
+    all["cover"] = solver_counts("cover");
     all["guthe"] = solver_counts("guthe");
     all["guthe_longest_edge"] = solver_counts("guthe", {{"split", std::string("longest_edge")}});
     all["guthe_textbook"] = solver_counts("guthe", {{"kernel", std::string("textbook")}});
