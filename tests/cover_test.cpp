@@ -138,8 +138,9 @@ TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
             for (int k = 0; k < 3; ++k) local[k] = static_cast<float>(((*corner)[k] - place.origin[k]) * place.inverse);
             points.x[points.count] = local[0], points.y[points.count] = local[1], points.z[points.count++] = local[2];
             piece.add(local[0], local[1], local[2], 0);
-            farthest = std::max(farthest, exact::root(exact::squared_distance_to_triangle(
-                                              exact::vector(*corner), exact::vector(b.a), exact::vector(b.b), exact::vector(b.c))));
+            farthest = std::max(
+                farthest, exact::root(exact::squared_distance_to_triangle(exact::vector(*corner), exact::vector(b.a),
+                                                                          exact::vector(b.b), exact::vector(b.c))));
         }
         measure_shared(cover, points);
         const CoverResult result = cover_shared(cover, piece, {0, 1, 2}, 48);

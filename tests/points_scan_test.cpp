@@ -318,7 +318,7 @@ TEST(PointCells, HoldEachChosenRowOnce) {
 TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     Random random(45);
     int needed = 0;
-    Points others = cloud(random, 400, 0.05);  // far from both, so that the table has many entries
+    Points others = cloud(random, 100, 0.05);  // far from both, so that the table has many entries
     others.col(1).array() += 0.95;
     others.col(2).array() += 0.95;
     others = others.cwiseMin(1);

@@ -353,21 +353,22 @@ TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
 }
 
 TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
-    const std::vector<std::pair<std::string, ParameterMap>> variants = {{"earlybreak", {{"shuffle", false}}},
-                                                                        {"earlybreak", {{"seed", std::int64_t{7}}}},
-                                                                        {"earlybreak", {{"exclude_common", true}}},
-                                                                        {"kdtree", {{"samples", std::int64_t{0}}}},
-                                                                        {"nohd", {{"early_break", false}}},
-                                                                        {"nohd", {{"depth", std::int64_t{0}}}},
-                                                                        {"nohd", {{"depth", std::int64_t{60}}}},
-                                                                        {"ohd", {{"culling", std::string("none")}}},
-                                                                        {"ohd", {{"lambda", 0.5}}},
-                                                                        {"ohd", {{"lambda", 0.0}}},
-                                                                        {"adaptive", {{"theta", 1.0}}},
-                                                                        {"adaptive", {{"theta", 0.0}}},
-                                                                        {"scan", {{"cells_from", std::int64_t{0}}, {"tree_from", std::int64_t{0}}}},
-                                                                        {"kdtree", {{"leaf_size", std::int64_t{1}}}},
-                                                                        {"cgal", {{"match_faces", false}}}};
+    const std::vector<std::pair<std::string, ParameterMap>> variants = {
+        {"earlybreak", {{"shuffle", false}}},
+        {"earlybreak", {{"seed", std::int64_t{7}}}},
+        {"earlybreak", {{"exclude_common", true}}},
+        {"kdtree", {{"samples", std::int64_t{0}}}},
+        {"nohd", {{"early_break", false}}},
+        {"nohd", {{"depth", std::int64_t{0}}}},
+        {"nohd", {{"depth", std::int64_t{60}}}},
+        {"ohd", {{"culling", std::string("none")}}},
+        {"ohd", {{"lambda", 0.5}}},
+        {"ohd", {{"lambda", 0.0}}},
+        {"adaptive", {{"theta", 1.0}}},
+        {"adaptive", {{"theta", 0.0}}},
+        {"scan", {{"cells_from", std::int64_t{0}}, {"tree_from", std::int64_t{0}}}},
+        {"kdtree", {{"leaf_size", std::int64_t{1}}}},
+        {"cgal", {{"match_faces", false}}}};
     for (const auto& variant : variants) {
         const std::string& name = variant.first;
         const ParameterMap& given = variant.second;

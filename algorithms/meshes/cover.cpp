@@ -225,7 +225,8 @@ Result Search::run() {
         // Who checks it loses up to (14 cuts + 100) u of the diagonal (search/cover_certificate.h); a chain of 280 cuts fits in.
         Box box;
         for (Index i = 0; i < pair_.points.rows(); ++i) box.add(Vec3(pair_.points.row(i)));
-        for (Index i = 0; i < pair_.target.mesh().vertices.rows(); ++i) box.add(Vec3(pair_.target.mesh().vertices.row(i)));
+        for (Index i = 0; i < pair_.target.mesh().vertices.rows(); ++i)
+            box.add(Vec3(pair_.target.mesh().vertices.row(i)));
         const double diagonal = (box.high - box.low).norm();
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal);
         if (proof) result.certificates = {*proof};

@@ -96,6 +96,7 @@ public:
     }
 
 private:
+    static constexpr std::uint64_t most_a_row = 48;  // points of B that cells may make a row of A look at, on average
     static constexpr std::size_t batch = 8;          // points compared with all of B in one pass over it
     static constexpr std::size_t block_rows = 1024;  // of A, that one thread takes at a time
 
@@ -259,6 +260,8 @@ private:
         search_cells(cells, grid_, work.a, some, work.b, first);
         take(first, state);
         if (first.open.size() > some.size() / 4) return std::nullopt;
+        // Where cells differ much in what they hold, a tree looks at fewer points.
+        if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
         return search_blocks(work, rows, cells, open, state);
     }
 

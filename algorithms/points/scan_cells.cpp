@@ -37,8 +37,8 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most = 2048;  // points for one of A; the tree looks at fewer where there are so many
-    static constexpr int widest = 16;            // cells along an axis, likewise
+    static constexpr std::uint64_t most = 128;  // points for one of A; the tree looks at fewer where there are so many
+    static constexpr int widest = 16;           // cells along an axis, likewise
 
     void fetch(Index row) const {
         __builtin_prefetch(b_.row(row).data());

@@ -77,7 +77,7 @@ public:
     }
 
     // What somebody else settled has no larger upper bound; its elements are told already.
-    void keep(double upper) { settled_ = std::max(settled_, upper); }
+    void keep(double upper) { settled_ = upper > settled_ ? upper : settled_; }
 
     // Whether the bounds, or the lack of anything left to split, end the search; `queued` as below.
     std::optional<Status> answered(double queued);

@@ -70,7 +70,10 @@ CoverOutcome CoverWorker::finish() {
 
 void CoverWorker::set_tau() {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
-    tau_ = std::max(low + 0.9 * scene_.query.tolerance.gap(low), scene_.query.floor);
+    const Query& query = scene_.query;
+    // "Is h above d?" has floor = cutoff = d, and the tolerance ends nothing.
+    const bool asks = query.floor >= query.cutoff;
+    tau_ = std::max(asks ? low : low + 0.9 * query.tolerance.gap(low), query.floor);
 }
 
 MeasuredPoint CoverWorker::measure(const Vec3& point, Index near, Index source, int level) {
