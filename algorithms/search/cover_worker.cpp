@@ -17,8 +17,10 @@ constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
 constexpr std::size_t most_gathered =
     160;  // triangles of B, less than NearSet::most; with more, what is covered is halved
 constexpr std::size_t most_gathered_exact = 224;
-constexpr int most_gathers = 40;         // for one piece, as tau rises
-constexpr int most_halvings = 40;        // of a triangle
+constexpr int most_gathers = 40;   // for one piece, as tau rises
+constexpr int most_halvings = 40;  // of a triangle
+constexpr int enough_halvings =
+    8;  // from so many on, a piece is covered by some of the triangles near it, if there are too many
 constexpr double least_unit = 0x1p-100;  // of a place, as a part of the magnitude
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
@@ -238,10 +240,6 @@ void CoverWorker::halve_list(std::span<const CoverPiece> pieces, const Landmark&
 }
 
 void CoverWorker::halve_piece(const CoverPiece& piece) {
-    if (piece.level >= most_halvings) {
-        outcome_.undecided.push_back(piece);
-        return;
-    }
     halve(piece, [&](const CoverPiece& part) { cover(std::span(&part, 1), part.landmark); });
 }
 
@@ -251,6 +249,7 @@ template <class Part> void CoverWorker::halve(const CoverPiece& piece, const Par
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
     const int level = piece.level + 1;
     ++outcome_.counters.subdivisions;
+    if (outcome_.counters.subdivisions >= budget_ && !stop_) stop_ = Status::budget;
     if (scene_.elements) scene_.elements->subdivided(piece.source, level);
     const MeasuredPoint m = measure(middle, piece.landmark.near, piece.source, level);
     std::array<Index, 2> proofs{};
@@ -318,7 +317,8 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     cover_.near.clear(batch.place);
     cover_.near.most = most_gathered;
     scene_.blocks.gather(batch.centre, radius + batch.radius, cover_.near, outcome_.counters);
-    if (cover_.near.count() > most_gathered) return false;
+    const bool whatever = pieces.size() == 1 && pieces[0].level >= enough_halvings;
+    if (cover_.near.count() > most_gathered && !whatever) return false;
     const bool any = cover_.near.count() > 0;
     if (any) {
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);
@@ -381,16 +381,13 @@ void CoverWorker::decide(const CoverPiece& piece) {
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
     measured.upper.improve(by_corners(piece, m.triangle));
     if (measured.upper.value <= tau_ || stop_) return settle(measured);
-    if (decide_whole(measured, false)) return;
+    if (decide_whole(measured, piece.level >= enough_halvings)) return;
     // Too many triangles of B are near.
-    if (piece.level >= most_halvings) {
-        decide_whole(measured, true);
-        return;
-    }
+    if (piece.level >= most_halvings) return settle(measured);
     halve(measured, [&](const CoverPiece& part) { decide(part); });
 }
 
-// False: so many triangles of B are near that the piece had better be halved; unless `whatever`, which takes some of them.
+// False: so many triangles of B are near that the piece had better be halved. `whatever`: some of them are tried all the same.
 bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
     Box box;
     for (const Vec3& corner : piece.corners) box.add(corner);
@@ -407,7 +404,9 @@ bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
         polygon.add(local[0], local[1], local[2], 0);
     }
     CoverResult result;
-    for (int turn = 0; !result.covered && turn < most_gathers; ++turn) {
+    for (double before = -1; !result.covered;) {
+        if (tau_ == before) return false;
+        before = tau_;
         cover_.near.clear(place);
         cover_.near.most = most_gathered_exact;
         scene_.blocks.gather(centre, std::min(tau_, far + radius) + radius, cover_.near, outcome_.counters);
@@ -424,10 +423,7 @@ bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
         result = cover_surely(exact_, polygon, *this, scene_.target.mesh());
     }
     count();
-    if (result.covered)
-        settle(surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level), piece.source);
-    else
-        settle(piece);
+    settle(surface_sum_at_most(result.upper * place.unit, scene_.magnitude, piece.level), piece.source);
     return true;
 }
 

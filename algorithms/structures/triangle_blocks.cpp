@@ -56,6 +56,18 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh) {
 
 namespace {
 
+// Leaves out copies of the triangle before: the same corners in the same order. All distances to them are the same bits, and ties are
+// decided for the lowest index, which comes first. Without this, what lies in a stack of copies would be near too many triangles.
+std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
+    const auto is_copy = [&](Index i, Index j) {
+        for (Index k = 0; k < 3; ++k)
+            if (mesh.vertices.row(mesh.triangles(i, k)) != mesh.vertices.row(mesh.triangles(j, k))) return false;
+        return true;
+    };
+    order.erase(std::unique(order.begin(), order.end(), is_copy), order.end());
+    return order;
+}
+
 // A leaf of the runs of triangles that the order is cut into.
 struct Run {
     std::size_t begin, end;
@@ -141,7 +153,7 @@ void set_leaf(const TriangleMesh& mesh, const std::vector<Index>& order, const R
 }  // namespace
 
 TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh) : mesh_(&mesh) {
-    const std::vector<Index> order = TriangleOrder(mesh).order;
+    const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh).order);
     const double least_unit = std::max(mesh.vertices.cwiseAbs().maxCoeff() * least_unit_of_magnitude, 0x1p-900);
     const std::vector<Run> runs = runs_of(mesh, order);
     leaves_.resize(runs.size());
