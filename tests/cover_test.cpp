@@ -179,5 +179,53 @@ TEST(Cover, TheAnswerDoesNotDependOnTheNumberOfThreads) {
     }
 }
 
+Result answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query) {
+    Trace trace;
+    return Session(find_solver("cover"), Options("cover", {}, {}), Scene{a, b}, {}).solve(query, trace);
+}
+
+// The first points that are measured lie on B, so that a tolerance relative to the lower bound is 0 there.
+TEST(Cover, ARelativeToleranceMayBeginAtZero) {
+    const auto mesh = [](std::initializer_list<std::array<double, 3>> vertices,
+                         std::initializer_list<std::array<Index, 3>> triangles) {
+        TriangleMesh made;
+        made.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+        made.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+        Eigen::Index row = 0;
+        for (const auto& v : vertices) made.vertices.row(row++) << v[0], v[1], v[2];
+        row = 0;
+        for (const auto& t : triangles) made.triangles.row(row++) << t[0], t[1], t[2];
+        return made;
+    };
+    const TriangleMesh square = mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+    const TriangleMesh tent = mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0.3}},
+                                   {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+    Query query;
+    query.tolerance = {Tolerance::Of::lower, 0.01};
+    const Result result = answer(square, tent, query);
+    EXPECT_EQ(result.status, Status::converged);
+    EXPECT_NEAR(result.bounds.upper, 0.2572478777137604, 0.003);
+}
+
+// Tolerances that double precision cannot meet: it ends, near what can be met, and "is h above d?" has its answer.
+TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
+    Random random(45);
+    TriangleMesh mesh = triangle_grid(random, 20, 0.2);
+    for (const double offset : {0.0, 1e6}) {
+        mesh.vertices.array() += offset;
+        Query query;
+        query.time_limit = 60;
+        query.tolerance = {Tolerance::Of::lower, 0.01};
+        Result result = answer(mesh, mesh, query);
+        EXPECT_EQ(result.status, Status::precision_floor) << offset;
+        EXPECT_LE(result.bounds.upper, 1e-10 + 1e-14 * offset);
+        EXPECT_LT(result.counters.subdivisions, 2000U);
+        query.tolerance = {Tolerance::Of::absolute, 1e-18};
+        EXPECT_EQ(answer(mesh, mesh, query).status, Status::precision_floor);
+        query.floor = query.cutoff = 1e-6;
+        EXPECT_EQ(answer(mesh, mesh, query).status, Status::below_floor);
+    }
+}
+
 }  // namespace
 }  // namespace hausbench

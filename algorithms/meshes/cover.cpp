@@ -45,6 +45,18 @@ namespace {
 constexpr std::size_t first_clusters = 32;  // the most promising ones
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
+// Of the box of both.
+double diagonal_of(const MeshPair& pair) {
+    Box box;
+    for (Index i = 0; i < pair.points.rows(); ++i) box.add(Vec3(pair.points.row(i)));
+    for (Index i = 0; i < pair.target.mesh().vertices.rows(); ++i) box.add(Vec3(pair.target.mesh().vertices.row(i)));
+    return (box.high - box.low).norm();
+}
+
+// More than the error of a distance in double precision at a place as large as the meshes (offset_cover.h), and than a bound is
+// widened by: so what is nearest to a point that was measured is always near enough, and a cover ends.
+double least_gap_of(const MeshPair& pair) { return 0x1p-39 * diagonal_of(pair) + 64 * unit_roundoff * pair.magnitude; }
+
 class Search {
 public:
     Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const Query& query,
@@ -67,6 +79,7 @@ public:
                  order,
                  query,
                  pair.magnitude,
+                 least_gap_of(pair),
                  elements_ ? &*elements_ : nullptr,
                  proofs_ ? &*proofs_ : nullptr},
           threads_(elements_ || proofs_ ? 1 : query.threads),
@@ -223,12 +236,7 @@ Result Search::run() {
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
         // Who checks it loses up to (14 cuts + 100) u of the diagonal (search/cover_certificate.h); a chain of 280 cuts fits in.
-        Box box;
-        for (Index i = 0; i < pair_.points.rows(); ++i) box.add(Vec3(pair_.points.row(i)));
-        for (Index i = 0; i < pair_.target.mesh().vertices.rows(); ++i)
-            box.add(Vec3(pair_.target.mesh().vertices.row(i)));
-        const double diagonal = (box.high - box.low).norm();
-        const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal);
+        const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
         if (proof) result.certificates = {*proof};
     }
     result.reported = stages_.seconds();

@@ -18,7 +18,7 @@ constexpr std::size_t most_gathered =
     160;  // triangles of B, less than NearSet::most; with more, what is covered is halved
 constexpr std::size_t most_gathered_exact = 224;
 constexpr int most_gathers = 40;   // for one piece, as tau rises
-constexpr int most_halvings = 40;  // of a triangle
+constexpr int most_halvings = 20;  // of a triangle
 constexpr int enough_halvings =
     8;  // from so many on, a piece is covered by some of the triangles near it, if there are too many
 constexpr double least_unit = 0x1p-100;  // of a place, as a part of the magnitude
@@ -75,7 +75,7 @@ void CoverWorker::set_tau() {
     const Query& query = scene_.query;
     // "Is h above d?" has floor = cutoff = d, and the tolerance ends nothing.
     const bool asks = query.floor >= query.cutoff;
-    tau_ = std::max(asks ? low : low + 0.9 * query.tolerance.gap(low), query.floor);
+    tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
 }
 
 MeasuredPoint CoverWorker::measure(const Vec3& point, Index near, Index source, int level) {
@@ -136,6 +136,11 @@ void CoverWorker::count() {
     };
     add(cover_);
     add(exact_);
+}
+
+// What a cover may show of a piece of this level for its upper bound, once widened, to be no more than tau.
+double CoverWorker::covered_within(int level) const {
+    return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }
 
 // --- groups -----------------------------------------------------------------------------------------------------------
@@ -323,7 +328,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     if (any) {
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);
         cover_.reach = batch.radius * batch.place.inverse * (1 + 0x1p-10);
-        cover_.set_threshold(tau_ * batch.place.inverse);
+        cover_.set_threshold(covered_within(pieces[0].level) * batch.place.inverse);
         cover_.enough = scene_.elements ? 0 : std::max(settled_before_, outcome_.settled) * batch.place.inverse;
         measure_shared(cover_, batch.points);
     }
@@ -418,7 +423,7 @@ bool CoverWorker::decide_whole(const CoverPiece& piece, bool whatever) {
         if (triangles.empty()) triangles.push_back(piece.landmark.near);
         exact_.near.clear(place);
         set_frames(scene_.target.mesh(), triangles, exact_.near);
-        exact_.set_threshold(tau_ * place.inverse);
+        exact_.set_threshold(threshold());
         exact_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
         result = cover_surely(exact_, polygon, *this, scene_.target.mesh());
     }

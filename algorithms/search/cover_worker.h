@@ -30,6 +30,7 @@ struct CoverScene {
     const std::vector<Index>& order;  // of A's triangles
     const Query& query;
     double magnitude;  // as in kernel/rounding.h
+    double least_gap;  // of tau above the lower bound
     ElementBounds* elements;
     CoverProofs*
         proofs;  // of a certificate; null: none is wanted. With one, or with elements, workers work one after another
@@ -80,12 +81,13 @@ public:
 private:
     // CoverHost, for the piece that is decided.
     Index measure(const double (&point)[3], double slack, Index near) override;
-    double threshold() const override { return tau_ * exact_.near.units.inverse; }
+    double threshold() const override { return covered_within(level_) * exact_.near.units.inverse; }
     bool promising(double distance) const override;
     bool go_on() override;
 
     MeasuredPoint measure(const Vec3& point, Index near, Index source, int level);
     void set_tau();
+    double covered_within(int level) const;
     void look_at_clock();
     double around(const Vec3& at, double distance, const Box& box) const;
     KnownUpper by_corners(const CoverPiece& piece, Index near);

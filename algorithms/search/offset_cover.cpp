@@ -21,8 +21,8 @@ constexpr std::size_t crowded = 12;         // corners: with so many, a polygon 
 // The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
 // the quotient by u: sqrt(3) 16 < 28.
 constexpr double slack_of_mean = 28;
-// Who checks a certificate takes the mean of the exact corners, which is that far from ours, and so its distances to B and to the corners are off by
-// as much each; what the corners are off is in the error of the distance.
+// Who checks a certificate takes the mean of the exact corners: that is so far from ours, and as far as the corners are off. Its distances to B
+// and to the corners are off by as much each.
 constexpr double difference_of_means = 2 * slack_of_mean;
 constexpr int most_peels = 8;  // one after another: along a short edge, many may remove next to nothing
 
@@ -548,10 +548,11 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    const double bound = distance() + radius_ + difference_of_means * frame_roundoff<T>;
+    const double bound =
+        distance() + radius_ + (difference_of_means + 2 * static_cast<double>(slack_)) * frame_roundoff<T>;
     // Too small to be cut: rounding is as large.
-    const bool tiny =
-        radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 || slack_ + 10 > OffsetCover<T>::most_slack;
+    const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
+                      slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
     if (bound <= c_.threshold || (exact && tiny)) {
         const double by_corners = at_most(largest_square(k), k);
         if (by_corners <= bound) {
