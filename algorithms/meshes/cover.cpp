@@ -3,7 +3,7 @@
 //
 // 1. A lower bound l: the distance of one vertex of each of a few groups of neighbouring triangles of A, then of each quarter of them, down
 //    to clusters of 16 (search/cover_groups.h). A group is done with where that distance and the size of its box together are at most
-//    tau = l + 0.9 tolerance.
+//    tau = l + 0.9 tolerance; where that is less than the rounding of a cover, tau is above l by that rounding instead.
 // 2. What is left is looked at eight triangles at a time, the most promising first, so that l is nearly final early. The triangles of
 //    B that are near are gathered once, as frames in single precision (structures/triangle_blocks.h), and the distances of all corners
 //    to them are found. If all three corners of a triangle are within tau of one triangle S of B, all of it is, as the tau-offset of S

@@ -36,7 +36,6 @@ struct Cluster {
     std::size_t begin = 0, count = 0;
     KnownUpper upper;
     Landmark landmark;
-    bool own = false;  // whether the landmark is a corner of one of its triangles, or of a larger group
 };
 
 inline constexpr std::size_t cluster_triangles = 16;  // of the smallest groups

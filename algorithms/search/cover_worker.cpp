@@ -17,7 +17,6 @@ constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
 constexpr std::size_t most_gathered =
     160;  // triangles of B, less than NearSet::most; with more, what is covered is halved
 constexpr std::size_t most_gathered_exact = 224;
-constexpr int most_gathers = 40;   // for one piece, as tau rises
 constexpr int most_halvings = 20;  // of a triangle
 constexpr int enough_halvings =
     8;  // from so many on, a piece is covered by some of the triangles near it, if there are too many
@@ -152,7 +151,6 @@ double CoverWorker::around(const Vec3& at, double distance, const Box& box) cons
 
 void CoverWorker::narrow(const Cluster& group, const Box& box) {
     Cluster part = group;
-    part.own = false;
     const bool known = group.landmark.near >= 0;
     const auto upper = [&] {
         return KnownUpper{around(part.landmark.at, part.landmark.distance, box), part.landmark.near,
@@ -175,7 +173,6 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
         part.landmark.near = m.triangle;
         part.landmark.distance = std::sqrt(m.squared);
         part.upper.improve(upper());
-        part.own = true;
     }
     if (part.upper.value > tau_)
         outcome_.groups.push_back(part);
