@@ -17,10 +17,18 @@ namespace {
 // Whether no coordinate was rounded.
 bool scale(Points& points, int exponent) {
     bool exact = true;
-    for (double& value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
-        const double scaled = std::ldexp(value, exponent);
-        exact = exact && std::ldexp(scaled, -exponent) == value;
-        value = scaled;
+    const auto each = [&](const auto& times, const auto& divided) {
+        for (double& value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
+            const double scaled = times(value);
+            exact = exact & (divided(scaled) == value);
+            value = scaled;
+        }
+    };
+    if (std::abs(exponent) <= 1022) {  // a product by a power of two rounds as ldexp does, and is faster
+        const double factor = std::ldexp(1.0, exponent), inverse = std::ldexp(1.0, -exponent);
+        each([&](double x) { return x * factor; }, [&](double x) { return x * inverse; });
+    } else {
+        each([&](double x) { return std::ldexp(x, exponent); }, [&](double x) { return std::ldexp(x, -exponent); });
     }
     return exact;
 }

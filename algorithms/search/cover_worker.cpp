@@ -4,7 +4,9 @@
 #include "kernel/rounding.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace hausbench {
@@ -282,16 +284,18 @@ struct Batch {
 
     Batch(std::span<const CoverPiece> pieces, double magnitude) {
         Box box;
+        std::array<std::uint8_t, slots> number{};  // of the corner that is in a slot, and one more; 0 for none
         for (std::size_t i = 0; i < pieces.size(); ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vec3& at = pieces[i].corners[k];
-                std::size_t place_of = 0;
-                while (place_of < points.count && corner[place_of] != at) ++place_of;
-                if (place_of == points.count) {
+                std::size_t slot = slot_of(at);
+                while (number[slot] != 0 && corner[number[slot] - 1U] != at) slot = (slot + 1) % slots;
+                if (number[slot] == 0) {
                     corner[points.count++] = at;
+                    number[slot] = static_cast<std::uint8_t>(points.count);
                     box.add(at);
                 }
-                of_piece[i][k] = place_of;
+                of_piece[i][k] = number[slot] - 1U;
             }
         }
         place.set(box, magnitude * least_unit);
@@ -304,6 +308,16 @@ struct Batch {
             points.z[i] = static_cast<float>(local[2] * place.inverse);
         }
         radius = std::sqrt(radius);
+    }
+
+private:
+    static constexpr std::size_t slots = 64;  // more than twice as many as there are corners
+
+    // The same for the same bits.
+    static std::size_t slot_of(const Vec3& at) {
+        std::uint64_t mixed = 0;
+        for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15;
+        return mixed >> 58;
     }
 };
 

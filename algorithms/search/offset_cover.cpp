@@ -63,20 +63,24 @@ void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t
     c.within[point] = compare(candidates, c.squares(point));
 }
 
-// Squared distances of some points to triangle k.
+// The distances of some points to triangle k. Returns bits: which of them are within its limit.
 template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
 template <class T>
-void measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k, const SamplePoints<T>& points,
-                     T (&squares)[samples<T>]) {
+unsigned measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
+                         const SamplePoints<T>& points, T (&distances)[samples<T>]) {
     using D = FrameLanes<T>;
     const D d;
     const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
+    const auto limit = hn::Set(d, candidates.limit[k]);
+    unsigned within = 0;
     for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
         const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
                                                   hn::LoadU(d, points.z + i));
-        hn::StoreU(squared, d, squares + i);
+        hn::StoreU(hn::Sqrt(squared), d, distances + i);
+        within |= mask_bits<T>(hn::Le(squared, limit)) << i;
     }
     c.distances += samples<T>;
+    return within;
 }
 
 // One piece of A.
@@ -109,7 +113,7 @@ private:
     void ask(T x, T y, T z, double slack, std::size_t near);
     Run longest_run() const;
     Exits exits(const Run& run);
-    void estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearSet::most]);
+    void estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearTriangles<T>::most_triangles]);
     bool peel();
     void keep_few();
     void find_centre();
@@ -270,7 +274,7 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     const Index found = host_->measure(point, slack, c_.near.triangle[near]);
     if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), found) == c_.near.triangle.end()) {
-        if (c_.near.count() == NearSet::most) {
+        if (c_.near.count() == NearTriangles<T>::most_triangles) {
             full_ = true;
             return;
         }
@@ -321,7 +325,7 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
 // How far along both edges each triangle seems to reach, from 0 to 2: the distance is convex along an edge, so the exit is no farther than
 // where the chord between the distances of its ends meets the threshold.
 template <class T>
-void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearSet::most]) {
+void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearTriangles<T>::most_triangles]) {
     using D = FrameLanes<T>;
     const D d;
     const auto one = hn::Set(d, T(1)), zero = hn::Zero(d);
@@ -349,11 +353,12 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     };
     std::array<Tried, tried_triangles> tried;
     std::size_t count = 0;
-    T estimate[NearSet::most];
-    estimate_exits(run, {first, before, end, after}, estimate);
+    T estimate[NearTriangles<T>::most_triangles];
+    const bool choose = run.common.size() > tried.size();
+    if (choose) estimate_exits(run, {first, before, end, after}, estimate);
     run.common.for_each([&](std::size_t k) {
         if (count < tried.size()) {
-            tried[count++] = {k, estimate[k]};
+            tried[count++] = {k, choose ? estimate[k] : T(0)};
             return;
         }
         auto worst = std::min_element(tried.begin(), tried.end(),
@@ -373,36 +378,36 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     Exits best;
     T best_score = -1;
     SamplePoints<T> points;
-    T squares[samples<T>];
+    T distances[samples<T>];
     sample(points, 0, T(0), T(1));
     sample(points, 1, T(0), T(1));
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t k = tried[i].k;
-        measure_samples(c_, all_, k, points, squares);
+        unsigned within = measure_samples(c_, all_, k, points, distances);
+        const T threshold = std::sqrt(all_.limit[k]);
         T out[2];
         for (std::size_t side = 0; side < 2; ++side) {
-            T from = 0, to = 1, near = square(side == 0 ? first : end, k);
+            T from = 0, to = 1, near = std::sqrt(square(side == 0 ? first : end, k));
             for (int round = 0;; ++round) {
                 // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
-                std::size_t s = 0;
-                while (s < half && squares[side * half + s] <= all_.limit[k]) near = squares[side * half + s++];
-                const T step = (to - from) / static_cast<T>(half);
-                const T low = from + step * static_cast<T>(s);
+                const auto s = static_cast<std::size_t>(std::countr_one(within >> (side * half) & ((1U << half) - 1)));
                 if (s == half) {
                     out[side] = to;
                     break;
                 }
-                const T a = std::sqrt(near), b = std::sqrt(squares[side * half + s]);
+                if (s > 0) near = distances[side * half + s - 1];
+                const T step = (to - from) / static_cast<T>(half);
+                const T low = from + step * static_cast<T>(s), far = distances[side * half + s];
                 out[side] =
-                    low + (b > a ? step * std::clamp((std::sqrt(all_.limit[k]) - a) / (b - a), T(0), T(1)) : T(0));
+                    low + (far > near ? step * std::clamp((threshold - near) / (far - near), T(0), T(1)) : T(0));
                 if (!exact || round == 2) break;
                 from = low;
                 to = low + step;
                 SamplePoints<T> finer = points;
                 sample(finer, side, from, to);
-                measure_samples(c_, all_, k, finer, squares);
+                within = measure_samples(c_, all_, k, finer, distances);
             }
-            if (exact && side == 0) measure_samples(c_, all_, k, points, squares);
+            if (exact && side == 0) within = measure_samples(c_, all_, k, points, distances);
         }
         const T score = run.length == 1 ? out[0] * out[1] + T(0.01) * (out[0] + out[1]) : out[0] + out[1];
         if (score > best_score) {
@@ -447,7 +452,7 @@ template <class T> void Engine<T>::keep_few() {
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    std::array<std::uint8_t, 8 * NearSet::most / frames_width> bits{};  // of each vector, 8 bytes apart
+    std::array<std::uint8_t, 8 * NearTriangles<T>::most_triangles / frames_width> bits{};  // of each vector, 8 bytes apart
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
         unsigned near = mask_bits<T>(hn::Le(hn::LoadU(d, c_.squares(centre_row) + k), hn::Set(d, far * far)));
@@ -457,8 +462,7 @@ template <class T> void Engine<T>::keep_few() {
         for (; near != 0; near &= near - 1)
             c_.few.triangle.push_back(c_.near.triangle[k + static_cast<std::size_t>(std::countr_zero(near))]);
     }
-    c_.few.make_room(0);
-    c_.few_limit.resize(c_.few.stride);
+    c_.few_limit.resize(NearTriangles<T>::stride);
     const auto compress = [&](const T* from, T* to) HWY_ATTR {
         for (std::size_t k = 0; k < count; k += lanes) {
             const auto near = hn::LoadMaskBits(d, bits.data() + k / lanes * 2);
@@ -689,16 +693,17 @@ HWY_EXPORT(sure_piece);
 
 template <class T> void OffsetCover<T>::set_threshold(double tau) {
     threshold = tau;
-    const std::size_t padded = (near.count() + frames_width - 1) / frames_width * frames_width;
-    limit.assign(padded, T(-1));
-    for (std::size_t k = 0; k < near.count(); ++k) {
-        const double allowed = tau * (1 - 0x1p-50) - error(near, k);
+    const std::size_t count = near.count(), padded = (count + frames_width - 1) / frames_width * frames_width;
+    limit.resize(NearTriangles<T>::stride);
+    for (std::size_t k = 0; k < padded; ++k) {
+        const double allowed = std::max(tau * (1 - 0x1p-50) - error(near, k), 0.0);
         // Rounded down: the factor is more than rounding to T takes.
-        if (allowed > 0) limit[k] = static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>));
+        limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
     }
+    std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded), T(-1));
 }
 template <class T> void OffsetCover<T>::make_rows(std::size_t points) {
-    if (squared.size() < points * near.stride) squared.resize(points * near.stride);
+    if (squared.size() < points * NearTriangles<T>::stride) squared.resize(points * NearTriangles<T>::stride);
     if (within.size() < points) within.resize(points);
 }
 template struct OffsetCover<float>;

@@ -42,11 +42,16 @@ template <class T> struct CoverPolygon {
 
 // A set of the triangles near a place.
 struct NearSet {
-    static constexpr std::size_t words = 4, most = 64 * words;
+    static constexpr std::size_t words = NearTriangles<float>::most_triangles / 64;
     std::array<std::uint64_t, words> word{};
 
     bool has(std::size_t k) const { return word[k / 64] >> (k % 64) & 1; }
     bool empty() const { return (word[0] | word[1] | word[2] | word[3]) == 0; }
+    std::size_t size() const {
+        int bits = 0;
+        for (const std::uint64_t w : word) bits += std::popcount(w);
+        return static_cast<std::size_t>(bits);
+    }
     NearSet operator&(const NearSet& other) const {
         NearSet both;
         for (std::size_t w = 0; w < words; ++w) both.word[w] = word[w] & other.word[w];
@@ -88,14 +93,13 @@ protected:
 
 // Covers pieces at one place. Reused from place to place, so that room is made once.
 template <class T> struct OffsetCover {
-    // At most NearSet::most triangles.
     NearTriangles<T> near;
     double reach = 1.75;   // |p| of all points, in units of the place, is at most this
     double threshold = 0;  // in units of the place
     double enough = 0;     // likewise: an upper bound that is no larger need not be any smaller
     std::vector<T>
         limit;  // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
-    std::vector<T> squared;       // rows of near.stride, one a point
+    std::vector<T> squared;       // rows of as many as `near` has, one a point
     std::vector<NearSet> within;  // of each point: the triangles with a square <= limit
     std::vector<CoverPolygon<T>> stack;
     CertificateTree* proof = nullptr;                  // of the piece that is covered now, where one is wanted
@@ -106,7 +110,7 @@ template <class T> struct OffsetCover {
     NearTriangles<T> few;  // those of `near` that are near a part of a piece, and their limits
     std::vector<T> few_limit;
 
-    T* squares(std::size_t point) { return squared.data() + point * near.stride; }
+    T* squares(std::size_t point) { return squared.data() + point * NearTriangles<T>::stride; }
 
     // In units of the place: no computed distance of a point of a polygon to triangle k is smaller than the exact one by more.
     double error(const NearTriangles<T>& frames, std::size_t k) const {

@@ -30,18 +30,6 @@ void LocalUnits::set(const Box& box, double least) {
     magnitude += unit;
 }
 
-template <class T> void NearTriangles<T>::make_room(std::size_t more) {
-    const std::size_t wanted = count() + more + frames_width;
-    if (wanted <= stride) return;
-    const std::size_t larger = (2 * wanted + frames_width - 1) / frames_width * frames_width;
-    std::vector<T> copy(near_rows * larger);
-    for (std::size_t i = 0; i < near_rows && stride > 0; ++i) std::copy_n(row(i), count(), copy.data() + i * larger);
-    rows = std::move(copy);
-    stride = larger;
-}
-template void NearTriangles<float>::make_room(std::size_t);
-template void NearTriangles<double>::make_room(std::size_t);
-
 TriangleOrder::TriangleOrder(const TriangleMesh& mesh) {
     Points centres(mesh.triangles.rows(), 3);
     Box box;
@@ -228,7 +216,6 @@ void copy_frames(const TriangleFrames<T>& frames, const double (&size)[frames_wi
 }  // namespace
 
 void TriangleBlocks::append(Index triangle, NearTriangles<float>& near) const {
-    near.make_room(frames_width);
     TriangleFrames<float> frames;
     double size[frames_width];
     const std::size_t to = near.count();
@@ -238,8 +225,6 @@ void TriangleBlocks::append(Index triangle, NearTriangles<float>& near) const {
 }
 
 void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near) {
-    near.triangle.clear();
-    near.make_room(triangles.size() + frames_width);
     near.triangle = triangles;
     for (std::size_t begin = 0; begin < triangles.size(); begin += frames_width) {
         TriangleFrames<double> frames;

@@ -54,26 +54,31 @@ struct alignas(64) BoxNode {
 inline constexpr float plane_error = 0x1p-21F;
 inline constexpr double box_error = 0x1p-20;
 
-// Triangles near a place, for those who measure many points there: frames in coordinates of the place.
-template <class T> struct NearTriangles {
+// Triangles near a place, for those who measure many points there: frames in coordinates of the place. No more than fit.
+template <class T> class NearTriangles {
+public:
+    static constexpr std::size_t most_triangles = 256;
+
     LocalUnits units;
     std::vector<Index> triangle;
-    std::size_t most = static_cast<std::size_t>(-1);  // gathering ends once there are more
-    std::size_t stride = 0;                           // of rows; a multiple of frames_width
-    // The rows of TriangleFrames and one more for the error, see near_error. What follows the last triangle up to
-    // a multiple of frames_width is finite.
-    std::vector<T> rows;
-
-    std::size_t count() const { return triangle.size(); }
-    T* row(std::size_t i) { return rows.data() + i * stride; }
-    const T* row(std::size_t i) const { return rows.data() + i * stride; }
+    std::size_t most = most_triangles - frames_width;  // gathering ends once there are more; no larger than this
 
     void clear(const LocalUnits& place) {
         units = place;
         triangle.clear();
     }
-    // Room for so many more, and for a vector that is stored behind the last.
-    void make_room(std::size_t more);
+    std::size_t count() const { return triangle.size(); }
+
+    // The rows of TriangleFrames and one more for the error, see near_error. What follows the last triangle up to a multiple of
+    // frames_width is finite.
+    T* row(std::size_t i) { return rows_.data() + i * stride; }
+    const T* row(std::size_t i) const { return rows_.data() + i * stride; }
+
+    // Between rows, in numbers: known to the compiler, and room for a vector that is stored behind the last triangle.
+    static constexpr std::size_t stride = most_triangles + frames_width;
+
+private:
+    std::vector<T> rows_ = std::vector<T>((frame_row::count + 1) * stride);
 };
 
 inline constexpr std::size_t near_rows = frame_row::count + 1;

@@ -139,7 +139,6 @@ void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double 
 // Copies the triangles of a leaf that `mask` names, moved to the place of `near`.
 HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, NearTriangles<float>& near) {
     const F d;
-    near.make_room(frames_width);
     const auto ratio_of = static_cast<float>(leaf.units.unit * near.units.inverse);
     float move[3];
     double away = 0;
