@@ -264,11 +264,24 @@ template <class Part> void CoverWorker::halve(const CoverPiece& piece, const Par
     for (std::size_t i = 0; i < 2; ++i) {
         CoverPiece half{i == 0 ? first : second, piece.source, proofs[i], piece.upper, landmark, level};
         half.upper.improve(by_corners(half, m.triangle));
+        if (half.upper.value > tau_ && !stop_) measure_far_corner(half);
         if (half.upper.value <= tau_ || stop_)
             settle(half);
         else
             part(half);
     }
+}
+
+// The corner that seems to be farthest from B: it may raise tau, where the piece is large beside its distance.
+void CoverWorker::measure_far_corner(const CoverPiece& piece) {
+    const Triangle near = scene_.target.triangle(piece.landmark.near);
+    std::size_t farthest = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double squared = scene_.target.squared_distance(piece.corners[k], near);
+        if (squared > most) most = squared, farthest = k;
+    }
+    if (most > tau_ * tau_) measure(piece.corners[farthest], piece.landmark.near, piece.source, piece.level);
 }
 
 namespace {

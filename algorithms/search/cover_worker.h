@@ -100,6 +100,7 @@ private:
     void halve_piece(const CoverPiece& piece);
     void halve_list(std::span<const CoverPiece> pieces, const Landmark& landmark);
     template <class Part> void halve(const CoverPiece& piece, const Part& part);
+    void measure_far_corner(const CoverPiece& piece);
     bool decide_whole(const CoverPiece& piece, bool whatever);
     void count();
 
