@@ -187,13 +187,18 @@ std::uint32_t hilbert_key(std::uint32_t morton_key) {
 namespace {
 
 template <Curve curve>
-std::vector<Index> order_along(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
+std::vector<Index> order_along(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
+                               const Threads& threads) {
     const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
     std::vector<Item> items(count), room;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Index row = chosen ? (*chosen)[i] : static_cast<Index>(i);
-        items[i] = item_of(key_along<curve>(frame, points.row(row).data()), row);
-    }
+    const std::size_t blocks = blocks_of(count, 4096);
+    threads.for_each(blocks, [&](std::size_t block) {
+        const Part mine = part(count, block, blocks);
+        for (std::size_t i = mine.begin; i < mine.end; ++i) {
+            const Index row = chosen ? (*chosen)[i] : static_cast<Index>(i);
+            items[i] = item_of(key_along<curve>(frame, points.row(row).data()), row);
+        }
+    });
     sort_items(items, room);
     refine_runs<curve>(points, items, frame, room);
     std::vector<Index> order(count);
@@ -204,11 +209,11 @@ std::vector<Index> order_along(const Points& points, const std::vector<Index>* c
 }  // namespace
 
 std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame) {
-    return order_along<Curve::morton>(points, chosen, frame);
+    return order_along<Curve::morton>(points, chosen, frame, Threads());
 }
 
-std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame) {
-    return order_along<Curve::hilbert>(points, nullptr, frame);
+std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame, const Threads& threads) {
+    return order_along<Curve::hilbert>(points, nullptr, frame, threads);
 }
 
 }  // namespace hausbench

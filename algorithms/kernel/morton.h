@@ -5,6 +5,7 @@
 #pragma once
 
 #include "box.h"
+#include "parallel.h"
 
 #include <cstdint>
 #include <vector>
@@ -47,6 +48,6 @@ std::vector<Index> morton_order(const Points& points, const std::vector<Index>* 
 std::uint32_t hilbert_key(std::uint32_t morton_key);
 
 // All rows by the Hilbert keys of their cells. Where points share a cell, as morton_order: a curve through each, O(n) likewise.
-std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame);
+std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame, const Threads& threads = Threads());
 
 }  // namespace hausbench

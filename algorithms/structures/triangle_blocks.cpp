@@ -13,6 +13,8 @@ namespace {
 // Where the largest |coordinate| of the mesh is M, no unit is smaller than this part of it.
 constexpr double least_unit_of_magnitude = 0x1p-100;
 
+constexpr std::size_t least_of_block = 4096;  // triangles that a thread takes at a time
+
 }  // namespace
 
 void LocalUnits::set(const Box& box, double least) {
@@ -30,16 +32,22 @@ void LocalUnits::set(const Box& box, double least) {
     magnitude += unit;
 }
 
-TriangleOrder::TriangleOrder(const TriangleMesh& mesh) {
+TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
+    const auto count = static_cast<std::size_t>(mesh.triangles.rows());
     Points centres(mesh.triangles.rows(), 3);
+    std::vector<Box> boxes(blocks_of(count, least_of_block));
+    threads.for_each(boxes.size(), [&](std::size_t block) {
+        const Part mine = part(count, block, boxes.size());
+        for (std::size_t i = mine.begin; i < mine.end; ++i) {
+            const Triangle t = triangle_of(mesh, static_cast<Index>(i));
+            const Vec3 centre = (t.a + t.b + t.c) / 3;
+            centres.row(static_cast<Eigen::Index>(i)) = centre;
+            boxes[block].add(centre);
+        }
+    });
     Box box;
-    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
-        const Triangle t = triangle_of(mesh, i);
-        const Vec3 centre = (t.a + t.b + t.c) / 3;
-        centres.row(i) = centre;
-        box.add(centre);
-    }
-    order = hilbert_order(centres, MortonFrame(box));
+    for (const Box& one : boxes) box.add(one);
+    order = hilbert_order(centres, MortonFrame(box), threads);
 }
 
 namespace {
@@ -93,30 +101,47 @@ std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, st
     return end;
 }
 
+// Sixteen triangles, before it is known whether they are one leaf.
+struct Sixteen {
+    Box box;
+    bool mixed;  // a quarter of them is small beside the whole
+};
+
+Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
+    Sixteen all;
+    const std::size_t quarter = (end - begin + 3) / 4;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = begin; i < end; i += quarter) {
+        const Box some = box_of(mesh, order, i, std::min(i + quarter, end));
+        least = std::min(least, longest_side(some));
+        all.box.add(some);
+    }
+    all.mixed = least <= small_part * longest_side(all.box);
+    return all;
+}
+
 // Runs of sixteen. Of a run that mixes scales each scale becomes a run of its own, while that makes no more than a sixteenth more.
-std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order) {
+std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
+    std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
+    const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
+    threads.for_each(blocks, [&](std::size_t block) {
+        const Part mine = part(all.size(), block, blocks);
+        for (std::size_t n = mine.begin; n < mine.end; ++n)
+            all[n] = sixteen(mesh, order, n * frames_width, std::min((n + 1) * frames_width, order.size()));
+    });
     std::vector<Run> runs;
     std::size_t spare = 4 + order.size() / (frames_width * frames_width);
-    runs.reserve(order.size() / frames_width + 1 + spare);
-    for (std::size_t begin = 0; begin < order.size(); begin += frames_width) {
-        const std::size_t end = std::min(begin + frames_width, order.size()), quarter = (end - begin + 3) / 4;
-        Box box;
-        double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i = begin; i < end; i += quarter) {
-            const Box part = box_of(mesh, order, i, std::min(i + quarter, end));
-            least = std::min(least, longest_side(part));
-            box.add(part);
-        }
+    runs.reserve(all.size() + spare);
+    for (std::size_t n = 0; n < all.size(); ++n) {
+        const std::size_t begin = n * frames_width, end = std::min(begin + frames_width, order.size());
         std::size_t at = begin;
-        if (least <= small_part * longest_side(box)) {
-            for (; at < end && spare > 0; --spare) {
-                const std::size_t cut = cut_of(mesh, order, at, end);
-                if (cut == end) break;
-                runs.push_back({at, cut, box_of(mesh, order, at, cut)});
-                at = cut;
-            }
+        for (; all[n].mixed && at < end && spare > 0; --spare) {
+            const std::size_t cut = cut_of(mesh, order, at, end);
+            if (cut == end) break;
+            runs.push_back({at, cut, box_of(mesh, order, at, cut)});
+            at = cut;
         }
-        runs.push_back({at, end, at == begin ? box : box_of(mesh, order, at, end)});
+        runs.push_back({at, end, at == begin ? all[n].box : box_of(mesh, order, at, end)});
     }
     return runs;
 }
@@ -140,16 +165,20 @@ void set_leaf(const TriangleMesh& mesh, const std::vector<Index>& order, const R
 
 }  // namespace
 
-TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh) : mesh_(&mesh) {
-    const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh).order);
+TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh, const Threads& threads) : mesh_(&mesh) {
+    const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh, threads).order);
     const double least_unit = std::max(mesh.vertices.cwiseAbs().maxCoeff() * least_unit_of_magnitude, 0x1p-900);
-    const std::vector<Run> runs = runs_of(mesh, order);
+    const std::vector<Run> runs = runs_of(mesh, order, threads);
     leaves_.resize(runs.size());
     std::vector<Box> boxes(runs.size()), below;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-        set_leaf(mesh, order, runs[i], least_unit, leaves_[i]);
-        boxes[i] = runs[i].box;
-    }
+    const std::size_t blocks = blocks_of(runs.size(), least_of_block / frames_width);
+    threads.for_each(blocks, [&](std::size_t block) {
+        const Part mine = part(runs.size(), block, blocks);
+        for (std::size_t i = mine.begin; i < mine.end; ++i) {
+            set_leaf(mesh, order, runs[i], least_unit, leaves_[i]);
+            boxes[i] = runs[i].box;
+        }
+    });
     do {
         below.swap(boxes);
         add_level(below, boxes, least_unit);

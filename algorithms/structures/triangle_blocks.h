@@ -19,6 +19,7 @@
 #pragma once
 
 #include "kernel/closest.h"
+#include "kernel/parallel.h"
 #include "kernel/triangle_frames.h"
 
 #include <cstdint>
@@ -95,8 +96,8 @@ public:
     static constexpr std::string_view structure_name = "triangle blocks";
     static constexpr int structure_layout = 1;
 
-    // `mesh` must outlive this. O(n) for tame data (see kernel/morton.h); about 87 bytes a triangle.
-    explicit TriangleBlocks(const TriangleMesh& mesh);
+    // `mesh` must outlive this. O(n) for tame data (see kernel/morton.h); about 87 bytes a triangle. The same for any number of threads.
+    explicit TriangleBlocks(const TriangleMesh& mesh, const Threads& threads = Threads());
 
     // As closest_by_scan (kernel/closest.h), to the bit; hints as there. O(log n) on well-behaved meshes.
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
@@ -141,7 +142,8 @@ struct TriangleOrder {
     static constexpr std::string_view structure_name = "triangle order";
     static constexpr int structure_layout = 1;
 
-    explicit TriangleOrder(const TriangleMesh& mesh);  // O(n) for tame data (see kernel/morton.h)
+    // O(n) for tame data (see kernel/morton.h). The same for any number of threads.
+    explicit TriangleOrder(const TriangleMesh& mesh, const Threads& threads = Threads());
 
     std::vector<Index> order;
 
