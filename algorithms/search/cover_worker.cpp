@@ -63,6 +63,7 @@ void CoverWorker::begin(const Farthest& farthest, double settled, std::uint64_t 
     if (stopped) stop_ = Status::stalled;
     deadline_ = &deadline;
     batch_ = batch_triangles;
+    crowded_ = false;
     set_tau();
 }
 
@@ -197,13 +198,15 @@ void CoverWorker::cover(const Cluster& cluster) {
         const std::size_t count = std::min(batch_, pieces_.size() - i);
         const auto batch = std::span(pieces_).subspan(i, count);
         i += count;
-        const bool covered = cover_together(batch, cluster.landmark, count == 1);
-        const std::size_t gathered = cover_.near.count();
-        if (!covered) halve_list(batch, cluster.landmark);
+        gathered_ = 0;
+        if (crowded_)
+            cover_from_own(batch, cluster.landmark);
+        else
+            cover(batch, cluster.landmark);
         // Neighbours need about as many triangles of B.
-        if (gathered > most_gathered)
+        if (gathered_ > most_gathered)
             batch_ = std::max(count / 2, std::size_t{1});
-        else if (gathered < most_gathered / 3)
+        else if (gathered_ < most_gathered / 3)
             batch_ = std::min(2 * batch_, batch_triangles);
     }
     // Each alone, and everything near it.
@@ -218,29 +221,33 @@ void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& land
         for (const CoverPiece& piece : pieces) settle(piece);
         return;
     }
-    if (!cover_together(pieces, landmark, pieces.size() == 1)) halve_list(pieces, landmark);
-}
-
-// Too many triangles of B are near: each half gets a landmark of its own, and is settled by it or covered.
-void CoverWorker::halve_list(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    crowded_ = !cover_together(pieces, landmark, pieces.size() == 1);
+    if (!crowded_) return;
     if (pieces.size() == 1) return halve_piece(pieces[0]);
     const std::size_t half = pieces.size() / 2;
-    for (const auto part : {pieces.first(half), pieces.subspan(half)}) {
-        const CoverPiece& middle = part[part.size() / 2];
-        const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
-        const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
-        double radius = 0;
-        for (const CoverPiece& piece : part) radius = std::max(radius, farthest_corner(piece, m.point));
-        const KnownUpper upper{surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.near, own.vertex};
-        if (upper.value > tau_) {
-            cover(part, own);
-            continue;
-        }
-        for (CoverPiece piece : part) {
-            piece.upper.improve(upper);
+    cover_from_own(pieces.first(half), landmark);
+    cover_from_own(pieces.subspan(half), landmark);
+}
+
+// Where too many triangles of B are near, the pieces get a landmark of their own. Far from B it settles most: what is nearest to one of
+// them is near all.
+void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    const CoverPiece& middle = pieces[pieces.size() / 2];
+    const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
+    const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
+    double radius = 0;
+    for (const CoverPiece& piece : pieces) radius = std::max(radius, farthest_corner(piece, m.point));
+    const KnownUpper upper{surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.near, own.vertex};
+    std::vector<CoverPiece> rest;
+    for (CoverPiece piece : pieces) {
+        piece.upper.improve(upper);
+        if (piece.upper.value > tau_ && !stop_) piece.upper.improve(by_corners(piece, own.near));
+        if (piece.upper.value > tau_ && !stop_)
+            rest.push_back(piece);
+        else
             settle(piece);
-        }
     }
+    if (!rest.empty()) cover(rest, own);
 }
 
 void CoverWorker::halve_piece(const CoverPiece& piece) {
@@ -346,6 +353,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     cover_.near.clear(batch.place);
     cover_.near.most = most_gathered;
     scene_.blocks.gather(batch.centre, radius + batch.radius, cover_.near, outcome_.counters);
+    gathered_ = std::max(gathered_, cover_.near.count());
     const bool whatever = pieces.size() == 1 && pieces[0].level >= enough_halvings;
     if (cover_.near.count() > most_gathered && !whatever) return false;
     const bool any = cover_.near.count() > 0;

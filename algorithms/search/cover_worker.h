@@ -98,7 +98,7 @@ private:
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
     void halve_piece(const CoverPiece& piece);
-    void halve_list(std::span<const CoverPiece> pieces, const Landmark& landmark);
+    void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     template <class Part> void halve(const CoverPiece& piece, const Part& part);
     void measure_far_corner(const CoverPiece& piece);
     bool decide_whole(const CoverPiece& piece, bool whatever);
@@ -113,7 +113,9 @@ private:
     OffsetCover<float> cover_;
     OffsetCover<double> exact_;
     std::vector<CoverPiece> pieces_, again_;
-    std::size_t batch_ = 0;  // pieces covered together
+    std::size_t batch_ = 0;     // pieces covered together
+    std::size_t gathered_ = 0;  // most triangles of B that were near some of the last ones
+    bool crowded_ = false;      // and they were too many
     Index source_ = -1;      // of the piece that is decided now
     int level_ = 0;
 };
