@@ -6,6 +6,8 @@
 #include "small_scenes.h"
 #include "tree_meshes.h"
 
+#include <hwy/targets.h>
+
 #include <gtest/gtest.h>
 
 namespace hausbench {
@@ -182,6 +184,37 @@ TEST(Cover, TheAnswerDoesNotDependOnTheNumberOfThreads) {
 Result answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query) {
     Trace trace;
     return Session(find_solver("cover"), Options("cover", {}, {}), Scene{a, b}, {}).solve(query, trace);
+}
+
+// Every instruction set that this program was compiled for and this machine has, forced in turn: the same bits.
+TEST(Cover, TheAnswerDoesNotDependOnTheInstructionSet) {
+    Random random(46);
+    int compared = 0;
+    for (int i = 0; i < 6; ++i) {
+        const TriangleMesh a = triangle_grid(random, 25, 0.05),
+                           b = i % 2 == 0 ? triangle_grid(random, 40, 0.07) : triangle_soup(random, 400, 0.3);
+        Query query;
+        query.tolerance.value = i % 3 == 0 ? 1e-3 : 1e-8;
+        std::optional<Result> first;
+        for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+            hwy::SetSupportedTargetsForTest(target);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+            const Result result = answer(a, b, query);
+            hwy::SetSupportedTargetsForTest(0);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+            if (!first) {
+                first = result;
+                continue;
+            }
+            ++compared;
+            const char* const where = hwy::TargetName(target);
+            EXPECT_EQ(result.bounds.lower, first->bounds.lower) << where;
+            EXPECT_EQ(result.bounds.upper, first->bounds.upper) << where;
+            EXPECT_EQ(result.witness.source_point, first->witness.source_point) << where;
+            EXPECT_EQ(result.counters, first->counters) << where;
+        }
+    }
+    EXPECT_GE(compared, 6);
 }
 
 // The first points that are measured lie on B, so that a tolerance relative to the lower bound is 0 there.

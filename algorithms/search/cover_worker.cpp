@@ -16,8 +16,7 @@ namespace {
 constexpr std::size_t batch_triangles =
     8;  // covered together: their corners and the triangles of B near them are shared
 constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
-constexpr std::size_t most_gathered =
-    208;  // triangles of B, less than fit; with more, what is covered is halved
+constexpr std::size_t most_gathered = 208;      // triangles of B, less than fit; with more, what is covered is halved
 constexpr std::size_t most_gathered_exact = 224;
 constexpr int most_halvings = 20;  // of a triangle
 constexpr int enough_halvings =

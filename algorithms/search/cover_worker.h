@@ -116,7 +116,7 @@ private:
     std::size_t batch_ = 0;     // pieces covered together
     std::size_t gathered_ = 0;  // most triangles of B that were near some of the last ones
     bool crowded_ = false;      // and they were too many
-    Index source_ = -1;      // of the piece that is decided now
+    Index source_ = -1;         // of the piece that is decided now
     int level_ = 0;
 };
 

@@ -113,7 +113,8 @@ private:
     void ask(T x, T y, T z, double slack, std::size_t near);
     Run longest_run() const;
     Exits exits(const Run& run);
-    void estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearTriangles<T>::most_triangles]);
+    void estimate_exits(const Run& run, const std::size_t (&corners)[4],
+                        T (&estimate)[NearTriangles<T>::most_triangles]);
     bool peel();
     void keep_few();
     void find_centre();
@@ -325,7 +326,8 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
 // How far along both edges each triangle seems to reach, from 0 to 2: the distance is convex along an edge, so the exit is no farther than
 // where the chord between the distances of its ends meets the threshold.
 template <class T>
-void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4], T (&estimate)[NearTriangles<T>::most_triangles]) {
+void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
+                               T (&estimate)[NearTriangles<T>::most_triangles]) {
     using D = FrameLanes<T>;
     const D d;
     const auto one = hn::Set(d, T(1)), zero = hn::Zero(d);
@@ -452,7 +454,8 @@ template <class T> void Engine<T>::keep_few() {
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    std::array<std::uint8_t, 8 * NearTriangles<T>::most_triangles / frames_width> bits{};  // of each vector, 8 bytes apart
+    std::array<std::uint8_t, 8 * NearTriangles<T>::most_triangles / frames_width>
+        bits{};  // of each vector, 8 bytes apart
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
         unsigned near = mask_bits<T>(hn::Le(hn::LoadU(d, c_.squares(centre_row) + k), hn::Set(d, far * far)));
@@ -466,7 +469,8 @@ template <class T> void Engine<T>::keep_few() {
     const auto compress = [&](const T* from, T* to) HWY_ATTR {
         for (std::size_t k = 0; k < count; k += lanes) {
             const auto near = hn::LoadMaskBits(d, bits.data() + k / lanes * 2);
-            to += hn::CompressStore(hn::LoadU(d, from + k), near, d, to);
+            hn::StoreU(hn::Compress(hn::LoadU(d, from + k), near), d, to);
+            to += hn::CountTrue(d, near);
         }
     };
     for (std::size_t i = 0; i < near_rows; ++i) compress(all_.row(i), c_.few.row(i));
@@ -700,7 +704,8 @@ template <class T> void OffsetCover<T>::set_threshold(double tau) {
         // Rounded down: the factor is more than rounding to T takes.
         limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
     }
-    std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded), T(-1));
+    std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded),
+              T(-1));
 }
 template <class T> void OffsetCover<T>::make_rows(std::size_t points) {
     if (squared.size() < points * NearTriangles<T>::stride) squared.resize(points * NearTriangles<T>::stride);

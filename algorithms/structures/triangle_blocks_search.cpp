@@ -116,13 +116,22 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     ClosestSearch(tree, point, early_out, best, counters).run();
 }
 
+// Sixteen where there are: those who gather do not wait for a leaf before they go on.
+using Wide = FrameLanes<float>;
+
 // The triangles of a leaf that may be within `reach`.
 HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const Reach& reach) {
     const LocalPoint local(leaf.units, point);
     if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, reach.at(leaf.units)) ? 0 : in_use(leaf.count);
-    alignas(64) float squared[frames_width];
-    leaf_squares(leaf, local, squared);
-    return squares_within(squared, leaf_limit(leaf, leaf_error(local), reach)) & in_use(leaf.count);
+    const Wide d;
+    const auto x = hn::Set(d, local.at[0]), y = hn::Set(d, local.at[1]), z = hn::Set(d, local.at[2]);
+    const auto most = hn::Set(d, leaf_limit(leaf, leaf_error(local), reach));
+    unsigned within = 0;
+    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
+        const auto row = [&](std::size_t i) HWY_ATTR { return hn::Load(d, leaf.frames.row[i] + lane); };
+        within |= lane_bits(d, hn::Le(squared_in_lanes(d, row, x, y, z), most)) << lane;
+    }
+    return within & in_use(leaf.count);
 }
 
 void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double nearest, double& least,
@@ -138,7 +147,7 @@ void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double 
 
 // Copies the triangles of a leaf that `mask` names, moved to the place of `near`.
 HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, NearTriangles<float>& near) {
-    const F d;
+    const Wide d;
     const auto ratio_of = static_cast<float>(leaf.units.unit * near.units.inverse);
     float move[3];
     double away = 0;
@@ -147,7 +156,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
         move[k] = static_cast<float>(delta);
         away += delta * delta;
     }
-    const VF ratio = hn::Set(d, ratio_of), moved = hn::Set(d, limit_of(0.15 * (std::sqrt(away) + 2.0 * ratio_of)));
+    const auto ratio = hn::Set(d, ratio_of), moved = hn::Set(d, limit_of(0.15 * (std::sqrt(away) + 2.0 * ratio_of)));
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
         const unsigned lanes = mask >> lane & ((1U << hn::Lanes(d)) - 1);
         if (lanes == 0) continue;
@@ -155,13 +164,13 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
         const auto chosen = hn::LoadMaskBits(d, bits);
         const std::size_t to = near.count();
         const auto load = [&](std::size_t i) HWY_ATTR { return hn::Load(d, leaf.frames.row[i] + lane); };
-        const auto put = [&](std::size_t i, VF value)
-                             HWY_ATTR { hn::CompressStore(value, chosen, d, near.row(i) + to); };
-        VF squares = hn::Zero(d);
+        const auto put = [&](std::size_t i, hn::Vec<Wide> value)
+                             HWY_ATTR { hn::StoreU(hn::Compress(value, chosen), d, near.row(i) + to); };
+        auto squares = hn::Zero(d);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            VF shift = hn::Mul(load(frame_row::shift + axis), ratio);
+            auto shift = hn::Mul(load(frame_row::shift + axis), ratio);
             for (std::size_t k = 0; k < 3; ++k) {
-                const VF along = load(3 * axis + k);
+                const auto along = load(3 * axis + k);
                 put(3 * axis + k, along);
                 shift = hn::Sub(shift, hn::Mul(along, hn::Set(d, move[k])));
             }
@@ -169,7 +178,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
             squares = hn::Add(squares, hn::Mul(shift, shift));
         }
         // 0.8 R and what makes up for rounding here (near_error).
-        const VF corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
+        const auto corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
         put(frame_row::count, hn::Add(hn::Mul(corner, hn::Set(d, 0.8001F)), moved));
         for (const std::size_t i : {frame_row::length, frame_row::ac_length, frame_row::bc_length})
             put(i, hn::Mul(load(i), ratio));
