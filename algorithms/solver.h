@@ -208,6 +208,9 @@ struct SolverInfo {
     bool ignores_tolerance =
         false;  // the answer is the same whatever the tolerance: the true distance, or bounds that are as wide as they are
     bool traces = false;  // offers samples to Trace
+    // The tolerance decides what is done from the beginning on: when a coarser one would have been met, and with which bounds, the trace
+    // of a finer one does not tell.
+    bool tolerance_guides = false;
     // What Session does where a solver does not offer it, and what nobody does otherwise:
     std::vector<Quantity> quantities = {Quantity::directed};
     bool moving_target = false;         // honours Query::target_pose

@@ -69,6 +69,7 @@ json solver_json(const SolverInfo& info) {
             {"known_wrong", info.known_wrong},
             {"ignores_tolerance", info.ignores_tolerance},
             {"traces", info.traces},
+            {"tolerance_guides", info.tolerance_guides},
             {"certificates", info.certificates},
             {"may_need", may_need},
             {"parameters", parameters}};

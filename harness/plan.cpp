@@ -238,7 +238,7 @@ private:
     // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
         const Experiment& e = plan_.experiment;
-        const bool traced = e.trace && entry.info.traces && e.of != "lower" &&
+        const bool traced = e.trace && entry.info.traces && !entry.info.tolerance_guides && e.of != "lower" &&
                             solver.quantity == Quantity::directed;  // H has no trace of its own
         return (entry.info.ignores_tolerance || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
                std::isinf(e.cutoff) && e.budget < 0;

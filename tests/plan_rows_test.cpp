@@ -21,19 +21,22 @@ class Idle : public Solver {
     Result solve(const Query&, State*, Trace&) const override { return {}; }
 };
 
-SolverEntry idle(const char* name, bool exact, bool points = true) {
+SolverEntry idle(const char* name, bool exact, bool points = true, bool guided = false) {
     SolverInfo info{
         .name = name, .title = name, .paper = "", .source = {true, true, true}, .target = {true, true, true}};
     info.warm = info.traces = true;
     info.ignores_tolerance = exact;
     info.source.points = points;
+    info.tolerance_guides = guided;
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); }};
 }
 
 class PlanRows : public testing::Test {
 protected:
     static void SetUpTestSuite() {
-        add_solvers({idle("idle", false), idle("idle_exact", true), idle("idle_without_points", true, false)}, "test");
+        add_solvers({idle("idle", false), idle("idle_exact", true), idle("idle_without_points", true, false),
+                     idle("idle_guided", false, true, true)},
+                    "test");
     }
 
     std::filesystem::path write(const std::string& name, const std::string& text) const {
@@ -112,6 +115,19 @@ TEST_F(PlanRows, MotionsHaveAsManyPosesOrOneIsStatic) {
     EXPECT_EQ(plan("", three + "target_motion = { kind = 'static' }\n", "").cases.size(), 6u);
     refuses("", two + "exact = 1\n", "", {"'exact'", "one pose"});
     refuses("", "target_motion = 3", "", {"'target_motion' must be a table"});
+}
+
+TEST_F(PlanRows, ATraceHasTheCoarserAnswersUnlessTheToleranceGuides) {
+    const auto run = [&](const std::string& top, const std::string& solver) {
+        std::size_t cases = 0;
+        for (const Job& job : plan(top, "", solver).jobs) cases += job.cases.size();
+        return cases;
+    };
+    const std::string guided = "[[solver]]\nname = 'idle_guided'";
+    EXPECT_EQ(run("", ""), 2u);
+    EXPECT_EQ(run("trace = true", ""), 1u);
+    EXPECT_EQ(run("trace = true", guided), 3u);  // one, and both of the other
+    EXPECT_EQ(run("", guided), 4u);
 }
 
 TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {

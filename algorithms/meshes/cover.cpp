@@ -270,6 +270,7 @@ SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.warm = true;
     info.threads = info.certificates = true;
+    info.tolerance_guides = true;  // tau
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }
