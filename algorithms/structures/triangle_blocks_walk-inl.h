@@ -26,25 +26,36 @@ using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// Farther from the origin of a leaf or node, in its units, squares might overflow, and there is no filter.
-constexpr double farthest_filtered = 0x1p40;
+// From the origin of a leaf or node, in its units. Nearer, single precision tells what is near: it errs by 2^-9 units for boxes, and by 2^-4
+// for triangles. Farther, boxes are measured in double precision, as all triangles of a leaf are then; farther still squares might overflow,
+// and there is no filter.
+constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p500;
 constexpr std::size_t most_levels = 9;  // 16^9 leaves are more than an Index counts
 
 // A point in the coordinates of a leaf or node.
 struct LocalPoint {
     float at[3];
+    double exactly[3];
     double most;  // |coordinate|
 
     HWY_INLINE LocalPoint(const LocalUnits& units, const Vec3& point) : most(0) {
         for (int k = 0; k < 3; ++k) {
-            const double q = (point[k] - units.origin[k]) * units.inverse;
-            at[k] = static_cast<float>(q);
-            most = std::max(most, std::abs(q));
+            exactly[k] = (point[k] - units.origin[k]) * units.inverse;
+            at[k] = static_cast<float>(exactly[k]);
+            most = std::max(most, std::abs(exactly[k]));
         }
     }
-    HWY_INLINE bool is_near() const { return most < farthest_filtered; }
+    HWY_INLINE bool is_near() const { return most < farthest_in_float; }
+    HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
 
-    // Where it is too far for a filter: no part of the content, which is within sqrt(3) units of the origin, is nearer.
+    // All content, which is within sqrt(3) units of the origin, is farther than this, in units.
+    double base() const {
+        double squared = 0;
+        for (const double x : exactly) squared += x * x;
+        return std::sqrt(squared) * (1 - 0x1p-50) - 2;
+    }
+
+    // Where it is too far for a filter: no part of the content is nearer.
     HWY_INLINE bool beyond(const LocalUnits& units, double reach) const {
         return most < 0x1p900 && (most - 2) * units.unit > reach;
     }
@@ -91,14 +102,37 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
+// The same from far away: what the distances to the boxes are above `base`. u = 2^-53: a distance errs by 3u of itself, the difference is
+// rounded as far_limit is, and a larger number is never rounded to a smaller one.
+template <class Use>
+HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
+    alignas(64) float above[frames_width];
+    for (std::size_t c = 0; c < frames_width; ++c) {
+        double squared = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double out = std::max({static_cast<double>(node.low[k][c]) - point.exactly[k],
+                                         point.exactly[k] - static_cast<double>(node.high[k][c]), 0.0});
+            squared += out * out;
+        }
+        above[c] = static_cast<float>(std::sqrt(squared) - base);  // infinite if not in use
+    }
+    const F d;
+    for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
+}
+
+// What something within `reach` has at most there.
+inline float far_limit(const BoxNode& node, double base, const Reach& reach) {
+    return limit_of(reach.at(node.units) * node.units.inverse * (1 + 0x1p-50) - base);
+}
+
 // What the square of something within `reach` is at most in measure_children.
 HWY_INLINE float box_limit(const BoxNode& node, const Reach& reach) {
     const double in_units = reach.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
-// The children of a node in the order of their distance: squares in its units, rounded down to a multiple of 16 in the last place, as
-// integers, which are in the same order; the last four bits tell the child.
+// The children of a node in the order of their distance: squares in its units, or what a distance is above a base, rounded down to a multiple
+// of 16 in the last place, as integers, which are in the same order; the last four bits tell the child.
 struct alignas(64) OrderedChildren {
     std::int32_t key[frames_width];
 
@@ -120,17 +154,23 @@ struct alignas(64) OrderedChildren {
     }
     // Returns the least.
     HWY_INLINE std::int32_t set(const BoxNode& node, const LocalPoint& point) {
+        return set_by([&](const auto& use) HWY_ATTR { measure_children(node, point, use); });
+    }
+    HWY_INLINE std::int32_t set_far(const BoxNode& node, const LocalPoint& point, double base) {
+        return set_by([&](const auto& use) HWY_ATTR { measure_far_children(node, point, base, use); });
+    }
+    template <class Measure> HWY_INLINE std::int32_t set_by(const Measure& measure) {
         const Keys d;
         auto all = hn::Set(d, none);
-        measure_children(node, point, [&](std::size_t lane, VF squares) HWY_ATTR {
-            const auto bits = hn::AndNot(hn::Set(d, child_bits), hn::BitCast(d, squares));
+        measure([&](std::size_t lane, VF distances) HWY_ATTR {
+            const auto bits = hn::AndNot(hn::Set(d, child_bits), hn::BitCast(d, distances));
             const auto keys = hn::Or(bits, hn::Iota(d, static_cast<std::int32_t>(lane)));
             hn::Store(keys, d, key + lane);
             all = hn::Min(all, keys);
         });
         return hn::GetLane(hn::MinOfLanes(d, all));
     }
-    // Bit c: the square of child c is at most `most`. What is none is no number.
+    // Bit c: that of child c is at most `most`. What is none is no number.
     HWY_INLINE unsigned within(float most) const {
         const F d;
         const Keys di;
@@ -201,13 +241,17 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
         visits += static_cast<std::uint64_t>(node.count);
         const LocalPoint local(node.units, point);
         unsigned mask = in_use(node.count);
-        if (local.is_near()) {
+        if (HWY_LIKELY(local.is_filtered())) {
             const F d;
-            const VF most = hn::Set(d, box_limit(node, reach));
+            const double base = local.is_near() ? 0 : local.base();
+            const VF most = hn::Set(d, local.is_near() ? box_limit(node, reach) : far_limit(node, base, reach));
             unsigned within = 0;
-            measure_children(node, local, [&](std::size_t lane, VF squares) HWY_ATTR {
-                within |= lane_bits(d, hn::Le(squares, most)) << lane;
-            });
+            const auto compare = [&](std::size_t lane, VF distances)
+                                     HWY_ATTR { within |= lane_bits(d, hn::Le(distances, most)) << lane; };
+            if (HWY_LIKELY(local.is_near()))
+                measure_children(node, local, compare);
+            else
+                measure_far_children(node, local, base, compare);
             mask &= within;
         } else if (local.beyond(node.units, reach.at(node.units))) {
             mask = 0;
@@ -231,12 +275,15 @@ HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& poin
     struct Step {
         OrderedChildren children;
         const BoxNode* node;
+        double base;                 // negative: the keys are squares
         std::uint32_t level, first;  // of the children
     };
     Step path[most_levels];
     std::size_t depth = 0;
     std::uint32_t level = static_cast<std::uint32_t>(tree.level_begin.size()), index = 0;
-    const auto limit = [&](const Step& step) { return box_limit(*step.node, reach); };
+    const auto limit = [&](const Step& step) {
+        return HWY_LIKELY(step.base < 0) ? box_limit(*step.node, reach) : far_limit(*step.node, step.base, reach);
+    };
     const auto beyond = [&](const Step& step, std::int32_t key) {
         return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(step));
     };
@@ -246,8 +293,12 @@ HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& poin
         const LocalPoint local(node.units, point);
         Step* step = path + depth++;
         std::int32_t next = OrderedChildren::none;
+        step->base = -1;
         if (HWY_LIKELY(local.is_near())) {
             next = step->children.set(node, local);
+        } else if (local.is_filtered()) {
+            step->base = local.base();
+            next = step->children.set_far(node, local, step->base);
         } else if (!local.beyond(node.units, reach.at(node.units))) {
             next = step->children.set_unknown(node.count);
         }
