@@ -53,9 +53,8 @@ double diagonal_of(const MeshPair& pair) {
     return (box.high - box.low).norm();
 }
 
-// More than the error of a distance in double precision at a place as large as the meshes (offset_cover.h), and than a bound is
-// widened by: so what is nearest to a point that was measured is always near enough, and a cover ends.
-double least_gap_of(const MeshPair& pair) { return 0x1p-39 * diagonal_of(pair) + 64 * unit_roundoff * pair.magnitude; }
+// More than a bound is widened by. At each place a cover adds what its own rounding needs (search/cover_worker.h).
+double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 class Search {
 public:

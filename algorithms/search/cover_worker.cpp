@@ -395,6 +395,17 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     return measure(global, near, source_, own).triangle;
 }
 
+// At least so far above the lower bound that what is nearest to a point that was measured is near enough, as computed: else a cover would not
+// end. The error grows with the triangles that are near, not with the meshes, so what is far away spoils nothing here.
+double CoverWorker::threshold() const {
+    const double covered = covered_within(level_) * exact_.near.units.inverse;
+    if (scene_.query.floor >= scene_.query.cutoff) return covered;
+    double error = 0;
+    for (std::size_t k = 0; k < exact_.near.count(); ++k) error = std::max(error, exact_.error(exact_.near, k));
+    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) + 32 * unit_roundoff * scene_.magnitude;
+    return std::max(covered, low * exact_.near.units.inverse + 4 * error);
+}
+
 bool CoverWorker::promising(double distance) const {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
     return distance * exact_.near.units.unit > low + 0.2 * scene_.query.tolerance.gap(low);

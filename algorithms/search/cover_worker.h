@@ -81,7 +81,7 @@ public:
 private:
     // CoverHost, for the piece that is decided.
     Index measure(const double (&point)[3], double slack, Index near) override;
-    double threshold() const override { return covered_within(level_) * exact_.near.units.inverse; }
+    double threshold() const override;
     bool promising(double distance) const override;
     bool go_on() override;
 

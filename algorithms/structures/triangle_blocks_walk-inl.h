@@ -27,9 +27,9 @@ using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
 // From the origin of a leaf or node, in its units. Nearer, single precision tells what is near: it errs by 2^-9 units for boxes, and by 2^-4
-// for triangles. Farther, boxes are measured in double precision, as all triangles of a leaf are then; farther still squares might overflow,
-// and there is no filter.
-constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p500;
+// for triangles. Farther, boxes are measured in double precision, as all triangles of a leaf are then; farther still that tells nothing either, and
+// there is no filter.
+constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p60;
 constexpr std::size_t most_levels = 9;  // 16^9 leaves are more than an Index counts
 
 // A point in the coordinates of a leaf or node.
