@@ -10,13 +10,14 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis import command, style, tables
+from analysis import command, pareto, style, tables
 from analysis.cells import clock_note
 from analysis.load import Results, machine_line, unchecked_line
 from analysis.statistics import Estimate, median
 
 STEM = "error_vs_time"
 ACROSS = 3  # panels side by side
+OURS = "cover"
 Panel = tuple[str, int]  # scene, pose
 # Whatever the tolerance, each value of their parameter has one answer: the values are one line with one entry in the legend.
 ONE_LINE = {"sampling"}
@@ -38,7 +39,9 @@ def make(results: Results, out: Path) -> list[Path]:
             if rows:
                 table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
                                    *finest(results, rows, times)])
-    table.notes = left_out(results, panels, labels) + unknown(results, panels) + [
+    ours = pareto.cells(results, OURS)
+    front = [pareto.judge(ours, style.look(OURS).title).line()] if ours else []
+    table.notes = left_out(results, panels, labels) + unknown(results, panels) + front + [
         tables.coverage_note(times.values()) + " " + clock_note(results) + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]

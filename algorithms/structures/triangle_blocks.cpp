@@ -244,15 +244,6 @@ void copy_frames(const TriangleFrames<T>& frames, const double (&size)[frames_wi
 
 }  // namespace
 
-void TriangleBlocks::append(Index triangle, NearTriangles<float>& near) const {
-    TriangleFrames<float> frames;
-    double size[frames_width];
-    const std::size_t to = near.count();
-    near.triangle.push_back(triangle);
-    frames_of(*mesh_, near.triangle, to, to + 1, near.units, frames, size);
-    copy_frames(frames, size, to, near);
-}
-
 void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near) {
     near.triangle = triangles;
     for (std::size_t begin = 0; begin < triangles.size(); begin += frames_width) {

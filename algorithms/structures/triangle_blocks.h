@@ -108,9 +108,6 @@ public:
     // Appends triangles no farther than `radius` from `centre`, and perhaps some that are hardly farther; all, or more than near.most.
     void gather(const Vec3& centre, double radius, NearTriangles<float>& near, Counters& counters) const;
 
-    // Appends one.
-    void append(Index triangle, NearTriangles<float>& near) const;
-
     const TriangleMesh& mesh() const { return *mesh_; }
     const std::vector<TriangleFramesLeaf>& leaves() const { return leaves_; }
     std::size_t bytes() const;

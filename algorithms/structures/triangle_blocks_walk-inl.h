@@ -63,8 +63,9 @@ struct LocalPoint {
 
 // How far away something may be and still matter. Rounding may add to a distance what is far below the errors of single precision, but
 // where a place is small beside its coordinates. M is the largest |coordinate| of the point and the place, u = 2^-53: a triangle at computed
-// distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M; a coordinate of the point in units of the place errs by 3u of at
-// most 2M. Together less than 32uM.
+// distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M: 24uM; a coordinate of the point in units of the place errs by u of at
+// most 2M: sqrt(3) 2uM < 4uM; and a distance to a box from far away, computed in double precision, by 4u of at most 4M. Together less than
+// the 64uM that are used.
 class Reach {
 public:
     double distance;
@@ -76,7 +77,7 @@ public:
     }
 
 private:
-    static constexpr double rounding = 32 * unit_roundoff;
+    static constexpr double rounding = 64 * unit_roundoff;
 
     double point_magnitude_;
 };
@@ -102,8 +103,8 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// The same from far away: what the distances to the boxes are above `base`. u = 2^-53: a distance errs by 3u of itself, the difference is
-// rounded as far_limit is, and a larger number is never rounded to a smaller one.
+// The same from far away, where single precision would tell nothing: what the distances to the boxes are above `base`. A larger number
+// is never rounded to a smaller one than what far_limit is rounded to; how much a distance errs itself is counted in Reach.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -122,7 +123,7 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
 
 // What something within `reach` has at most there.
 inline float far_limit(const BoxNode& node, double base, const Reach& reach) {
-    return limit_of(reach.at(node.units) * node.units.inverse * (1 + 0x1p-50) - base);
+    return limit_of(reach.at(node.units) * node.units.inverse - base);
 }
 
 // What the square of something within `reach` is at most in measure_children.

@@ -1,0 +1,95 @@
+"""Whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover] [--results DIR]`.
+
+A cell is a scene of meshes, a pose and a tolerance. In it the solver is beaten by a certified solver that is faster and gives a gap no larger.
+Only times that are separated tell: where a rival's gap is no larger and neither is clearly faster, the cell is open.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from analysis import style, tables
+from analysis.load import ResultError, Results, load
+from analysis.statistics import Estimate, ratio_by_round
+from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+
+SHARE: Final = 0.9  # of all cells, for the claim
+
+
+@dataclass(frozen=True)
+class Rival:
+    name: str
+    ratio: Estimate  # the solver's time to the rival's: above 1 where the rival is faster
+    gap: float
+
+
+@dataclass(frozen=True)
+class Cell:
+    scene: str
+    pose: int
+    tolerance: float
+    gap: float
+    rivals: tuple[Rival, ...]  # with a gap no larger that are not clearly slower
+
+    @property
+    def beaten_by(self) -> tuple[Rival, ...]:
+        return tuple(rival for rival in self.rivals if rival.ratio.separated and rival.ratio.low > 1)
+
+    def line(self) -> str:
+        worst = max(self.beaten_by or self.rivals, key=lambda rival: rival.ratio.value)
+        what = "beaten by" if self.beaten_by else "not separated from"
+        return (f"{style.scene_title(self.scene)} at {tables.number(self.tolerance, 1)}: {what} {worst.name}, "
+                f"{tables.estimate(worst.ratio)} times as fast with a gap of {tables.number(worst.gap, 2)} instead of {tables.number(self.gap, 2)}")
+
+
+def cells(results: Results, solver: str) -> list[Cell]:
+    """Of the rows of the solver that are ok, in the order of the file."""
+    cases, kinds = results.cases, dict(zip(results.models.name, results.models.kind))
+    found = []
+    for own in results.rows(solver=solver, status="ok"):
+        if {kinds.get(cases.source[own]), kinds.get(cases.target[own])} != {"mesh"}:
+            continue
+        same = results.rows(scene=cases.scene[own], pose_index=cases.pose_index[own], tolerance=cases.tolerance[own], certified=1)
+        rivals = [Rival(style.look(cases.solver[row], results.names[row]).title,
+                        ratio_by_round(results.total_by_round(int(own)), results.total_by_round(int(row))), results.gap(int(row)))
+                  for row in same if cases.solver[row] != solver and results.is_bounded(int(row)) and results.gap(int(row)) <= results.gap(int(own))]
+        near = tuple(rival for rival in rivals if rival.ratio.n and not (rival.ratio.separated and rival.ratio.high < 1))
+        found.append(Cell(str(cases.scene[own]), int(cases.pose_index[own]), float(cases.tolerance[own]), results.gap(int(own)), near))
+    return found
+
+
+def judge(found: Sequence[Cell], title: str) -> Verdict:
+    claim = f"{title} is on the Pareto front of gap against time in {SHARE:.0%} of the cells (mesh scene, tolerance)"
+    if not found:
+        return Verdict(claim, UNTESTED, "no cells")
+    beaten, unsure = sum(bool(cell.beaten_by) for cell in found), sum(bool(cell.rivals) and not cell.beaten_by for cell in found)
+    front = len(found) - beaten - unsure
+    outcome = HOLDS if front >= SHARE * len(found) else FAILS if front + unsure < SHARE * len(found) else OPEN
+    return Verdict(claim, outcome, f"{front} of {len(found)} cells, beaten in {beaten}, not separated in {unsure}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.pareto", description="Cells where a solver is on the Pareto front of gap against time, and the others.")
+    parser.add_argument("stem", help="of the result file, such as error_vs_time")
+    parser.add_argument("--solver", default="cover", help="its name (cover)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    chosen = parser.parse_args(arguments)
+    try:
+        found = cells(load(chosen.results / f"{chosen.stem}.h5"), chosen.solver)
+    except ResultError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    print(judge(found, style.look(chosen.solver).title).line())
+    for cell in found:
+        if cell.rivals:
+            print(cell.line())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
