@@ -37,7 +37,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus test hostile mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -46,6 +46,7 @@ help:
 	@echo 'make corpus       fetch and check the whole corpus of real meshes, which some experiments sweep in profile paper'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
+	@echo 'make certificates write and check the proofs of 40 pairs of real meshes, and false claims, which must be refused'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
@@ -170,10 +171,14 @@ test: build/release/build.ninja
 hostile: build
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs tests/hostile
 
+certificates: build
+	$(FETCH)
+	$(PYTHON) tests/certificates.py
+
 types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}

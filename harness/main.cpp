@@ -260,7 +260,7 @@ int dispatch(int argc, char** argv) {
     measure_verb->add_option("B", request.target, "target file")->required();
     measure_verb->add_option(
         "--solver", request.solver,
-        "see `hausbench list` (default: guthe for meshes, scan for points, surface_enclosure for surfaces)");
+        "see `hausbench list` (default: cover for meshes, scan for points, surface_enclosure for surfaces)");
     measure_verb
         ->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
         ->capture_default_str();

@@ -214,44 +214,35 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 namespace {
 
 // Of triangles begin to end - 1 of the list, in coordinates of the place; what is not in use is as the last.
-template <class T>
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
-               const LocalUnits& units, TriangleFrames<T>& frames, double (&size)[frames_width]) {
+               NearTriangles<double>& near) {
     CornerRows corners;
     for (std::size_t i = 0; i < frames_width; ++i) {
         const Triangle t = triangle_of(mesh, triangles[std::min(begin + i, end - 1)]);
         const Vec3* const of[3] = {&t.a, &t.b, &t.c};
-        size[i] = 0;
+        double size = 0;
         for (std::size_t v = 0; v < 3; ++v) {
             Vec3 local;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto axis = static_cast<Index>(k);
-                corners.row[3 * v + k][i] = local[axis] = ((*of[v])[axis] - units.origin[k]) * units.inverse;
+                corners.row[3 * v + k][i] = local[axis] =
+                    ((*of[v])[axis] - near.units.origin[k]) * near.units.inverse;
             }
-            size[i] = std::max(size[i], local.norm());
+            size = std::max(size, local.norm());
         }
+        near.row(frame_row::count)[begin + i] = size * (1 + 0x1p-20);
     }
+    TriangleFrames<double> frames;
     make_frames(corners, frames);
-}
-
-template <class T>
-void copy_frames(const TriangleFrames<T>& frames, const double (&size)[frames_width], std::size_t to,
-                 NearTriangles<T>& near) {
-    for (std::size_t i = 0; i < frame_row::count; ++i) std::copy_n(frames.row[i], frames_width, near.row(i) + to);
-    for (std::size_t i = 0; i < frames_width; ++i)
-        near.row(frame_row::count)[to + i] = static_cast<T>(size[i] * (1 + 0x1p-20));
+    for (std::size_t i = 0; i < frame_row::count; ++i) std::copy_n(frames.row[i], frames_width, near.row(i) + begin);
 }
 
 }  // namespace
 
 void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near) {
     near.triangle = triangles;
-    for (std::size_t begin = 0; begin < triangles.size(); begin += frames_width) {
-        TriangleFrames<double> frames;
-        double size[frames_width];
-        frames_of(mesh, triangles, begin, std::min(begin + frames_width, triangles.size()), near.units, frames, size);
-        copy_frames(frames, size, begin, near);
-    }
+    for (std::size_t begin = 0; begin < triangles.size(); begin += frames_width)
+        frames_of(mesh, triangles, begin, std::min(begin + frames_width, triangles.size()), near);
 }
 
 std::size_t TriangleBlocks::bytes() const {

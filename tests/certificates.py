@@ -1,0 +1,91 @@
+"""Certificates of pairs of real meshes: each is written, checked, and checked again with false claims, which must be refused.
+
+    python3 tests/certificates.py [--program build/release/hausbench] [--pairs N]
+
+Exit code 0: all proofs of true bounds are accepted, and all false claims refused; 1: not so; 2: something is missing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+NEAR = ("armadillo", "bear", "bull", "bunny", "couplingdown", "fandisk", "flange", "hand", "pinion", "propeller", "turbine", "wuson")
+PAIRS = tuple(pair for name in NEAR for pair in ((name, f"{name}_half"), (f"{name}_half", name))) + (
+    ("bunny", "bunny_remeshed"), ("fandisk", "fandisk_remeshed"), ("hand", "hand_near"), ("fandisk", "fandisk_near"), ("dino", "dino_decimated"),
+    ("bear", "bear_decimated"), ("pinion", "pinion_decimated"), ("hand", "hand_noisy"), ("cow", "cow_subdivided_noisy"), ("dragon_res4", "dragon_res3"),
+    ("dragon_res3", "dragon_res2"), ("snowden_hi", "snowden_lo"), ("elephant", "refined_elephant"), ("asteroid_low", "asteroid_high"),
+    ("cow_normalised", "triceratops_normalised"), ("housing", "housing_fine"), ("bunny", "bunny"))
+
+
+class Refused(Exception):
+    """A command that should have worked; the message is what it said."""
+
+
+def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode not in allowed:
+        raise Refused(f"{' '.join(command)}: exit code {done.returncode}: {(done.stderr or done.stdout).strip()}")
+    return done
+
+
+def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
+    """Copies that claim less than the lower bound, which a witness shows: by the number alone, and with a shorter proof."""
+    header, body = proof.read_bytes().split(b"\n", 1)
+    for name, content in (("number", body), ("end", body[:-1])):
+        claim = json.loads(header)
+        for certificate in claim["certificates"]:
+            certificate["proven"] = lower * (1 - 1e-9)
+        changed = proof.with_suffix(f".{name}")
+        changed.write_bytes(json.dumps(claim).encode() + b"\n" + content)
+        yield name, changed
+
+
+def check(program: str, source: str, target: str, folder: Path) -> str:
+    """One line about a pair; Refused where the proof is, or where a false claim is not."""
+    files = [folder / f"{number}.off" for number in range(2)]
+    for model, file in zip((source, target), files):
+        run(program, "export", model, str(file))
+    proof = folder / "proof"
+    answer = json.loads(run(program, "measure", *map(str, files), "--certificate", str(proof), "--json").stdout)
+    before = time.perf_counter()
+    run(program, "verify", "--certificate", str(proof))
+    seconds = time.perf_counter() - before
+    lower = float(answer["lower"])
+    if lower > 0:
+        for name, changed in false_claims(proof, lower):
+            if run(program, "verify", "--certificate", str(changed), allowed=(0, 1, 2)).returncode == 0:
+                raise Refused(f"{source} to {target}: accepted with a false claim ({name})")
+    return f"{source} to {target}: {proof.stat().st_size / 2**20:.1f} MiB, accepted after {seconds:.2f} s" + (", false claims refused" if lower > 0 else "")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--program", default=os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench")))
+    parser.add_argument("--pairs", type=int, default=len(PAIRS), help="only the first N")
+    chosen = parser.parse_args()
+    if not Path(chosen.program).is_file():
+        print(f"{chosen.program}: no such program: run 'make build'", file=sys.stderr)
+        return 2
+    wrong = 0
+    for source, target in PAIRS[:chosen.pairs]:
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                print(check(chosen.program, source, target, Path(folder)), flush=True)
+            except Refused as problem:
+                wrong += 1
+                print(problem, file=sys.stderr, flush=True)
+    print(f"{len(PAIRS[:chosen.pairs]) - wrong} of {len(PAIRS[:chosen.pairs])} pairs as they should be")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
