@@ -402,7 +402,8 @@ double CoverWorker::threshold() const {
     if (scene_.query.floor >= scene_.query.cutoff) return covered;
     double error = 0;
     for (std::size_t k = 0; k < exact_.near.count(); ++k) error = std::max(error, exact_.error(exact_.near, k));
-    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) + 32 * unit_roundoff * scene_.magnitude;
+    const double low =
+        std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) + 32 * unit_roundoff * scene_.magnitude;
     return std::max(covered, low * exact_.near.units.inverse + 4 * error);
 }
 

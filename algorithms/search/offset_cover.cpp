@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "search/offset_cover.cpp"
@@ -17,6 +18,7 @@ namespace {
 template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
 
 constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
+constexpr std::size_t most_seconds = 4;     // that may cover the rest
 constexpr std::size_t crowded = 12;         // corners: with so many, a polygon is cut in two
 // The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
 // the quotient by u: sqrt(3) 16 < 28.
@@ -63,24 +65,35 @@ void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t
     c.within[point] = compare(candidates, c.squares(point));
 }
 
-// The distances of some points to triangle k. Returns bits: which of them are within its limit.
+// Squared distances of some points to one triangle, and which of them are within its limit, as bits.
 template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
+template <class T> struct Sampled {
+    T square[samples<T>];
+    unsigned within;
+};
 template <class T>
-unsigned measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
-                         const SamplePoints<T>& points, T (&distances)[samples<T>]) {
+Sampled<T> measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
+                           const SamplePoints<T>& points) {
     using D = FrameLanes<T>;
     const D d;
     const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
     const auto limit = hn::Set(d, candidates.limit[k]);
-    unsigned within = 0;
+    Sampled<T> found;
+    found.within = 0;
     for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
         const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
                                                   hn::LoadU(d, points.z + i));
-        hn::StoreU(hn::Sqrt(squared), d, distances + i);
-        within |= mask_bits<T>(hn::Le(squared, limit)) << i;
+        hn::StoreU(squared, d, found.square + i);
+        found.within |= mask_bits<T>(hn::Le(squared, limit)) << i;
     }
     c.distances += samples<T>;
-    return within;
+    return found;
+}
+
+template <class T> void roots(const T (&squares)[samples<T>], T (&distances)[samples<T>]) {
+    const FrameLanes<T> d;
+    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d))
+        hn::StoreU(hn::Sqrt(hn::LoadU(d, squares + i)), d, distances + i);
 }
 
 // One piece of A.
@@ -99,11 +112,20 @@ private:
         std::size_t begin = 0, length = 0;  // corners
         NearSet common;                     // the triangles that are near all of them
     };
+    static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
     struct Exits {
         std::size_t triangle = 0;
         T before = 0,
           after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
+        std::size_t second = none;  // a triangle that covers the rest, if they are left there
+        double upper = 0;           // by both
     };
+    struct Tried {
+        std::size_t k;
+        T estimate;
+        Sampled<T> sampled;
+    };
+    enum class Peel { stuck, peeled, covered };
 
     CoverResult cover(const CoverPolygon<T>& piece, const std::size_t* shared);
     void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
@@ -112,10 +134,15 @@ private:
     bool every_corner_near();
     void ask(T x, T y, T z, double slack, std::size_t near);
     Run longest_run() const;
+    std::size_t choose(const Run& run, std::array<Tried, tried_triangles>& tried);
     Exits exits(const Run& run);
+    void sample_edges(const Run& run, SamplePoints<T>& points) const;
+    void sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high, SamplePoints<T>& points) const;
+    bool by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out);
+    T exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points);
     void estimate_exits(const Run& run, const std::size_t (&corners)[4],
                         T (&estimate)[NearTriangles<T>::most_triangles]);
-    bool peel();
+    Peel peel();
     void keep_few();
     void find_centre();
     bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
@@ -141,6 +168,10 @@ private:
     void covered_by(std::size_t k, double bound) {
         upper_ = std::max(upper_, bound);
         if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
+    }
+    void cut_proof(const Run& run, const Exits& out) {
+        c_.proof->cut(CutPoint::back(last(run.begin), static_cast<double>(out.before)),
+                      CutPoint::along((run.begin + run.length - 1) % piece_.count, static_cast<double>(out.after)));
     }
     double at_most(T square, std::size_t k) const {
         return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
@@ -218,8 +249,13 @@ template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, co
             if (!pop()) return {true, upper_};
             continue;
         }
-        if (peel()) {
-            if (peels_ == 1) keep_few();
+        const Peel peeled = peel();
+        if (peeled == Peel::peeled) {
+            if (peels_ == 2 || (peels_ == 1 && all_.count() > 4 * frames_width)) keep_few();
+            continue;
+        }
+        if (peeled == Peel::covered) {
+            if (!pop()) return {true, upper_};
             continue;
         }
         const Centre centre = look_at_centre();
@@ -345,77 +381,123 @@ void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
     }
 }
 
-// The triangle that removes most, of a few that seem to, and where its offset is left.
-template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
-    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
-    const std::size_t before = last(first), after = next(end);
-    struct Tried {
-        std::size_t k;
-        T estimate;
-    };
-    std::array<Tried, tried_triangles> tried;
+// A few triangles near the run that seem to reach farthest.
+template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Tried, tried_triangles>& tried) {
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
-    const bool choose = run.common.size() > tried.size();
-    if (choose) estimate_exits(run, {first, before, end, after}, estimate);
+    const bool more = run.common.size() > tried.size();
+    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    if (more) estimate_exits(run, {run.begin, last(run.begin), end, next(end)}, estimate);
     run.common.for_each([&](std::size_t k) {
         if (count < tried.size()) {
-            tried[count++] = {k, choose ? estimate[k] : T(0)};
+            tried[count].k = k;
+            tried[count++].estimate = more ? estimate[k] : T(0);
             return;
         }
         auto worst = std::min_element(tried.begin(), tried.end(),
                                       [](const Tried& x, const Tried& y) { return x.estimate < y.estimate; });
-        if (estimate[k] > worst->estimate) *worst = {k, estimate[k]};
+        if (estimate[k] > worst->estimate) worst->k = k, worst->estimate = estimate[k];
     });
-    constexpr std::size_t half = samples<T> / 2;
-    const auto sample = [&](SamplePoints<T>& points, std::size_t side, T from, T to) {
-        const std::size_t a = side == 0 ? first : end, b = side == 0 ? before : after;
-        for (std::size_t i = 0; i < half; ++i) {
-            const T t = from + (to - from) * (static_cast<T>(i + 1) / static_cast<T>(half));
-            points.x[side * half + i] = piece_.x[a] + t * (piece_.x[b] - piece_.x[a]);
-            points.y[side * half + i] = piece_.y[a] + t * (piece_.y[b] - piece_.y[a]);
-            points.z[side * half + i] = piece_.z[a] + t * (piece_.z[b] - piece_.z[a]);
+    return count;
+}
+
+// Points of one of the two edges, the last one at `high`.
+template <class T>
+void Engine<T>::sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high,
+                            SamplePoints<T>& points) const {
+    for (std::size_t i = 0; i < half; ++i) {
+        const T t = low + (high - low) * (static_cast<T>(i + 1) / static_cast<T>(half));
+        points.x[side * half + i] = piece_.x[from] + t * (piece_.x[to] - piece_.x[from]);
+        points.y[side * half + i] = piece_.y[from] + t * (piece_.y[to] - piece_.y[from]);
+        points.z[side * half + i] = piece_.z[from] + t * (piece_.z[to] - piece_.z[from]);
+    }
+}
+
+template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>& points) const {
+    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    sample_edge(0, run.begin, last(run.begin), T(0), T(1), points);
+    sample_edge(1, end, next(end), T(0), T(1), points);
+}
+
+// Whether a triangle that is near the run and one that is near all other corners both reach a sample on either edge: then the two cover
+// the polygon, cut there.
+template <class T>
+bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out) {
+    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    NearSet others = within(next(end));
+    for (std::size_t i = next(end); i != run.begin; i = next(i)) others = others & within(i);
+    std::size_t looked = 0;
+    others.for_each([&](std::size_t k) {
+        if (out.second != none || ++looked > most_seconds) return;
+        const Sampled<T> second = measure_samples(c_, all_, k, points);
+        for (const Tried& first : tried) {
+            const unsigned both = first.sampled.within & second.within,
+                           sides[2] = {both & ((1U << half) - 1), both >> half};
+            if (sides[0] == 0 || sides[1] == 0) continue;
+            const auto before = static_cast<std::size_t>(std::countr_zero(sides[0]));
+            const auto after = static_cast<std::size_t>(std::countr_zero(sides[1]));
+            T near_first = std::max(first.sampled.square[before], first.sampled.square[half + after]);
+            T near_second = std::max(second.square[before], second.square[half + after]);
+            std::size_t i = run.begin;
+            for (std::size_t left = run.length; left > 0; i = next(i), --left)
+                near_first = std::max(near_first, square(i, first.k));
+            for (; i != run.begin; i = next(i)) near_second = std::max(near_second, square(i, k));
+            out = {first.k, static_cast<T>(before + 1) / static_cast<T>(half),
+                   static_cast<T>(after + 1) / static_cast<T>(half), k,
+                   std::max(at_most(near_first, first.k), at_most(near_second, k))};
+            return;
         }
-    };
-    Exits best;
-    T best_score = -1;
+    });
+    return out.second != none;
+}
+
+// Where one of the two edges leaves the offset of a triangle.
+template <class T>
+T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
+    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t inside = side == 0 ? run.begin : end, outside = side == 0 ? last(run.begin) : next(end);
+    const T threshold = std::sqrt(all_.limit[tried.k]);
+    T from = 0, to = 1, near = std::sqrt(square(inside, tried.k)), out = 0;
+    Sampled<T> sampled = tried.sampled;
+    for (int round = 0; round < (exact ? 3 : 1); ++round) {
+        if (round > 0) {
+            SamplePoints<T> finer = points;
+            sample_edge(side, inside, outside, from, to, finer);
+            sampled = measure_samples(c_, all_, tried.k, finer);
+        }
+        T distances[samples<T>];
+        roots(sampled.square, distances);
+        // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
+        const auto s = static_cast<std::size_t>(std::countr_one(sampled.within >> (side * half) & ((1U << half) - 1)));
+        if (s == half) return to;
+        if (s > 0) near = distances[side * half + s - 1];
+        const T step = (to - from) / static_cast<T>(half);
+        const T low = from + step * static_cast<T>(s), far = distances[side * half + s];
+        out = low + (far > near ? step * std::clamp((threshold - near) / (far - near), T(0), T(1)) : T(0));
+        from = low;
+        to = low + step;
+    }
+    return out;
+}
+
+// Two triangles that cover all, or the one that removes most, of a few that seem to, and where its offset is left.
+template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
+    std::array<Tried, tried_triangles> tried;
+    const std::size_t count = choose(run, tried);
     SamplePoints<T> points;
-    T distances[samples<T>];
-    sample(points, 0, T(0), T(1));
-    sample(points, 1, T(0), T(1));
+    sample_edges(run, points);
+    for (std::size_t i = 0; i < count; ++i) tried[i].sampled = measure_samples(c_, all_, tried[i].k, points);
+    Exits best;
+    if (by_two(run, std::span(tried).first(count), points, best)) return best;
+    T best_score = -1;
     for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t k = tried[i].k;
-        unsigned within = measure_samples(c_, all_, k, points, distances);
-        const T threshold = std::sqrt(all_.limit[k]);
-        T out[2];
-        for (std::size_t side = 0; side < 2; ++side) {
-            T from = 0, to = 1, near = std::sqrt(square(side == 0 ? first : end, k));
-            for (int round = 0;; ++round) {
-                // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
-                const auto s = static_cast<std::size_t>(std::countr_one(within >> (side * half) & ((1U << half) - 1)));
-                if (s == half) {
-                    out[side] = to;
-                    break;
-                }
-                if (s > 0) near = distances[side * half + s - 1];
-                const T step = (to - from) / static_cast<T>(half);
-                const T low = from + step * static_cast<T>(s), far = distances[side * half + s];
-                out[side] =
-                    low + (far > near ? step * std::clamp((threshold - near) / (far - near), T(0), T(1)) : T(0));
-                if (!exact || round == 2) break;
-                from = low;
-                to = low + step;
-                SamplePoints<T> finer = points;
-                sample(finer, side, from, to);
-                within = measure_samples(c_, all_, k, finer, distances);
-            }
-            if (exact && side == 0) within = measure_samples(c_, all_, k, points, distances);
-        }
-        const T score = run.length == 1 ? out[0] * out[1] + T(0.01) * (out[0] + out[1]) : out[0] + out[1];
-        if (score > best_score) {
-            best_score = score;
-            best = {k, out[0], out[1]};
-        }
+        const T before = exit_of(run, tried[i], 0, points), after = exit_of(run, tried[i], 1, points);
+        const T score = run.length == 1 ? before * after + T(0.01) * (before + after) : before + after;
+        if (score <= best_score) continue;
+        best_score = score;
+        best.triangle = tried[i].k;
+        best.before = before;
+        best.after = after;
     }
     return best;
 }
@@ -487,15 +569,25 @@ template <class T> void Engine<T>::keep_few() {
 }
 
 // Cuts off what one triangle covers: the run's corners and both exits are within its offset, so all between them is.
-template <class T> bool Engine<T>::peel() {
-    if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return false;
+template <class T> typename Engine<T>::Peel Engine<T>::peel() {
+    if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();
     Exits out = exits(run);
+    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
+    if (out.second != none) {
+        if (std::max(slack_of_cut(first, last(first), out.before), slack_of_cut(end, next(end), out.after)) >
+            OffsetCover<T>::most_slack)
+            return Peel::stuck;
+        if (c_.proof) cut_proof(run, out);
+        covered_by(out.triangle, out.upper);
+        covered_by(out.second, out.upper);
+        ++c_.cuts;
+        return Peel::covered;
+    }
     const T removed = out.before + out.after;
-    if (removed < T(0.02)) return false;
+    if (removed < T(0.02)) return Peel::stuck;
     slow_ = removed < T(0.3) ? slow_ + 1 : 0;
 
-    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
     CoverPolygon<T> rest;
     std::size_t rows[most_polygon_corners];
     const std::uint32_t used_before = used_;
@@ -508,23 +600,20 @@ template <class T> bool Engine<T>::peel() {
     kept = kept && add_exit(rest, rows, first, last(first), out.before, out.triangle);
     if (!kept) {
         used_ = used_before;
-        return false;
+        return Peel::stuck;
     }
     T most = std::max(c_.squares(rows[0])[out.triangle], c_.squares(rows[rest.count - 1])[out.triangle]);
     for (std::size_t i = first, left = run.length; left > 0; i = next(i), --left) {
         most = std::max(most, square(i, out.triangle));
         if (row_[i] >= most_shared_points) used_ &= ~(1U << (row_[i] - most_shared_points));
     }
-    if (c_.proof) {
-        c_.proof->cut(CutPoint::back(last(first), static_cast<double>(out.before)),
-                      CutPoint::along(end, static_cast<double>(out.after)));
-    }
+    if (c_.proof) cut_proof(run, out);
     covered_by(out.triangle, at_most(most, out.triangle));
     piece_ = rest;
     std::copy_n(rows, rest.count, row_);
     ++c_.cuts;
     ++peels_;
-    return true;
+    return Peel::peeled;
 }
 
 // --- cut in two ---------------------------------------------------------------------------------------------------------

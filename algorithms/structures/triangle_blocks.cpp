@@ -225,8 +225,7 @@ void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, st
             Vec3 local;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto axis = static_cast<Index>(k);
-                corners.row[3 * v + k][i] = local[axis] =
-                    ((*of[v])[axis] - near.units.origin[k]) * near.units.inverse;
+                corners.row[3 * v + k][i] = local[axis] = ((*of[v])[axis] - near.units.origin[k]) * near.units.inverse;
             }
             size = std::max(size, local.norm());
         }
