@@ -260,5 +260,26 @@ TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     }
 }
 
+// In a hole with parallel edges the distance is the same all along a ridge, and a cover has to be cut there to within the tolerance: with few
+// cuts, also where that is hardly more than rounding.
+TEST(Cover, AFewCutsAreEnoughAlongARidge) {
+    Random random(47);
+    for (int scene = 0; scene < 40; ++scene) {
+        const TriangleMesh a = triangle_grid(random, 12, scene % 2 == 0 ? 0 : 1e-4);
+        TriangleMesh holes = a;
+        Index kept = 0;
+        for (Index i = 0; i < a.triangles.rows(); ++i)
+            if (random.below(2) == 0 || kept == 0) holes.triangles.row(kept++) = a.triangles.row(i);
+        holes.triangles.conservativeResize(kept, 3);
+        for (const double tolerance : {1e-9, 1e-11, 1e-12}) {
+            Query query;
+            query.tolerance = {Tolerance::Of::lower, tolerance};
+            const Result result = answer(a, holes, query);
+            EXPECT_LE(result.bounds.upper, result.bounds.lower * (1 + std::max(tolerance, 1e-10))) << scene;
+            EXPECT_LE(result.counters.subdivisions, 20000U) << scene << ", " << tolerance;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace hausbench

@@ -408,8 +408,8 @@ double CoverWorker::threshold() const {
 }
 
 bool CoverWorker::promising(double distance) const {
-    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
-    return distance * exact_.near.units.unit > low + 0.2 * scene_.query.tolerance.gap(low);
+    const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0)) * exact_.near.units.inverse;
+    return distance > low + 0.2 * std::max(exact_.threshold - low, 0.0);
 }
 
 bool CoverWorker::go_on() {

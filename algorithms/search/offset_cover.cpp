@@ -509,8 +509,10 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
     const float slack = slack_of_cut(inside, outside, t);
     if (slack > OffsetCover<T>::most_slack) return false;
     const std::size_t row = take_row();
-    T back = exact ? T(0x1p-40) : T(0x1p-16);
-    for (int attempt = 0; attempt < 4; ++attempt, back *= 16) {
+    // In double precision far less would do, but along an edge so short that rounding is a part of it.
+    constexpr std::array<T, 4> backs = exact ? std::array<T, 4>{T(0x1p-40), T(0x1p-28), T(0x1p-16), T(0x1p-4)}
+                                             : std::array<T, 4>{T(0x1p-16), T(0x1p-12), T(0x1p-8), T(0x1p-4)};
+    for (const T back : backs) {
         const T at = t * (1 - back);
         const T x = piece_.x[inside] + at * (piece_.x[outside] - piece_.x[inside]),
                 y = piece_.y[inside] + at * (piece_.y[outside] - piece_.y[inside]),
