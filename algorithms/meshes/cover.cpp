@@ -3,13 +3,14 @@
 //
 // 1. A lower bound l: the distance of one vertex of each of a few groups of neighbouring triangles of A, then of each quarter of them, down
 //    to clusters of 16 (search/cover_groups.h). A group is done with where that distance and the size of its box together are at most
-//    tau = l + 0.9 tolerance; where that is less than the rounding of a cover, tau is above l by that rounding instead.
+//    tau = l + 0.9 tolerance, or l and what its own rounding needs.
 // 2. What is left is looked at eight triangles at a time, the most promising first, so that l is nearly final early. The triangles of
 //    B that are near are gathered once, as frames in single precision (structures/triangle_blocks.h), and the distances of all corners
 //    to them are found. If all three corners of a triangle are within tau of one triangle S of B, all of it is, as the tau-offset of S
 //    is convex; if not, several are tried together (search/offset_cover.h).
 // 3. What single precision cannot decide is done again at the end, in double precision, with a tau that is nearly final. A point that no
-//    triangle of B is within tau of is measured exactly: it raises l, and tau with it.
+//    triangle of B is within tau of is measured exactly: it raises l, and tau with it. Where tau is nearer to l than double precision tells
+//    apart at the place of a piece, that piece gets a bound that is above tau by as much.
 // There is no queue, and no bound is ever made better: a triangle is covered once. Most are by step 2, with no query of their own.
 //
 // Upper bound: the largest of the distances that the covers and the groups have shown, not tau. Lower bound and witness: as in

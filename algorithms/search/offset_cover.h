@@ -3,7 +3,8 @@
 // The tau-offset of a triangle S, all points within tau of it, is convex, as S is. So a polygon whose corners are all within tau of one
 // S is within tau of it altogether. Where no S does for all corners, one that does for a run of neighbouring corners is taken, and
 // what it covers is cut off ("peeled"): the chord goes from where the edge before the run leaves the offset to where the edge after it
-// does. Where that gets nowhere, the polygon is cut in two.
+// does. If a second triangle is near all other corners, and both reach a sample of either edge, the two cover the polygon, cut there. Where
+// peeling gets nowhere, the polygon is cut in two.
 //
 // A piece may be covered by any triangles, so it does not matter for a proof which are looked at, or where it is cut: only that
 // the polygons that are covered make up the piece, and that a distance is never taken for less than it is.
