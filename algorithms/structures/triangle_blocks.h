@@ -12,7 +12,7 @@
 //   - Boxes. A plane is at most 1: rounding it to float and moving it outward by plane_error costs u/2 + u. A coordinate q of the point
 //     errs by u|q| when it is rounded. Where |q| <= 4 all that is less than 8u = plane_error. Where |q| > 4 the point is more
 //     than 3/4 |q| outside, and u|q| is less than 4/3 u of that. A difference errs by u, a square by u more, sums by 2u: s <= d^2 (1 + 8u),
-//     and box_error is 16u.
+//     and box_error is 16u. Far away, where that is as much as the content is large, boxes are measured in double precision.
 //   - Leaves. |sqrt(s) - d| <= frame_error u (|q| + R) (kernel/triangle_frames.h), with |q| <= 2 max|q_k| and R < 2.
 //   - A triangle whose computed squared distance (kernel/point_triangle.h) is f is within sqrt(f) (1 + 4u) + 8uM, u = 2^-53, M the
 //     largest |coordinate| of it and the point (kernel/rounding.h).
