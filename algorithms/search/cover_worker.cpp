@@ -119,12 +119,15 @@ void CoverWorker::settle(const Cluster& cluster) {
 }
 
 // The distance to a triangle is convex.
-KnownUpper CoverWorker::by_corners(const CoverPiece& piece, Index near) {
-    double most = 0;
-    for (const Vec3& corner : piece.corners)
-        most = std::max(most, scene_.target.squared_distance(corner, scene_.target.triangle(near)));
+CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index near) {
+    CornerBound bound;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double squared = scene_.target.squared_distance(piece.corners[k], scene_.target.triangle(near));
+        if (squared > bound.squared) bound.squared = squared, bound.farthest = k;
+    }
     outcome_.counters.point_triangle_distances += 3;
-    return {surface_distance_at_most(most, scene_.magnitude, piece.level), near, -1};
+    bound.upper = {surface_distance_at_most(bound.squared, scene_.magnitude, piece.level), near, -1};
+    return bound;
 }
 
 // Work of the covers so far, for the counters.
@@ -240,7 +243,7 @@ void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landm
     std::vector<CoverPiece> rest;
     for (CoverPiece piece : pieces) {
         piece.upper.improve(upper);
-        if (piece.upper.value > tau_ && !stop_) piece.upper.improve(by_corners(piece, own.near));
+        if (piece.upper.value > tau_ && !stop_) piece.upper.improve(by_corners(piece, own.near).upper);
         if (piece.upper.value > tau_ && !stop_)
             rest.push_back(piece);
         else
@@ -269,25 +272,16 @@ template <class Part> void CoverWorker::halve(const CoverPiece& piece, const Par
         second{piece.corners[c], piece.corners[a], middle};
     for (std::size_t i = 0; i < 2; ++i) {
         CoverPiece half{i == 0 ? first : second, piece.source, proofs[i], piece.upper, landmark, level};
-        half.upper.improve(by_corners(half, m.triangle));
-        if (half.upper.value > tau_ && !stop_) measure_far_corner(half);
+        const CornerBound bound = by_corners(half, m.triangle);
+        half.upper.improve(bound.upper);
+        // The corner that seems to be farthest from B may raise tau, where the piece is large beside its distance.
+        if (half.upper.value > tau_ && !stop_ && bound.squared > tau_ * tau_)
+            measure(half.corners[bound.farthest], m.triangle, half.source, half.level);
         if (half.upper.value <= tau_ || stop_)
             settle(half);
         else
             part(half);
     }
-}
-
-// The corner that seems to be farthest from B: it may raise tau, where the piece is large beside its distance.
-void CoverWorker::measure_far_corner(const CoverPiece& piece) {
-    const Triangle near = scene_.target.triangle(piece.landmark.near);
-    std::size_t farthest = 0;
-    double most = -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double squared = scene_.target.squared_distance(piece.corners[k], near);
-        if (squared > most) most = squared, farthest = k;
-    }
-    if (most > tau_ * tau_) measure(piece.corners[farthest], piece.landmark.near, piece.source, piece.level);
 }
 
 namespace {
@@ -427,7 +421,7 @@ void CoverWorker::decide(const CoverPiece& piece) {
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
-    measured.upper.improve(by_corners(piece, m.triangle));
+    measured.upper.improve(by_corners(piece, m.triangle).upper);
     if (measured.upper.value <= tau_ || stop_) return settle(measured);
     if (decide_whole(measured, piece.level >= enough_halvings)) return;
     // Too many triangles of B are near.

@@ -90,7 +90,12 @@ private:
     double covered_within(int level) const;
     void look_at_clock();
     double around(const Vec3& at, double distance, const Box& box) const;
-    KnownUpper by_corners(const CoverPiece& piece, Index near);
+    struct CornerBound {
+        KnownUpper upper;
+        double squared = 0;        // the largest distance of a corner to the triangle, as computed
+        std::size_t farthest = 0;  // that corner
+    };
+    CornerBound by_corners(const CoverPiece& piece, Index near);
     void settle(double upper, Index source);
     void settle(const CoverPiece& piece);
     void settle(const Cluster& cluster);
@@ -100,7 +105,6 @@ private:
     void halve_piece(const CoverPiece& piece);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     template <class Part> void halve(const CoverPiece& piece, const Part& part);
-    void measure_far_corner(const CoverPiece& piece);
     bool decide_whole(const CoverPiece& piece, bool whatever);
     void count();
 

@@ -156,6 +156,7 @@ private:
     void settle();
 
     std::size_t next(std::size_t i) const { return i + 1 == piece_.count ? 0 : i + 1; }
+    std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
     // Of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding here.
@@ -172,7 +173,7 @@ private:
     }
     void cut_proof(const Run& run, const Exits& out) {
         c_.proof->cut(CutPoint::back(last(run.begin), static_cast<double>(out.before)),
-                      CutPoint::along((run.begin + run.length - 1) % piece_.count, static_cast<double>(out.after)));
+                      CutPoint::along(end_of(run), static_cast<double>(out.after)));
     }
     double at_most(T square, std::size_t k) const {
         return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);

@@ -59,7 +59,7 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
     const bool more = run.common.size() > tried.size();
-    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t end = end_of(run);
     if (more) estimate_exits(run, {run.begin, last(run.begin), end, next(end)}, estimate);
     run.common.for_each([&](std::size_t k) {
         if (count < tried.size()) {
@@ -87,7 +87,7 @@ void Engine<T>::sample_edge(std::size_t side, std::size_t from, std::size_t to, 
 }
 
 template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>& points) const {
-    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t end = end_of(run);
     sample_edge(0, run.begin, last(run.begin), T(0), T(1), points);
     sample_edge(1, end, next(end), T(0), T(1), points);
 }
@@ -96,7 +96,7 @@ template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>&
 // the polygon, cut there.
 template <class T>
 bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out) {
-    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t end = end_of(run);
     NearSet others = within(next(end));
     for (std::size_t i = next(end); i != run.begin; i = next(i)) others = others & within(i);
     std::size_t looked = 0;
@@ -127,7 +127,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
 // Where one of the two edges leaves the offset of a triangle.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
-    const std::size_t end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t end = end_of(run);
     const std::size_t inside = side == 0 ? run.begin : end, outside = side == 0 ? last(run.begin) : next(end);
     const T threshold = std::sqrt(all_.limit[tried.k]);
     T from = 0, to = 1, near = std::sqrt(square(inside, tried.k)), out = 0;
@@ -248,7 +248,7 @@ template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();
     Exits out = exits(run);
-    const std::size_t first = run.begin, end = (run.begin + run.length - 1) % piece_.count;
+    const std::size_t first = run.begin, end = end_of(run);
     if (out.second != none) {
         if (std::max(slack_of_cut(first, last(first), out.before), slack_of_cut(end, next(end), out.after)) >
             OffsetCover<T>::most_slack)
