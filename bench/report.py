@@ -30,8 +30,9 @@ PARTS = {
 HEAD = """# Kernels, measured
 
 Made by `make bench-reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
-time is CPU time, the median of the rounds. A ratio is that contender's time over the first one's, the median over rounds
-with a 95 % order-statistic interval: above 1, the first is faster. Only ratios within one table mean anything.
+time is CPU time (wall time of one thread where versions are compared), the median of the rounds. A ratio is that
+contender's time over the first one's, the median over rounds with a 95 % order-statistic interval: above 1, the first
+is faster. Only ratios within one table mean anything.
 
 BVH, octree and triangle blocks are this project's, in double precision with the bits of a plain scan. Embree (3.13) answers in single
 precision: vertices are rounded to float beforehand, off the clock, queries as they come; one thread, default build

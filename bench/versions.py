@@ -1,10 +1,10 @@
 """`guthe` as it is now against an older commit: fresh processes in turn, as CSV that bench/report.py takes.
 
-    python3 -m bench.versions --old a74828f > results/reference/kernels_versions.csv
+    python3 -m bench.versions --old 74fa840 > results/reference/kernels_versions.csv
 
-builds the old commit in build/versions/<commit> if it is not there, which takes some minutes. What is timed is the CPU
-time of `hausbench measure` itself: preparing and solving. Files are read by a process of their own, whose time is not
-in it.
+builds the old commit in build/versions/<commit> if it is not there, which takes some minutes. What is compared is the
+time that `hausbench measure` itself reports for preparing and solving: wall time, on one thread. (Its CPU time says
+nothing: which of its processes solves has changed between versions.) Reading files is not in it.
 """
 
 from __future__ import annotations
@@ -39,16 +39,13 @@ def build_of(commit: str) -> Path:
     return build / "hausbench"
 
 
-def cpu_seconds(program: Path, files: list[Path]) -> tuple[float, float]:
-    """Of one measurement, the process alone without those it started; and the lower bound it found."""
-    process = subprocess.Popen([program, "measure", *files, "--solver", "guthe", "--json"], stdout=subprocess.PIPE)
-    assert process.stdout is not None
-    text = process.stdout.read()
-    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # it has ended, and its books are still open
-    nanoseconds = int(Path(f"/proc/{process.pid}/schedstat").read_text().split()[0])
-    if process.wait() != 0:
+def seconds_of(program: Path, files: list[Path]) -> tuple[float, float]:
+    """Of one measurement, preparing and solving; and the lower bound it found."""
+    done = subprocess.run([program, "measure", *files, "--solver", "guthe", "--json"], stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
         raise SystemExit(f"{program} failed on {files[0].name} and {files[1].name}")
-    return 1e-9 * nanoseconds, float(json.loads(text)["lower"])
+    found = json.loads(done.stdout)
+    return float(found["prepare_seconds"]) + float(found["solve_seconds"]), float(found["lower"])
 
 
 def compare(programs: dict[str, Path], files: list[Path], rounds: int) -> dict[str, list[float]]:
@@ -56,7 +53,7 @@ def compare(programs: dict[str, Path], files: list[Path], rounds: int) -> dict[s
     seconds: dict[str, list[float]] = {name: [] for name in programs}
     for round_ in range(-1, rounds):
         for name in list(programs) if round_ % 2 == 0 else reversed(list(programs)):
-            time, _ = cpu_seconds(programs[name], files)
+            time, _ = seconds_of(programs[name], files)
             if round_ >= 0:
                 seconds[name].append(time)
     return seconds
@@ -64,7 +61,7 @@ def compare(programs: dict[str, Path], files: list[Path], rounds: int) -> dict[s
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--old", default="a74828f", help="commit to compare with (default: the last before these kernels)")
+    parser.add_argument("--old", default="74fa840", help="commit to compare with (default: the one that the aims of the kernels were set against)")
     parser.add_argument("--old-program", type=Path, help="its program, if it is built already")
     parser.add_argument("--program", type=Path,
                         default=os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench"))
@@ -82,7 +79,7 @@ def main() -> None:
                 if not file.exists():
                     subprocess.run([arguments.program, "export", name, file], check=True, stdout=subprocess.DEVNULL)
             seconds = compare(programs, files, arguments.rounds)
-            lower = [cpu_seconds(program, files)[1] for program in programs.values()]
+            lower = [seconds_of(program, files)[1] for program in programs.values()]
             for i, (name, times) in enumerate(seconds.items()):
                 ratio = paired_ratio(times, seconds["guthe (now)"])
                 out.writerow({"part": "version", "scene": " to ".join(pair), "contender": name, "elements": 1,
