@@ -174,11 +174,14 @@ std::unique_ptr<Session::Part> Session::make_part(const Shapes& source, const Sh
 
 // Where the target moves and the solver does not offer that, each answer makes its own part: only what is built over the source is
 // built here.
-void Session::prepare(const std::string& suffix, const Shapes& source, const Shapes& target, const QuerySet& queries,
+void Session::prepare(const std::string& suffix, const Shapes& source, const Shapes& target, QuerySet queries,
                       std::unique_ptr<Part>& part) {
     std::vector<PreparationTime> times;
     Needs needs;
-    if (queries.target_moves && !entry_.info.moving_target) {
+    const bool undone = queries.target_moves && queries.finest_tolerance > 0 &&
+                        undoes_targets(entry_.info, kind_of(source->shape()), kind_of(target->shape()));
+    if (undone) queries.moves = true;
+    if (queries.target_moves && !entry_.info.moving_target && !undone) {
         needs = needs_of(*make_solver(entry_, own_options()), {source->shape(), target->shape()}, queries);
         std::erase_if(needs, [](const Need& need) { return need.side == Side::target; });
         times = Prepared(source, target, needs, builders(queries)).times();
@@ -213,9 +216,15 @@ const Prepared& Session::prepared() const {
 
 std::unique_ptr<State> Session::begin() const { return entry_.info.warm ? std::make_unique<Chain>() : nullptr; }
 
-bool copies_targets(const SolverInfo& info, const QuerySet& queries) {
+// The witness of a point set is one of its points, to the bit; a motion that is undone would move it.
+bool undoes_targets(const SolverInfo& info, ShapeKind source, ShapeKind target) {
+    return info.undoes_target_motion && source == ShapeKind::mesh && target == ShapeKind::mesh;
+}
+
+bool copies_targets(const SolverInfo& info, const QuerySet& queries, ShapeKind source, ShapeKind target) {
     const bool both = queries.symmetric && !info.offers(Quantity::symmetric);
-    return !info.moving_target && (queries.target_moves || (both && queries.moves));
+    const bool undone = undoes_targets(info, source, target) && queries.finest_tolerance > 0;
+    return !info.moving_target && !undone && (queries.target_moves || (both && queries.moves));
 }
 
 // One direction, in scaled units; `query` is turned already.
@@ -225,7 +234,9 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
     const std::unique_ptr<Part>& kept = backward ? backward_ : forward_;
     Query asked = query;
     std::unique_ptr<Part> made;
-    const bool copy = !entry_.info.moving_target && !query.target_pose.is_identity();
+    const std::optional<Undone> undone = undo(query, backward);
+    if (undone) asked = Session::undone(query, *undone);
+    const bool copy = !entry_.info.moving_target && !asked.target_pose.is_identity();
     if (copy || !kept) {
         // Of its own in either case, so that every pose pays for its structures, and threads share none that is not built.
         SharedShape still = target->shape();
@@ -248,9 +259,11 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
         auto& own = chain->states[backward ? 1 : 0];
         if (!own) own = part.solver->begin();
         state = own.get();
+        if (state && chain->opposite) state->learn_from(*chain->opposite);
     }
     Result result = part.solver->solve(asked, state, trace);
     hold_to_its_status(asked, exponent_, result);
+    if (undone) move_back(result, trace, *undone);
     return result;
 }
 

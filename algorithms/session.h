@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace hausbench {
@@ -50,7 +51,8 @@ public:
     // Counters are sums, of all that was tried. Budget: for each of the two. A first lower bound above the cutoff ends it; the upper
     // bound then is infinite.
     // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
-    // built again, which counts as solving.
+    // built again, which counts as solving. Of a solver that lets it (SolverInfo::undoes_target_motion), a rigid motion is undone
+    // instead: the source moves the other way, nothing is built, and bounds are wider by about 1e-14 of the coordinates.
     // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the
     // posed extents: its preparation then counts as solving.
     //
@@ -79,6 +81,7 @@ private:
     struct Chain;  // the states of both
     struct Clock;
     struct Opening;
+    struct Undone;  // the motion of a target
 
     using Shapes = std::shared_ptr<PreparedShape>;
 
@@ -87,13 +90,18 @@ private:
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
     bool built_for_the_first_direction(const std::string& name) const;
     std::unique_ptr<Part> make_part(const Shapes& source, const Shapes& target, const QuerySet& queries) const;
-    void prepare(const std::string& suffix, const Shapes& source, const Shapes& target, const QuerySet& queries,
+    void prepare(const std::string& suffix, const Shapes& source, const Shapes& target, QuerySet queries,
                  std::unique_ptr<Part>& part);
     double widening(const PreparedShape& shape, const Pose& pose) const;
     double posed_extent(const PreparedShape& shape, const Pose& pose) const;
     bool leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const;
     Result solve_rescaled(const Query& query, Trace& trace) const;
     Result directed(const Query& query, bool backward, Chain* chain, Trace& trace) const;
+    static std::optional<Undone> undo(const PreparedShape& source, const Pose& p, const PreparedShape& target,
+                                      const Pose& g);
+    std::optional<Undone> undo(const Query& query, bool backward) const;
+    static Query undone(const Query& query, const Undone& undone);
+    static void move_back(Result& result, Trace& trace, const Undone& undone);
     Result one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const;
     Opening open(Query query, const Clock& clock, Trace& trace) const;
     Threads builders(const QuerySet& queries) const;
@@ -114,8 +122,12 @@ private:
     std::vector<PreparationTime> preparation_;
 };
 
-// Whether the answers of a session build structures over posed copies, since a target moves and the solver does not offer that.
-bool copies_targets(const SolverInfo& info, const QuerySet& queries);
+// Whether a session may undo the motion of a target: of meshes alone.
+bool undoes_targets(const SolverInfo& info, ShapeKind source, ShapeKind target);
+
+// Whether the answers of a session build structures over posed copies, since a target moves, and neither the solver nor the session
+// has another way.
+bool copies_targets(const SolverInfo& info, const QuerySet& queries, ShapeKind source, ShapeKind target);
 
 // Whether the solver's scenes are scaled at all.
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);

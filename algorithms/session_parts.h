@@ -34,8 +34,17 @@ struct Session::Opening {
     Counters spent;                 // on what is not in an answer
 };
 
+// The motion g of a target, undone: what is measured is the source in another pose against the target as it is.
+struct Session::Undone {
+    Pose source, back;   // that pose; and g, which takes what was found to where it belongs
+    double stretch = 0;  // no distance changes by more than this part of it under g
+    double wider = 0;    // nor by more than this length for all else
+    double slack = 0;    // both, for any distance that can be
+};
+
 struct Session::Chain final : State {
     std::unique_ptr<State> states[2];  // forward, backward; made by the first answer
+    const State* opposite = nullptr;   // of the direction that was answered at this pose, for the other
 };
 
 inline bool claims_an_answer(Status status) {

@@ -169,6 +169,10 @@ struct QuerySet {
 class State {
 public:
     virtual ~State() = default;
+
+    // `opposite` is the state of the other direction of H(A,B) at the same pose: what lay close together there does so here too. For
+    // solvers with SolverInfo::shares_pairs.
+    virtual void learn_from(const State& /*opposite*/) {}
 };
 
 class Solver {
@@ -213,8 +217,12 @@ struct SolverInfo {
     bool tolerance_guides = false;
     // What Session does where a solver does not offer it, and what nobody does otherwise:
     std::vector<Quantity> quantities = {Quantity::directed};
-    bool moving_target = false;         // honours Query::target_pose
+    bool moving_target = false;  // honours Query::target_pose
+    // Bounds that are a little wider do no harm: where a mesh as target moves rigidly, Session may move the source the other way
+    // instead of building structures again over a posed copy.
+    bool undoes_target_motion = false;
     bool warm = false;                  // makes use of a State
+    bool shares_pairs = false;          // and its second direction of what the first one found, see State::learn_from
     bool threads = false;               // makes use of Query::threads
     bool fields = false;                // gives Result::fields where they are wanted
     bool certificates = false;          // gives Result::certificates where they are wanted and it had the time for it

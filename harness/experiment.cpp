@@ -174,8 +174,13 @@ Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& 
     if (kind == "translation") {
         Reader reader(file, *table, "the motion", {"kind", "from", "to", "steps", "of"});
         const auto of = reader.text("of", "diagonal");
-        if (of != "diagonal" && of != "absolute") reader.fail("'of' must be \"diagonal\" or \"absolute\"");
-        return Translation{reader.vector("from"), reader.vector("to"), reader.count("steps", 1, 10), of == "diagonal"};
+        if (of != "diagonal" && of != "longest" && of != "absolute")
+            reader.fail("'of' must be \"diagonal\", \"longest\" or \"absolute\"");
+        using Of = Translation::Of;
+        return Translation{reader.vector("from"), reader.vector("to"), reader.count("steps", 1, 10),
+                           of == "diagonal"  ? Of::diagonal
+                           : of == "longest" ? Of::longest
+                                             : Of::absolute};
     }
     if (kind == "rotation") {
         Reader reader(file, *table, "the motion", {"kind", "axis", "degrees", "steps"});
@@ -409,8 +414,9 @@ SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
 }
 
 const std::vector<std::string> root_keys = {
-    "title",  "paper",   "tolerances", "of",    "floor",  "cutoff",           "budget",   "repeats", "rounds", "trace",
-    "limits", "profile", "model",      "scene", "solver", "expected_unsound", "quantity", "threads", "fields"};
+    "title",    "paper",   "tolerances", "of",      "floor", "cutoff", "budget", "repeats",
+    "rounds",   "trace",   "limits",     "profile", "model", "scene",  "solver", "expected_unsound",
+    "quantity", "threads", "fields",     "stages"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const Reader& root, const std::vector<std::string>& labels) {
@@ -505,6 +511,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     experiment.rounds = root.count("rounds", 1, experiment.rounds);
     experiment.trace = root.flag("trace", experiment.trace);
     experiment.fields = root.flag("fields", experiment.fields);
+    experiment.stages = root.flag("stages", experiment.stages);
     experiment.limits = read_limits(file, root);
 
     const auto profiles = profiles_of(table);

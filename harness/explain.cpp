@@ -169,8 +169,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        const SolverInfo& info = find_solver(plan.cases[job.cases.front()].solver).info;
-        if (copies_targets(info, job.pairs.front().queries))
+        if (job.pairs.front().copies)
             text += "      over a target that moves, what is prepared is built again for each pose\n";
         else if (job.exponent && job.pairs.size() > 1)
             text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",

@@ -17,7 +17,9 @@ namespace {
 double fraction(int step, int steps) { return steps == 1 ? 0.0 : double(step) / double(steps - 1); }
 
 std::vector<Pose> translated(const Translation& motion, const Shape& shape) {
-    const double unit = motion.of_diagonal ? diagonal(points_of(shape)) : 1.0;
+    const double unit = motion.of == Translation::Of::diagonal  ? diagonal(points_of(shape))
+                        : motion.of == Translation::Of::longest ? longest_side(points_of(shape))
+                                                                : 1.0;
     std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
     for (int i = 0; i < motion.steps; ++i) {
         const double s = fraction(i, motion.steps);

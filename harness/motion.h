@@ -12,11 +12,12 @@ namespace hausbench {
 
 struct Static {};
 
-// `steps` poses from `from` to `to`, both included; lengths in units of the diagonal of the shape that moves, or absolute.
+// `steps` poses from `from` to `to`, both included; in the diagonal or the longest side of the box of the shape that moves, or absolute.
 struct Translation {
+    enum class Of { diagonal, longest, absolute };
     Vec3 from, to;
     int steps;
-    bool of_diagonal;
+    Of of;
 };
 
 // `steps` poses from 0 to `degrees` about an axis through the centre of the box of the shape as loaded; both ends are included, but for a

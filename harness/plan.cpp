@@ -211,8 +211,9 @@ private:
             queries.threads = plan_.cases[job.cases.front()].threads;
             queries.count = job.cases.size();
             queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
-            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
-            if (copies_targets(entry->info, queries)) note_copies(label, queries, models);
+            const bool copies = copies_targets(entry->info, queries, source->kind, target->kind);
+            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size(), copies});
+            if (copies) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);

@@ -225,7 +225,8 @@ private:
             const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
-                                   traced, marks, round == 0 ? fields_file(row) : std::filesystem::path()});
+                                   traced, marks, round == 0 ? fields_file(row) : std::filesystem::path(),
+                                   round == 0 && plan_.experiment.stages});
         }
         return order;
     }
@@ -288,8 +289,7 @@ private:
                 note_shapes_shared(job, ledger);
                 continue;
             }
-            const SolverInfo& info = find_solver(plan_.cases[job.cases.front()].solver).info;
-            if (copies_targets(info, job.pairs.front().queries)) continue;  // see note_copies() in plan.cpp
+            if (job.pairs.front().copies) continue;  // see note_copies() in plan.cpp
             std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
             std::set<int> poses;
             for (std::size_t row : job.cases) {

@@ -67,7 +67,8 @@ json to_json(const WorkOrder& o) {
                          {"threads", i.threads},
                          {"trace", i.trace},
                          {"marks", i.marks},
-                         {"fields", i.fields.string()}});
+                         {"fields", i.fields.string()},
+                         {"stages", i.stages}});
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
@@ -114,7 +115,8 @@ WorkOrder work_order_from_json(const json& j) {
              i.at("threads"),
              i.at("trace"),
              i.at("marks").get<std::vector<double>>(),
-             i.at("fields").get<std::string>()});
+             i.at("fields").get<std::string>(),
+             i.at("stages")});
     }
     for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
     return o;

@@ -280,14 +280,17 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
-    // The solver's own by solving once more, then those that need no solver.
+    // The solver's own, and its stages, by solving once more; then the fields that need no solver.
     void fields(const WorkOrder::Item& item, State* state) {
-        if (item.fields.empty()) return;
+        const bool wanted = !item.fields.empty();
+        if (!wanted && !item.stages) return;
         json stages = json::object();
-        Fields all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
-        if (find_solver(order_.solver).info.fields) {
+        Fields all;
+        if (wanted) all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
+        if (item.stages || find_solver(order_.solver).info.fields) {
             Query query = query_of(item);
-            query.wanted.fields = query.wanted.stages = true;
+            query.wanted.fields = wanted;
+            query.wanted.stages = true;
             Trace untraced;
             Result result = session_->solve(query, state, untraced);
             for (const auto& [name, value] : result.reported) {
@@ -296,7 +299,7 @@ private:
             }
             if (result.fields) std::move(result.fields->begin(), result.fields->end(), std::back_inserter(all));
         }
-        const std::string sha256 = write_fields(item.fields, all);
+        const std::string sha256 = wanted ? write_fields(item.fields, all) : "";
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 

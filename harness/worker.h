@@ -38,6 +38,7 @@ struct WorkOrder {
         bool trace;
         std::vector<double> marks;
         std::filesystem::path fields = {};  // file to write them into; empty: not asked for
+        bool stages = false;
     };
     std::vector<Item> items;
 

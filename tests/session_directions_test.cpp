@@ -469,7 +469,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
     }
-    EXPECT_TRUE(copies_targets(scripted().info, {.target_moves = true}));
+    EXPECT_TRUE(copies_targets(scripted().info, {.target_moves = true}, ShapeKind::points, ShapeKind::points));
 }
 
 TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {

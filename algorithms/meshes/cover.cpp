@@ -21,7 +21,9 @@
 // they find is merged in their order, so the answer is the same whatever the number of threads. Rounds grow, so that an early l is
 // known to nearly all.
 //
-// Warm start (ours as well): the point that was farthest at the pose before is measured first. Fields: those of guthe.cpp.
+// Two sides, and a chain of poses (ours as well): the triangle of B that was nearest to a group at the pose before, or that lay near one
+// of its triangles in the other direction, often settles it without a query; the point that was farthest before is measured first.
+// Fields: those of guthe.cpp.
 // Budget: cuts; with a budget each round has one part.
 #include "kernel/box.h"
 #include "kernel/parallel.h"
@@ -57,6 +59,12 @@ double diagonal_of(const MeshPair& pair) {
 // More than a bound is widened by. At each place a cover adds what its own rounding needs (search/cover_worker.h).
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
+Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
+    if (!warm_start) return nullptr;
+    warm_start->partner.resize(static_cast<std::size_t>(pair.source.triangles.rows()), -1);
+    return warm_start->partner.data();
+}
+
 class Search {
 public:
     Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const Query& query,
@@ -81,7 +89,8 @@ public:
                  pair.magnitude,
                  least_gap_of(pair),
                  elements_ ? &*elements_ : nullptr,
-                 proofs_ ? &*proofs_ : nullptr},
+                 proofs_ ? &*proofs_ : nullptr,
+                 partners_of(warm_start, pair)},
           threads_(elements_ || proofs_ ? 1 : query.threads),
           workers_(static_cast<std::size_t>(threads_.most()), CoverWorker(scene_)) {}
 
@@ -268,7 +277,7 @@ private:
 
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
-    info.warm = true;
+    info.warm = info.shares_pairs = true;
     info.threads = info.certificates = true;
     info.tolerance_guides = true;  // tau
     info.may_need.push_back(need<TriangleOrder>(Side::source));

@@ -10,12 +10,14 @@
 // end of a piece whose corners have a nearest triangle in common: then some S in L has h(T, S) = the largest distance of a corner,
 // and u settles the piece. Ties need no care, as L holds each of the triangles that tie.
 // Ours: what the headers of the parts say; and leaves hold up to eight triangles, not four, for the vector kernels: they belong to the
-// trees of all solvers. Left out: motion, two sides and penetration depth.
+// trees of all solvers. Penetration depth is left out.
 // The paper's option for closed B, Lemma 4, is `lemma4`, off: corrected and certified (search/enclosed_move.h).
 //
 // Certified: upper bounds are widened as kernel/rounding.h says, volumes as search/volumes.cpp does; the lower bound as in
 // search/bounds.h. Where A was moved, its volumes are moved with it.
-// Warm start (where the caller gives a State): the point that was farthest at the pose before is measured first.
+// Two sides (section 6): the triangle of B that gave one of A its bound is the first to be tried with it in the second direction. So are
+// in a chain of poses, where the caller gives a State, those of the pose before: these, what was near the nodes of A, and the point
+// that was farthest (ours).
 //
 // Fields: those of guthe.cpp; triangles that were culled with a node have that node's bound.
 // Reports: "culled on A", the share of A's triangles that were settled before culling on B; "culled on B", the share of B's triangles
@@ -35,6 +37,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -61,7 +64,8 @@ public:
           elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           stages_(query.wanted.stages),
           bounds_(query, target_, {pair.magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
-          on_a_(a_tree, query.source_pose, target_, pair.magnitude, bounds_, counters_),
+          on_a_(a_tree, query.source_pose, target_, pair.magnitude, bounds_, counters_,
+                warm_start ? &warm_start->near_node : nullptr),
           on_b_(b_tree, target_, pair.magnitude, bounds_, counters_),
           move_(b_tree, target_, pair.magnitude, counters_),
           pieces_(on_b_, {target_, pair.magnitude, choices.cutting, choices.least_part}, bounds_, counters_,
@@ -88,6 +92,7 @@ private:
     std::optional<Status> cull_on_a();
     void look_into(Index i);
     ListedPiece whole(Index i) const;
+    Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
     Triangle posed_triangle(Index i) const {
         const auto v = a_.triangles.row(i);
         return {points_.row(v[0]), points_.row(v[1]), points_.row(v[2])};
@@ -127,7 +132,11 @@ template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
         if (bounds_.out_of_time()) return Status::time_limit;
         if (bounds_.answered(std::max(on_a_.upper(), pieces_.upper())) == Status::above_cutoff)
             return Status::above_cutoff;
-        for (const Index i : on_a_.step()) look_into(i);
+        const std::span<const Index> left = on_a_.step();
+        if (left.empty()) continue;
+        stages_.end("cull on A");
+        for (const Index i : left) look_into(i);
+        stages_.end("cull on B");
     }
     return std::nullopt;
 }
@@ -145,6 +154,7 @@ template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
 
 template <class Tree> void Search<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
+    if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
     if (last_ >= 0) on_b_.bound_by(piece, last_);
     for (const MeasuredPoint& corner : piece.corners) {
         if (corner.triangle < 0) continue;
@@ -160,12 +170,14 @@ template <class Tree> void Search<Tree>::look_into(Index i) {
     for (int k = 0; k < 3; ++k)
         vertices_[static_cast<std::size_t>(a_.triangles(i, k))] = piece.corners[static_cast<std::size_t>(k)];
     last_ = piece.best;
+    if (warm_start_) warm_start_->partner[static_cast<std::size_t>(i)] = piece.best;
     if (pieces_.settle(piece)) return;
     if (by_groups_) on_b_.list(piece);
     pieces_.push(piece);
 }
 
 template <class Tree> void Search<Tree>::begin_warm() {
+    warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
     if (last.source < 0) return;
     const Triangle triangle = posed_triangle(last.source);
@@ -180,7 +192,7 @@ template <class Tree> void Search<Tree>::begin_warm() {
 template <class Tree> Result Search<Tree>::search() {
     if (warm_start_) begin_warm();
     const std::optional<Status> stopped = cull_on_a();
-    stages_.end("cull");
+    stages_.end("cull on A");
     if (stopped) return bounds_.result(*stopped, std::max(on_a_.upper(), pieces_.upper()));
     const Status status = pieces_.run();
     stages_.end("subdivide");
@@ -227,7 +239,7 @@ std::unique_ptr<Solver> make(const Options& options) {
 
 SolverEntry tang_solver() {
     SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang et al.", "tang2009");
-    info.warm = true;
+    info.warm = info.shares_pairs = true;
     info.may_need = {need<SweptSphereBvh>(Side::source), need<SweptSphereBvh>(Side::target),
                      need<TriangleBvh>(Side::source), need<TriangleBvh>(Side::target)};
     info.parameters = {

@@ -34,6 +34,8 @@ struct CoverScene {
     ElementBounds* elements;
     CoverProofs*
         proofs;  // of a certificate; null: none is wanted. With one, or with elements, workers work one after another
+    Index*
+        partner;  // as in WarmStart, of each triangle of A; null: there is none. Each is read and written by one worker alone
 };
 
 // A triangle of A, or a part of one.
@@ -90,6 +92,9 @@ private:
     double covered_within(int level) const;
     void look_at_clock();
     double around(const Vec3& at, double distance, const Box& box) const;
+    bool from_partner(const Cluster& group, const Box& box, Landmark& landmark);
+    Index middle_of(const Cluster& group) const { return scene_.order[group.begin + group.count / 2]; }
+    Landmark central_corner(Index source, const Box& box) const;
     struct CornerBound {
         KnownUpper upper;
         double squared = 0;        // the largest distance of a corner to the triangle, as computed

@@ -89,6 +89,7 @@ template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string 
     info.certified = true;
     info.traces = true;
     info.fields = true;
+    info.undoes_target_motion = true;
     info.may_need = {need<Tree>(Side::target)};
     return info;
 }

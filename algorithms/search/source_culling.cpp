@@ -43,11 +43,27 @@ typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Br
     // Whatever q is, a volume is as far from it as half its own size.
     const double purged = bounds_.purged_at_most(0);
     const double size = 0.5 * std::sqrt(squared_length(volume.corner[0] - volume.corner[volume.count - 1]));
-    if (result.upper > purged && (result.child >= 0 || size + volume.radius < purged)) {
-        result.near = target_.closest(volume.centre(), branch.near.triangle, counters_);
+    const auto may_cull = [&] { return result.upper > purged && (result.child >= 0 || size + volume.radius < purged); };
+    Index* const last = near_of(result.child);
+    if (last && *last >= 0 && may_cull()) {
+        const TrianglePoint near = closest_point(volume.centre(), target_.triangle(*last));
+        ++counters_.point_triangle_distances;
+        result.near = {near.squared_distance, near.point, *last};
+        result.upper = std::min(result.upper, bound(near.point));
+    }
+    if (may_cull()) {
+        result.near = target_.closest(volume.centre(), result.near.triangle, counters_);
         result.upper = std::min(result.upper, bound(result.near.point));
+        if (last) *last = result.near.triangle;
     }
     return result;
+}
+
+template <class Tree> Index* SourceCulling<Tree>::near_of(std::int32_t child) const {
+    if (!near_node_) return nullptr;
+    const std::size_t nodes = tree_.tree().nodes.size();
+    const std::size_t i = child >= 0 ? static_cast<std::size_t>(child) : nodes + static_cast<std::size_t>(~child);
+    return &(*near_node_)[i];
 }
 
 // Pushes the children, the largest bound last.

@@ -2,7 +2,8 @@
 // its volume is no farther from some point q of B than the lower bound (Eqs. 8, 9).
 //
 // Ours: nodes whose volume is farthest from B come first; q is the closest point to the middle of a volume, or of one around it. A
-// query for it is made only where it can cull.
+// query for it is made only where it can cull. In a chain of poses (ours as well), the triangle of B that was nearest to a volume at the
+// pose before gives a q without a query.
 #pragma once
 
 #include "bounds.h"
@@ -18,9 +19,18 @@ namespace hausbench {
 template <class Tree> class SourceCulling {
 public:
     // References are kept.
+    // `near_node`: as in WarmStart, read and written; or null.
     SourceCulling(const Tree& tree, const Pose& pose, const Target& target, double magnitude, SearchBounds& bounds,
-                  Counters& counters)
-        : tree_(tree), pose_(pose), target_(target), magnitude_(magnitude), bounds_(bounds), counters_(counters) {}
+                  Counters& counters, std::vector<Index>* near_node)
+        : tree_(tree),
+          pose_(pose),
+          target_(target),
+          magnitude_(magnitude),
+          bounds_(bounds),
+          counters_(counters),
+          near_node_(near_node) {
+        if (near_node) near_node->resize(tree.tree().nodes.size() + tree.tree().leaves(), -1);
+    }
 
     // `points`: the vertices of A, posed. O(n).
     void begin(const Points& points);
@@ -49,6 +59,7 @@ private:
 
     void expand(const Branch& branch);
     Branch bounded_child(const Branch& branch, std::size_t node, int child);
+    Index* near_of(std::int32_t child) const;
     void settle_below(std::int32_t child, double upper) const;
 
     const Tree& tree_;
@@ -57,6 +68,7 @@ private:
     double magnitude_;
     SearchBounds& bounds_;
     Counters& counters_;
+    std::vector<Index>* near_node_;
     std::vector<Branch> branches_;  // what is left, the largest bound last
 };
 

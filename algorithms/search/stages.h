@@ -15,11 +15,13 @@ public:
         if (on_) begin_ = std::chrono::steady_clock::now();
     }
 
-    // The stage is what was done since the stage before.
+    // The stage is what was done since the stage before. One that comes more than once has the sum.
     void end(const char* name) {
         if (!on_) return;
         const auto now = std::chrono::steady_clock::now();
-        seconds_[std::string("seconds: ") + name] = std::chrono::duration<double>(now - begin_).count();
+        const double seconds = std::chrono::duration<double>(now - begin_).count();
+        const auto [known, first] = seconds_.emplace(std::string(stage_prefix) + name, seconds);
+        if (!first) std::get<double>(known->second) += seconds;
         begin_ = now;
     }
 

@@ -19,6 +19,21 @@ struct WarmStart final : State {
     int corner = -1;               // the corner of it that the point was, -1: none of them
     double second = 0, third = 0;  // otherwise: the weights of these corners, in [0, 1]
     Index target = -1;             // triangle of B, nearest to it
+    // Of each triangle of A, one of B that lay near it (Tang et al. 2009, section 6, for the second direction of H); -1, or beyond the end:
+    // none is known.
+    std::vector<Index> partner;
+    std::vector<Index>
+        near_node;  // triangle of B near each node of a tree over A, and after these near each leaf; -1: unknown
+
+    void learn_from(const State& opposite) override {
+        const auto& other = static_cast<const WarmStart&>(opposite).partner;
+        for (std::size_t t = 0; t < other.size(); ++t) {
+            if (other[t] < 0) continue;
+            const auto s = static_cast<std::size_t>(other[t]);
+            if (s >= partner.size()) partner.resize(s + 1, -1);
+            if (partner[s] < 0) partner[s] = static_cast<Index>(t);
+        }
+    }
 
     // `triangle` is `farthest.source`, posed.
     void remember(const Farthest& farthest, const Triangle& triangle) {
