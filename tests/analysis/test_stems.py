@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import pytest
 import synthetic
 import synthetic_sacht
+import synthetic_tang
 import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
@@ -20,7 +21,7 @@ from analysis.statistics import median
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
          "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, "cliffs": synthetic.cliffs,
-         "points_hostile": synthetic.points_hostile, **synthetic_zhang.STEMS, **synthetic_sacht.STEMS}
+         "points_hostile": synthetic.points_hostile, **synthetic_zhang.STEMS, **synthetic_sacht.STEMS, **synthetic_tang.STEMS}
 
 
 @pytest.fixture()

@@ -1,0 +1,100 @@
+"""Result files of the stems of Tang et al. 2009, with numbers that the tests know beforehand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from synthetic import ResultFile, spread, without_bounds
+
+POSES = 21
+STAGES = ("cull on A", "cull on B", "subdivide")
+
+
+def told(culled_a: float, culled_b: float, depth: float, seconds: Sequence[float] = ()) -> str:
+    """Of both directions alike."""
+    extras = {"culled on A": culled_a, "culled on B": culled_b, "depth": depth,
+              **{f"seconds: {stage}": value for stage, value in zip(STAGES, seconds)}}
+    return json.dumps({**extras, **{f"{name} (B to A)": value for name, value in extras.items()}})
+
+
+def motion(stem: str, scenes: Sequence[str], labels: Sequence[str], left: float = 0.01, deepest: int = 5, slower: float = 1.0, queries: float = 0.5,
+           rounds: int = 7) -> ResultFile:
+    """Known: H is 2.1 longest sides at the first pose and 0.1 at the last; the time of `tang` is 1 / H ms to the power `slower`; what is left of A is
+    `left`, of B twice that; one of the poses has depth `deepest`, the others 3; a warm pose takes `queries` of the queries of a cold one.
+    """
+    file = ResultFile(stem, wall=1.25, cpu=1.0)
+    for k, scene in enumerate(scenes):
+        for label in labels:
+            solver, warm = label.split(",")[0], "warm" in label
+            for i in range(POSES):
+                distance = 2.1 - 0.1 * i
+                base = 1e-3 * (k + 1) * distance**-slower * (0.5 if solver == "cover" else 1.0)
+                count = int((1000 if i == 0 or not warm else 1000 * queries) / distance)
+                columns: dict[str, Any] = {"extras": told(1 - left, 1 - 2 * left, deepest if i == 7 else 3, (base / 4, base / 4, base / 2))} if solver == "tang" else {}
+                file.case(solver, scene, spread(base, rounds, 0.02), label=label, scene_note="two stand in", pose_index=i,
+                          pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 2.0 - 0.1 * i, 0, 0], lower=0.75 * distance, upper=0.75 * distance, quantity="symmetric",
+                          tolerance=1e-4, tolerance_of="longest", warm=int(warm), prepare_seconds=0.0,
+                          counters={"closest_point_queries": count, "point_triangle_distances": int(1e4 * distance**-slower), "node_visits": 7}, **columns)
+    return file
+
+
+def table2() -> ResultFile:
+    return motion("tang2009_table2", ("Bird1/Bird2", "Dog/Lion", "another"), ("tang", "tang, warm", "cover", "cover, warm"))
+
+
+def fig9() -> ResultFile:
+    return motion("tang2009_fig9", ("Puma1/Puma2", "Watch1/Watch2"), ("tang", "cover"))
+
+
+def fig10(tang: float = 0.005, far: bool = False, rounds: int = 7, work: int = 50) -> ResultFile:
+    """Known: Guthe takes 100 ms and 1,000 distances, Tang `tang` seconds and `work` distances, cover 1 ms; H is 2 % of the longest side, of the last pair
+    30 %, where Guthe takes 1 ms; on one more, if `far`, Tang timed out.
+    """
+    file = ResultFile("tang2009_fig10", wall=1.25, cpu=1.0)
+    for scene, distance, guthe in (("near", 0.02, 0.1), ("nearer", 0.001, 0.1), ("apart", 0.3, 0.001)):
+        common: dict[str, Any] = {"lower": 0.75 * distance, "upper": 0.75 * distance, "quantity": "symmetric", "prepare_seconds": 0.0, "peak_bytes": 2**22}
+        file.case("guthe", scene, spread(guthe, rounds, 0.02), counters={"point_triangle_distances": 1000}, **common)
+        if far and scene == "nearer":
+            file.case("tang", scene, **without_bounds("timeout", "20 s passed", common))
+        else:
+            file.case("tang", scene, spread(tang, rounds, 0.02), counters={"point_triangle_distances": work}, **common)
+        file.case("cover", scene, spread(0.001, rounds, 0.02), counters={"point_triangle_distances": 2000}, **common)
+    return file
+
+
+def ablation(midpoint: float = 2.0, rounds: int = 7) -> ResultFile:
+    """Known: of five poses each takes 1 ms; with midpoints `midpoint` times as long, and as many subdivisions more; corners alone twice as long on the
+    first scene, half as long on the second; the warm one timed out.
+    """
+    file = ResultFile("tang2009_ablation", wall=1.25, cpu=1.0)
+    for scene in ("Puma1/Puma2", "bear, half"):
+        for label, tolerance, factor in (("tang", 1e-3, 0.5), ("tang", 1e-4, 1.0), ("tang, midpoint", 1e-4, midpoint),
+                                         ("tang, corners alone", 1e-4, 2.0 if scene.startswith("Puma") else 0.5), ("tang, warm", 1e-4, 1.0), ("cover", 1e-4, 0.25)):
+            for i in range(5):
+                common: dict[str, Any] = {"label": label, "tolerance": tolerance, "tolerance_of": "longest", "pose_index": i, "lower": 0.1, "upper": 0.1,
+                                          "quantity": "symmetric", "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, float(i), 0, 0]}
+                if label == "tang, warm" and i == 3:
+                    file.case("tang", scene, **without_bounds("timeout", "20 s", common))
+                    continue
+                work = {"subdivisions": int(100 * factor), "point_triangle_distances": int(1000 * factor)}
+                file.case(label.split(",")[0], scene, spread(1e-3 * factor, rounds, 0.02), counters=work, prepare_seconds=0.0,
+                          extras=told(0.9, 0.9, 2) if label != "cover" else "{}", **common)
+    return file
+
+
+STEMS: dict[str, Callable[[], ResultFile]] = {
+    "tang2009_table2": table2, "tang2009_fig9": fig9, "tang2009_fig10": fig10, "tang2009_ablation": ablation}
+
+
+
+def pictures(stem: str, labels: Sequence[str] = ("tang", "cover")) -> ResultFile:
+    """Known: the witness of the first pair goes from (0.25, 0.25, 0) on A to (3, 0.25, 0) on B, that of the second is unknown; A is moved by 2 along x."""
+    file = ResultFile(stem)
+    for i, scene in enumerate(("Bird1/Bird2", "Dog/Lion")):
+        for label in labels:
+            witness: dict[str, Any] = {"witness_source": [0.25, 0.25, 0.0], "witness_target": [3.0, 0.25, 0.0]} if i == 0 else {}
+            file.case(label, scene, [0.1], lower=1.5, upper=1.5, quantity="symmetric", scene_note="two stand in", source_elements=4, target_elements=4,
+                      pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 2.0, 0, 0], witness_direction="target to source", tolerance=1e-4, tolerance_of="longest", **witness)
+    return file

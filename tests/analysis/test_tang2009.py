@@ -1,0 +1,178 @@
+"""The stems of Tang et al. 2009, from files with known numbers; every verdict each way that it can come out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import synthetic_tang
+from stem_runner import Make, stem_runner
+from synthetic import ResultFile
+from synthetic_tang import motion
+
+from analysis import load, mesh_picture, tang_pictures
+from analysis.mesh_picture import Mesh
+
+PAIRS = tuple(f"pair {i}" for i in range(6))
+COLD = ("tang", "cover")
+ALL = ("tang", "tang, warm", "cover", "cover, warm")
+
+
+@pytest.fixture()
+def make(tmp_path: Path) -> Make:
+    return stem_runner(tmp_path)
+
+
+def claim(text: str, part: str) -> str:
+    """What came out of the one claim whose text has this part."""
+    lines = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
+    assert len(lines) == 1, (part, lines)
+    return lines[0].split(". Here", 1)[1]
+
+
+def test_table2_cells(make: Make) -> None:
+    records, rows, text = make(synthetic_tang.table2())
+    mean = 1e3 * sum(1e-3 / (2.1 - 0.1 * i) for i in range(21)) / 21
+    tang = rows["Bird1/Bird2"][0]
+    assert tang[:3] == ["Tang 2009", "1,000 / 2,000", "21"]
+    assert tang[3].startswith(f"{mean:.2f} [") and tang[4:6] == ["0.476", "10.0"]
+    assert tang[6:] == ["99.00", "98.00", "5", "954.5"]  # depth, and the median of the queries of all poses but the first
+    others = {row[0]: row for row in rows[""]}
+    assert others["paper"][3:] == ["84.31", "0.04", "670.6", "98.03", "99.99", "—", "—"]  # of the last pair that is in the paper
+    assert others["cover, warm"][6:9] == ["—"] * 3
+    assert len(records) == 3 * 4 * 21 and "two stand in" in text
+
+
+def test_table2_where_a_pose_failed(make: Make) -> None:
+    file = motion("tang2009_table2", PAIRS, ALL)
+    file.cases[5].update(status="timeout", lower=float("nan"), upper=float("nan"))
+    _, rows, text = make(file)
+    assert rows["pair 0"][0][3] == "1 of 21 poses failed"
+    assert "over 5 independent runs" in claim(text, "The nearer the models")
+    assert claim(text, "Tang 2009 from the pose before").startswith(": not tested") or claim(text, "Tang 2009 from the pose before").startswith(": not separated")
+
+
+@pytest.mark.parametrize(("left", "a", "b"), [(0.01, "holds", "holds"), (0.02, "holds", "does not hold"), (0.04, "does not hold", "does not hold")])
+def test_culling(make: Make, left: float, a: str, b: str) -> None:
+    _, _, text = make(motion("tang2009_table2", PAIRS, ALL, left=left))
+    assert claim(text, "97 % of A").startswith(f" it {a}")
+    assert claim(text, "97 % of B").startswith(f" it {b}")
+
+
+def test_culling_that_nobody_tells(make: Make) -> None:
+    file = motion("tang2009_table2", PAIRS, ALL)
+    for case in file.cases:
+        case["extras"] = "{}"
+    _, _, text = make(file)
+    assert claim(text, "97 % of A").startswith(": not tested")
+
+
+@pytest.mark.parametrize(("poses", "outcome"), [((), " it holds"), ((3,), " it holds"), ((3, 4), " it does not hold")])
+def test_depth_is_typical(make: Make, poses: tuple[int, ...], outcome: str) -> None:
+    """One of 21 poses is less than 5 %."""
+    file = motion("tang2009_table2", PAIRS, ALL)
+    for case in file.cases:
+        if case["label"] == "tang" and case["pose_index"] in poses:
+            case["extras"] = synthetic_tang.told(0.99, 0.99, 10)
+    _, _, text = make(file)
+    assert claim(text, "fewer than ten times").startswith(outcome)
+
+
+@pytest.mark.parametrize(("slower", "outcome"), [(1.0, " it holds"), (-1.0, " it does not hold"), (0.0, ": not separated")])
+def test_time_rises(make: Make, slower: float, outcome: str) -> None:
+    for stem in ("tang2009_table2", "tang2009_fig9"):
+        _, _, text = make(motion(stem, PAIRS, ALL if stem.endswith("2") else COLD, slower=slower))
+        assert claim(text, "The nearer the models").startswith(outcome)
+        assert f"in distances it {outcome.strip(': ').removeprefix('it ')}" in claim(text, "The nearer the models").replace("it is not", "it not")
+
+
+@pytest.mark.parametrize(("queries", "outcome"), [(0.5, " it holds"), (0.66, " it holds"), (0.7, " it does not hold")])
+def test_a_warm_start_pays(make: Make, queries: float, outcome: str) -> None:
+    _, _, text = make(motion("tang2009_table2", PAIRS, ALL, queries=queries))
+    for solver in ("Tang 2009", "cover (ours)"):
+        assert claim(text, f"{solver} from the pose before").startswith(outcome)
+
+
+def test_a_warm_start_that_was_not_run(make: Make) -> None:
+    _, _, text = make(motion("tang2009_table2", PAIRS, COLD))
+    assert claim(text, "Tang 2009 from the pose before").startswith(": not tested")
+
+
+def test_fig9_stages(make: Make) -> None:
+    records, rows, _ = make(synthetic_tang.fig9())
+    assert rows["Puma1/Puma2, all poses"][0][3:6] == ["25.0", "25.0", "50.0"]
+    assert rows["Watch1/Watch2, nearest tenth"][0][1:3] == ["2", "10.0 to 20.0"]
+    assert rows["Watch1/Watch2, nearest tenth"][0][6:] == ["15.0", "7.50"]  # 2 / 0.1 and 2 / 0.2 ms
+    assert len(records) == 42
+    assert float(records[20]["subdivide"]) == pytest.approx(0.01)  # of both directions: each half of 10 ms
+
+
+@pytest.mark.parametrize(("tang", "rounds", "tenth", "less"), [
+    (0.005, 7, " it holds", " it holds"), (0.02, 7, " it does not hold", " it holds"), (0.2, 7, " it does not hold", " it does not hold"),
+    (0.01, 7, ": not separated", " it holds"), (0.005, 3, ": not separated", ": not separated")])
+def test_fig10_an_order_of_magnitude(make: Make, tang: float, rounds: int, tenth: str, less: str) -> None:
+    _, rows, text = make(synthetic_tang.fig10(tang, rounds=rounds))
+    assert claim(text, "less than a tenth").startswith(tenth)
+    assert claim(text, "takes less time than Guthe's there").startswith(less)
+    assert "on 2" in text or "of 2 pairs" in claim(text, "less than a tenth")  # the pair that is apart is not counted
+    assert rows["near"][0][1] == "2.00"
+
+
+def test_fig10_counts_work(make: Make) -> None:
+    assert "in distances it holds" in claim(make(synthetic_tang.fig10(work=50))[2], "less than a tenth").replace("Counted in", "in")
+    assert "in distances it does not hold" in claim(make(synthetic_tang.fig10(work=200))[2], "less than a tenth").replace("Counted in", "in")
+
+
+def test_fig10_where_one_timed_out(make: Make) -> None:
+    _, rows, text = make(synthetic_tang.fig10(far=True))
+    assert "timeout" in rows["nearer"][0]
+    assert claim(text, "less than a tenth").startswith(": not separated")
+
+
+@pytest.mark.parametrize(("midpoint", "outcome"), [(2.0, " it holds"), (0.5, " it does not hold"), (1.0, ": not separated")])
+def test_ablation_claims(make: Make, midpoint: float, outcome: str) -> None:
+    _, rows, text = make(synthetic_tang.ablation(midpoint))
+    assert claim(text, "Voronoi subdivision").startswith(outcome)
+    word = {" it holds": "it holds", " it does not hold": "it does not hold", ": not separated": "it is not separated"}[outcome]
+    assert f"Counted in subdivisions {word}" in claim(text, "Voronoi subdivision")
+    assert claim(text, "three corners").startswith(" it does not hold")
+    assert rows["Puma1/Puma2"][0][:6] == ["Tang 2009", "0.001", "2.50", "250", "2,500", "2"]
+    warm = [row for row in rows[""] if row[0] == "tang, warm"]
+    assert all(row[2:] == ["—"] * 8 for row in warm) and len(warm) == 2
+
+
+def test_every_stem_has_a_file() -> None:
+    for stem, file in synthetic_tang.STEMS.items():
+        assert isinstance(made := file(), ResultFile) and made.stem == stem
+
+
+@pytest.fixture()
+def tetrahedra(monkeypatch: pytest.MonkeyPatch) -> None:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    monkeypatch.setattr(mesh_picture, "mesh", lambda name: Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])))
+
+
+@pytest.mark.usefixtures("tetrahedra")
+def test_pictures(make: Make) -> None:
+    records, rows, _ = make(synthetic_tang.pictures("tang2009_fig7", ("cover",)))
+    assert rows["Bird1"][0] == ["Bird1/Bird2/A", "4", "2.2K", "200.00 to 200.00"]  # 1.5 of 0.75
+    assert rows["Lion"][0][2:] == ["1.3M", ""] and len(records) == 4
+    records, rows, _ = make(synthetic_tang.pictures("tang2009_fig8"))
+    assert rows["Bird1/Bird2"][0] == ["Tang 2009", "200.0000", "200.0000", "B to A"] and len(records) == 4
+
+
+@pytest.mark.usefixtures("tetrahedra")
+def test_the_witness_is_drawn_where_it_is(tmp_path: Path) -> None:
+    results = load.load(synthetic_tang.pictures("tang2009_fig8").write(tmp_path))
+    figure, axes = plt.subplots(1, 2)
+    for ax, row in zip(axes, (0, 2)):
+        tang_pictures.draw_pair(ax, results, row)
+    ends = tang_pictures.SIDE.seen(np.array([[0.25, 0.25, 0.0], [3.0, 0.25, 0.0]]))
+    (line,) = axes[0].lines
+    assert np.allclose(np.stack(line.get_data()).T, ends[:, :2])
+    assert not axes[1].lines  # nobody knows it
+    moved = tang_pictures.placed("any", results.cases.pose[0]).corners
+    assert np.allclose(moved, [[2, 0, 0], [3, 0, 0], [2, 1, 0], [2, 0, 1]])
+    plt.close(figure)
