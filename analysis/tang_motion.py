@@ -55,7 +55,7 @@ class Run:
     @property
     def per_pose(self) -> Floats:
         """The median over the rounds."""
-        return np.median(list(self.by_round.values()), axis=0) if self.by_round else np.empty(0)
+        return np.asarray(np.median(list(self.by_round.values()), axis=0)) if self.by_round else np.empty(0)
 
     @cached_property
     def distance(self) -> Floats:
@@ -75,11 +75,11 @@ class Run:
     @cached_property
     def deepest(self) -> Floats:
         """Subdivisions one in another at each pose, of both directions the larger; NaN where the solver tells nothing."""
-        return np.fmax(*self.told("depth").T)
+        return np.asarray(np.fmax(*self.told("depth").T))
 
     def stage(self, name: str) -> Floats:
         """Seconds of one stage at each pose, of both directions together."""
-        return np.nansum(self.told(f"seconds: {name}"), axis=1)
+        return np.asarray(np.nansum(self.told(f"seconds: {name}"), axis=1))
 
     def mean_told(self, name: str) -> float:
         known = self.told(name)

@@ -8,6 +8,8 @@ from typing import Any
 
 from synthetic import ResultFile, spread, without_bounds
 
+from analysis.tang2009_similarity import FAMILIES
+
 POSES = 21
 STAGES = ("cull on A", "cull on B", "subdivide")
 
@@ -98,3 +100,22 @@ def pictures(stem: str, labels: Sequence[str] = ("tang", "cover")) -> ResultFile
             file.case(label, scene, [0.1], lower=1.5, upper=1.5, quantity="symmetric", scene_note="two stand in", source_elements=4, target_elements=4,
                       pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 2.0, 0, 0], witness_direction="target to source", tolerance=1e-4, tolerance_of="longest", **witness)
     return file
+
+
+def similarity(groups: Sequence[int] = (2, 2, 2, 2, 2, 2), alike: int = 6, skew: float = 0.0, far: float = 0.0) -> ResultFile:
+    """Known: families of so many shapes; within the first `alike` families the distance is 0.01, else 0.2, and 0.1 to 0.16 between families. One pair's two
+    orders differ by `skew`, and the distance of the first to the last shape is longer by `far`. All intervals have width 1e-3.
+    """
+    file = ResultFile("tang2009_similarity")
+    titles = list(FAMILIES.values())
+    kinds = [k for k, count in enumerate(groups) for _ in range(count)]
+    names = [titles[k][i] for k, count in enumerate(groups) for i in range(count)]
+    for i, a in enumerate(names):
+        for j, b in enumerate(names):
+            middle = 0.0 if i == j else (0.01 if kinds[i] < alike else 0.2) if kinds[i] == kinds[j] else 0.1 + 0.01 * ((kinds[i] + kinds[j]) % 7)
+            middle += skew * (i == 0 and j == 2) + far * ({i, j} == {0, len(names) - 1})
+            file.case("cover", f"similarity: {a} to {b}", [0.01], source=f"{a}_centred", target=f"{b}_centred", lower=middle, upper=middle + 1e-3, quantity="symmetric")
+    return file
+
+
+STEMS["tang2009_similarity"] = similarity

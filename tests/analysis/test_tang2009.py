@@ -176,3 +176,32 @@ def test_the_witness_is_drawn_where_it_is(tmp_path: Path) -> None:
     moved = tang_pictures.placed("any", results.cases.pose[0]).corners
     assert np.allclose(moved, [[2, 0, 0], [3, 0, 0], [2, 1, 0], [2, 0, 1]])
     plt.close(figure)
+
+
+def test_similarity_table(make: Make) -> None:
+    records, rows, text = make(synthetic_tang.similarity())
+    assert rows["bunny_open"][0][:3] == ["bunnies", "bunny_cgal", "1.05"] and rows["bunny_open"][0][-1] == "yes"
+    assert len(records) == 144 and "6 of 6 families, 12 of 12 shapes" in text
+
+
+@pytest.mark.parametrize(("alike", "outcome"), [(6, " it holds"), (3, ": not separated"), (0, " it does not hold")])
+def test_similarity_finds_families(make: Make, alike: int, outcome: str) -> None:
+    assert claim(make(synthetic_tang.similarity(alike=alike))[2], "for most families").startswith(outcome)
+
+
+@pytest.mark.parametrize(("skew", "outcome"), [(0.0, " it holds"), (0.0005, " it holds"), (0.01, " it does not hold")])
+def test_similarity_is_symmetric(make: Make, skew: float, outcome: str) -> None:
+    assert claim(make(synthetic_tang.similarity(skew=skew))[2], "intervals of H(A, B) and of H(B, A)").startswith(outcome)
+
+
+@pytest.mark.parametrize(("far", "outcome"), [(0.0, " it holds"), (0.2, " it does not hold")])
+def test_similarity_is_a_distance(make: Make, far: float, outcome: str) -> None:
+    assert claim(make(synthetic_tang.similarity(far=far))[2], "triangle inequality").startswith(outcome)
+
+
+def test_similarity_with_a_missing_answer(make: Make) -> None:
+    file = synthetic_tang.similarity()
+    file.cases[1].update(status="timeout", lower=float("nan"), upper=float("nan"))
+    text = make(file)[2]
+    assert claim(text, "intervals of H(A, B)").startswith(": not separated")
+    assert claim(text, "for most families").startswith(": not tested")
