@@ -67,9 +67,10 @@ Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
 
 class Search {
 public:
-    Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const Query& query,
-           WarmStart* warm_start, Trace& trace)
+    Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const GroupBoxes& boxes,
+           const Query& query, WarmStart* warm_start, Trace& trace)
         : pair_(pair),
+          boxes_(boxes, pair.source.triangles, pair.points, order, query.source_pose),
           query_(query),
           warm_start_(warm_start),
           trace_(trace),
@@ -112,6 +113,7 @@ private:
     }
 
     const MeshPair& pair_;
+    PosedGroupBoxes boxes_;
     const Query& query_;
     WarmStart* warm_start_;
     Trace& trace_;
@@ -182,10 +184,9 @@ void Search::measure_previous() {
 
 // Level by level, so that l is nearly final when the small groups, which are many, have their turn.
 void Search::measure_groups() {
-    const GroupBoxes boxes(pair_.source.triangles, pair_.points, scene_.order);
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
-    for (std::size_t level = boxes.levels(); level-- > 0;) {
+    for (std::size_t level = boxes_.levels(); level-- > 0;) {
         std::vector<Cluster> groups;
         groups.swap(clusters_);
         const std::size_t size = GroupBoxes::triangles_of_group(level);
@@ -195,7 +196,7 @@ void Search::measure_groups() {
                 Cluster part = group;
                 part.begin = begin;
                 part.count = std::min(size, group.begin + group.count - begin);
-                worker.narrow(part, boxes.box(level, begin / size));
+                worker.narrow(part, boxes_.box(level, begin / size));
             }
         };
         in_rounds(groups.size(), groups_of_part, item,
@@ -261,16 +262,19 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         MeshSolver::prepare(scene, prepared);
         order_ = &prepared.get<TriangleOrder>(Side::source);
+        boxes_ = GroupBoxes(source().triangles, source().vertices, order_->order);
     }
+    std::size_t prepared_bytes() const override { return boxes_.bytes(); }
 
     std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return Search(pair, *tree(), order_->order, query, static_cast<WarmStart*>(state), trace).run();
+        return Search(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
     }
 
     const TriangleOrder* order_ = nullptr;
+    GroupBoxes boxes_;  // of A
 };
 
 }  // namespace

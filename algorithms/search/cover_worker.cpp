@@ -112,6 +112,8 @@ void CoverWorker::settle(const CoverPiece& piece) {
 }
 
 void CoverWorker::settle(const Cluster& cluster) {
+    outcome_.settled = std::max(outcome_.settled, cluster.upper.value);
+    if (!scene_.elements && !scene_.proofs) return;
     for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
         const Index source = scene_.order[i];
         settle(cluster.upper.value, source);
@@ -196,12 +198,13 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
     };
     if (known) part.upper.improve(upper());
     if (Landmark other; part.upper.value > tau_ && from_partner(part, box, other)) {
-        if (const double value = around(other.at, other.distance, box); value < part.upper.value) {
+        const double value = around(other.at, other.distance, box);
+        seeded = scene_.partner[middle_of(part)] >= 0;
+        if (value < part.upper.value && (seeded || value <= tau_)) {
             part.landmark = other;
             part.upper = {value, other.near, other.vertex};
+            known = true;
         }
-        seeded = scene_.partner[middle_of(part)] >= 0;
-        known = true;
     }
     ++outcome_.counters.bound_tests;
     // A query is worth its cost only where tau is not far below the size of the group.
