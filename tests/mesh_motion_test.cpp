@@ -231,5 +231,45 @@ TEST(MeshMotion, APoseThatStretches) {
     }
 }
 
+TriangleMesh both_of(const TriangleMesh& a, const TriangleMesh& b) {
+    TriangleMesh mesh;
+    mesh.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
+    mesh.vertices << a.vertices, b.vertices;
+    mesh.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
+    mesh.triangles << a.triangles, (b.triangles.array() + static_cast<Index>(a.vertices.rows())).matrix();
+    return mesh;
+}
+
+// A strip that the pose makes four times as long, about its middle, where B is: what was known of its size before is not true any more. The rest
+// of A, which is half as far from B, hides nothing of it.
+TEST(MeshMotion, APartThatGrowsWhereItIs) {
+    TriangleMesh strip;
+    strip.vertices.resize(66, 3);
+    strip.triangles.resize(64, 3);
+    for (Index i = 0; i < 33; ++i) {
+        const double y = 0.25 * (i - 16) / 16;
+        strip.vertices.row(2 * i) << 0, y, 0;
+        strip.vertices.row(2 * i + 1) << 0.001, y, 0;
+    }
+    for (Index i = 0; i < 64; ++i) strip.triangles.row(i) << i, i + 1, i + 2;
+    TriangleMesh rest = bent(40, 0.1, 0);
+    rest.vertices.rowwise() += Eigen::RowVector3d(4, 0, 0);
+    Query query;
+    query.source_pose.rotation = Vec3(1, 4, 1).asDiagonal();
+    query.tolerance = {Tolerance::Of::absolute, 1e-4};
+    TriangleMesh above = rest;
+    above.vertices = posed(rest.vertices, query.source_pose);
+    above.vertices.col(2).array() += 0.5;
+    const TriangleMesh middle = soup(rows({{0, 0, 0}, {0.001, 0, 0}, {0, 0.001, 0}}));
+    for (const SolverEntry& entry : movers()) {
+        const Session session(entry, quick_options(entry), {both_of(strip, rest), both_of(middle, above)},
+                              {.moves = true});
+        Trace trace;
+        const Bounds bounds = session.solve(query, trace).bounds;
+        EXPECT_GE(bounds.upper, 0.999) << entry.info.name;
+        EXPECT_LE(bounds.lower, 1.001) << entry.info.name;
+    }
+}
+
 }  // namespace
 }  // namespace hausbench
