@@ -157,5 +157,5 @@ def warm_pays(found: Sequence[Motion], cold: str, warm: str) -> Verdict:
     title = style.look(cold).title
     ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in found]
     known = [ratio.value for ratio in ratios if ratio.n]
-    claim = f"{title} from the pose before: at half of the poses at most 0.67 of the closest point queries of a cold one"
+    claim = f"{title}, warm, looks for at most 0.67 as many closest points as cold, at half of the poses"
     return each(claim, known if len(known) == len(ratios) else [], AIM_OF_WARM, "pairs")

@@ -23,12 +23,13 @@ from analysis.points_speed import TITLES
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_paper_profile.md", "mesh_peers.md")
+SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_paper_profile.md", "tang2009_paper_profile.md", "mesh_peers.md")
 # Stem, how its rows of times are marked and in which column, and what it is called.
 RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
                 ("mesh_peers", "ms", 3, "pairs of real meshes"))
 # Whose a claim is, by a part of its text; the first that matches.
-CLAIMS: Final = (("as printed", "`ohd_as_printed`, `nohd_as_printed`"), ("framework", "`adaptive`"), ("INC", "`inc`"),
+CLAIMS: Final = (("Tang's|Culling leaves|is subdivided|Voronoi|three corners|nearer the models|Tang 2009, warm", "`tang`"),
+                 ("as printed", "`ohd_as_printed`, `nohd_as_printed`"), ("framework", "`adaptive`"), ("INC", "`inc`"),
                  ("EARLYBREAK takes less", "`earlybreak`"), ("(?<!N)OHD (with cells|takes less)|culling", "`ohd`"),
                  ("NOHD", "`nohd`"), ("cover", "`cover`"), ("Sacht (2024 is|takes|ends)", "`sacht`"), ("Zheng 2022 is", "`zheng`"), ("Tang 2009 is", "`tang`"))
 ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`",
