@@ -178,8 +178,7 @@ void Session::prepare(const std::string& suffix, const Shapes& source, const Sha
                       std::unique_ptr<Part>& part) {
     std::vector<PreparationTime> times;
     Needs needs;
-    const bool undone = queries.target_moves && queries.finest_tolerance > 0 &&
-                        undoes_targets(entry_.info, kind_of(source->shape()), kind_of(target->shape()));
+    const bool undone = queries.target_moves && !queries.target_copied && entry_.info.undoes_target_motion;
     if (undone) queries.moves = true;
     if (queries.target_moves && !entry_.info.moving_target && !undone) {
         needs = needs_of(*make_solver(entry_, own_options()), {source->shape(), target->shape()}, queries);
@@ -216,17 +215,6 @@ const Prepared& Session::prepared() const {
 
 std::unique_ptr<State> Session::begin() const { return entry_.info.warm ? std::make_unique<Chain>() : nullptr; }
 
-// The witness of a point set is one of its points, to the bit; a motion that is undone would move it.
-bool undoes_targets(const SolverInfo& info, ShapeKind source, ShapeKind target) {
-    return info.undoes_target_motion && source == ShapeKind::mesh && target == ShapeKind::mesh;
-}
-
-bool copies_targets(const SolverInfo& info, const QuerySet& queries, ShapeKind source, ShapeKind target) {
-    const bool both = queries.symmetric && !info.offers(Quantity::symmetric);
-    const bool undone = undoes_targets(info, source, target) && queries.finest_tolerance > 0;
-    return !info.moving_target && !undone && (queries.target_moves || (both && queries.moves));
-}
-
 // One direction, in scaled units; `query` is turned already.
 Result Session::directed(const Query& query, bool backward, Chain* chain, Trace& trace) const {
     const Clock clock;
@@ -234,7 +222,8 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
     const std::unique_ptr<Part>& kept = backward ? backward_ : forward_;
     Query asked = query;
     std::unique_ptr<Part> made;
-    const std::optional<Undone> undone = undo(query, backward);
+    const ShapeExtent a{kind_of(source->shape()), source->largest()}, b{kind_of(target->shape()), target->largest()};
+    const std::optional<Undone> undone = undo(entry_.info, query, a, b);
     if (undone) asked = Session::undone(query, *undone);
     const bool copy = !entry_.info.moving_target && !asked.target_pose.is_identity();
     if (copy || !kept) {
@@ -247,7 +236,7 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
             asked.target_pose = Pose{};
         }
         QuerySet once = queries_;
-        once.moves = (backward ? queries_.target_moves : queries_.moves) || !query.source_pose.is_identity();
+        once.moves = (backward ? queries_.target_moves : queries_.moves) || !asked.source_pose.is_identity();
         once.target_moves = false;
         once.threads = query.threads;
         made = make_part(source, std::make_shared<PreparedShape>(std::move(still)), once);

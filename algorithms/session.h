@@ -21,6 +21,11 @@ struct PreparedPair {
 };
 PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target);
 
+struct ShapeExtent {
+    ShapeKind kind;
+    double largest;  // |coordinate|
+};
+
 // May be shared: several threads may ask one session at the same time, each with a Trace and a State of its own.
 class Session {
 public:
@@ -52,7 +57,8 @@ public:
     // bound then is infinite.
     // A target that moves, for a solver that does not offer that: a posed copy of B (of A for h(B,A)), over which structures are
     // built again, which counts as solving. Of a solver that lets it (SolverInfo::undoes_target_motion), a rigid motion is undone
-    // instead: the source moves the other way, nothing is built, and bounds are wider by about 1e-14 of the coordinates.
+    // instead: the source moves the other way, nothing is built, and bounds are wider by about 1e-13 of the coordinates. With a
+    // tolerance below about 1e-11 of them, a relative one, or a question of floor and cutoff, it is copied all the same.
     // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the
     // posed extents: its preparation then counts as solving.
     //
@@ -66,6 +72,11 @@ public:
 
     // Null: the solver carries nothing along.
     std::unique_ptr<State> begin() const;
+
+    // Whether the answer to this query builds structures over a posed copy, since a target moves, and neither the solver nor the
+    // session has another way. All in one unit of length, whichever.
+    static bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExtent& source,
+                               const ShapeExtent& target);
 
     // Of the first direction.
     const Prepared& prepared() const;
@@ -97,9 +108,9 @@ private:
     bool leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const;
     Result solve_rescaled(const Query& query, Trace& trace) const;
     Result directed(const Query& query, bool backward, Chain* chain, Trace& trace) const;
-    static std::optional<Undone> undo(const PreparedShape& source, const Pose& p, const PreparedShape& target,
-                                      const Pose& g);
-    std::optional<Undone> undo(const Query& query, bool backward) const;
+    static std::optional<Undone> undo(double source_largest, const Pose& p, double target_largest, const Pose& g);
+    static std::optional<Undone> undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
+                                      const ShapeExtent& target);
     static Query undone(const Query& query, const Undone& undone);
     static void move_back(Result& result, Trace& trace, const Undone& undone);
     Result one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const;
@@ -121,13 +132,6 @@ private:
     std::unique_ptr<Part> forward_, backward_;  // null where each answer makes its own
     std::vector<PreparationTime> preparation_;
 };
-
-// Whether a session may undo the motion of a target: of meshes alone.
-bool undoes_targets(const SolverInfo& info, ShapeKind source, ShapeKind target);
-
-// Whether the answers of a session build structures over posed copies, since a target moves, and neither the solver nor the session
-// has another way.
-bool copies_targets(const SolverInfo& info, const QuerySet& queries, ShapeKind source, ShapeKind target);
 
 // Whether the solver's scenes are scaled at all.
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);

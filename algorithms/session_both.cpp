@@ -114,9 +114,14 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
     asked.floor = std::max(query.floor, whole.bounds.lower);
     // A floor that is the cutoff would ask a question that nobody asked.
     if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
+    struct Forget {  // also where the solver throws
+        Chain* chain;
+        ~Forget() {
+            if (chain) chain->opposite = nullptr;
+        }
+    } const forget{chain};
     if (chain && entry_.info.shares_pairs) chain->opposite = chain->states[opening.backward ? 1 : 0].get();
     const Result other = one_of_both(asked, !opening.backward, chain, two);
-    if (chain) chain->opposite = nullptr;
     for (const TraceSample& sample : two.samples()) {
         trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
                                    std::max(whole.bounds.upper, sample.upper)});

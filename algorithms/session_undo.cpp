@@ -25,7 +25,7 @@ double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
 //   - points of the witness are taken there by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g, and the lower bound is to hold with
 //     the witness where it is shown, off A by as much: twice.
 // Together at most 56u S_q + 14u S_p + 22u S_g, in length 100u (S_p + S_q + S_g).
-std::optional<Session::Undone> Session::undo(const PreparedShape& source, const Pose& p, const PreparedShape& target,
+std::optional<Session::Undone> Session::undo(double source_largest, const Pose& p, double target_largest,
                                              const Pose& g) {
     Undone undone;
     undone.back = g;
@@ -36,30 +36,45 @@ std::optional<Session::Undone> Session::undo(const PreparedShape& source, const 
     undone.source.rotation = r.transpose() * p.rotation;
     undone.source.translation = r.transpose() * (p.translation - g.translation);
     const Pose& q = undone.source;
-    const auto extent = [](const PreparedShape& shape, const Pose& pose) {
-        return 3 * (largest(pose.rotation) * shape.largest()) + largest(pose.translation);
+    const auto extent = [](double most, const Pose& pose) {
+        return 3 * (largest(pose.rotation) * most) + largest(pose.translation);
     };
-    const double posed_by_q = extent(source, q);
-    const double rounding = 100 * unit_roundoff * (extent(source, p) + posed_by_q + extent(target, g));
-    const double turned = 3 * (largest(r * q.rotation - p.rotation) * source.largest());
+    const double posed_by_q = extent(source_largest, q);
+    const double rounding = 100 * unit_roundoff * (extent(source_largest, p) + posed_by_q + extent(target_largest, g));
+    const double turned = 3 * (largest(r * q.rotation - p.rotation) * source_largest);
     const double moved = largest(r * q.translation + g.translation - p.translation);
     undone.wider = 1.74 * (turned + moved) + rounding;
-    undone.slack = undone.wider + undone.stretch * (4 * (posed_by_q + target.largest()));
-    if (!(posed_by_q <= largest_safe_coordinate)) return std::nullopt;
+    undone.slack = undone.wider + undone.stretch * (4 * (posed_by_q + target_largest));
+    // What the solver gets is neither too large for it nor so small that the above underflows.
+    const double most = std::max(posed_by_q, target_largest);
+    if (!(most >= 0x1p-300 && most <= largest_safe_coordinate)) return std::nullopt;
     return undone;
 }
 
-// Only where the tolerance leaves room for what it costs, and nobody wants a proof: that would be of other poses.
-std::optional<Session::Undone> Session::undo(const Query& query, bool backward) const {
-    if (query.target_pose.is_identity() || query.wanted.certificate ||
-        !undoes_targets(entry_.info, kind_of(source_->shape()), kind_of(target_->shape())))
+// Of meshes alone: the witness of a point set is one of its points, to the bit. Only where the tolerance leaves room for what it costs, and
+// nobody wants a proof: that would be of other poses.
+std::optional<Session::Undone> Session::undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
+                                             const ShapeExtent& target) {
+    if (!info.undoes_target_motion || info.moving_target || source.kind != ShapeKind::mesh ||
+        target.kind != ShapeKind::mesh || query.target_pose.is_identity() || query.wanted.certificate)
         return std::nullopt;
     const bool asks = query.floor >= query.cutoff;
     if (asks || query.tolerance.of != Tolerance::Of::absolute) return std::nullopt;
-    const Shapes &source = backward ? target_ : source_, &target = backward ? source_ : target_;
-    std::optional<Undone> undone = undo(*source, query.source_pose, *target, query.target_pose);
+    std::optional<Undone> undone = undo(source.largest, query.source_pose, target.largest, query.target_pose);
     if (undone && !(64 * undone->slack <= query.tolerance.value)) undone.reset();
     return undone;
+}
+
+bool Session::copies_targets(const SolverInfo& info, const Query& query, const ShapeExtent& source,
+                             const ShapeExtent& target) {
+    if (info.moving_target) return false;
+    const auto copied = [&](const Query& one, const ShapeExtent& a, const ShapeExtent& b) {
+        return !one.target_pose.is_identity() && !undo(info, one, a, b);
+    };
+    Query back = query;
+    std::swap(back.source_pose, back.target_pose);
+    const bool both = query.quantity == Quantity::symmetric && !info.offers(Quantity::symmetric);
+    return copied(query, source, target) || (both && copied(back, target, source));
 }
 
 // Such that its answer, with what it then costs, is one to `query`.

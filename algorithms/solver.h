@@ -159,9 +159,10 @@ struct QuerySet {
     bool moves = false;  // some pose of A is not the identity
     std::size_t count = 1;
     double finest_tolerance = 0;
-    bool target_moves = false;  // some pose of B is not the identity
-    bool symmetric = false;     // H(A,B) is asked for
-    int threads = 1;            // the most that a query may use; so many may build structures
+    bool target_moves = false;   // some pose of B is not the identity
+    bool target_copied = false;  // and some answer is over a posed copy, see Session::copies_targets
+    bool symmetric = false;      // H(A,B) is asked for
+    int threads = 1;             // the most that a query may use; so many may build structures
 };
 
 // What a solver keeps from one pose of a chain to the next, such as the last witness. It may speed up an answer, and never changes

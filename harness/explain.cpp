@@ -169,7 +169,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        if (job.pairs.front().copies)
+        if (job.pairs.front().queries.target_copied)
             text += "      over a target that moves, what is prepared is built again for each pose\n";
         else if (job.exponent && job.pairs.size() > 1)
             text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",

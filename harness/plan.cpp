@@ -29,8 +29,9 @@ struct ScenePose {
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
     std::vector<ScenePose> poses{ScenePose{}};
-    std::string missing;                 // why it cannot run, empty if it can
-    RowStatus row = RowStatus::skipped;  // the status of its rows then
+    double source_largest = 0, target_largest = 0;  // |coordinate|, where one of them moves
+    std::string missing;                            // why it cannot run, empty if it can
+    RowStatus row = RowStatus::skipped;             // the status of its rows then
 };
 
 void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
@@ -109,7 +110,7 @@ private:
     }
 
     SceneModels resolve(const ScenePlan& scene) {
-        SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, "", RowStatus::skipped};
+        SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, 0, 0, "", RowStatus::skipped};
         try {
             models.source = resolve(scene.source);
             models.target = resolve(scene.target);
@@ -117,8 +118,7 @@ private:
                 if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
             }
             if (models.missing.empty()) {
-                move(scene.motion, models.source, models.poses, &ScenePose::source);
-                move(scene.target_motion, models.target, models.poses, &ScenePose::target);
+                move(scene, models);
             }
         } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
             models.missing = error.what();
@@ -128,12 +128,19 @@ private:
     }
 
     // A static side has the identity beside every pose of the other; two that move have as many poses (experiment.cpp).
-    static void move(const Motion& motion, const std::variant<ResolvedModel, MissingModel>& model,
-                     std::vector<ScenePose>& poses, Pose ScenePose::*side) {
-        if (!moves(motion)) return;
-        const auto moved = poses_of(motion, read_shape(std::get<ResolvedModel>(model).shape_file).shape);
-        poses.resize(moved.size());
-        for (std::size_t p = 0; p < moved.size(); ++p) poses[p].*side = moved[p];
+    static void move(const ScenePlan& scene, SceneModels& models) {
+        if (!moves(scene.motion) && !moves(scene.target_motion)) return;
+        const auto side = [&](const Motion& motion, const auto& model, Pose ScenePose::*pose) {
+            const Shape shape = read_shape(std::get<ResolvedModel>(model).shape_file).shape;
+            if (moves(motion)) {
+                const auto moved = poses_of(motion, shape);
+                models.poses.resize(moved.size());
+                for (std::size_t p = 0; p < moved.size(); ++p) models.poses[p].*pose = moved[p];
+            }
+            return kind_of(shape) == ShapeKind::surface ? 0.0 : magnitude(points_of(shape));
+        };
+        models.source_largest = side(scene.motion, models.source, &ScenePose::source);
+        models.target_largest = side(scene.target_motion, models.target, &ScenePose::target);
     }
 
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
@@ -168,7 +175,11 @@ private:
 
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        const bool reads_trace = entry && reads_finer(*entry, solver);
+        // A finer tolerance may take a copy of a target that moves where a coarser one takes none.
+        const bool may_copy =
+            moves(scene.target_motion) || (solver.quantity == Quantity::symmetric && moves(scene.motion));
+        const bool reads_trace =
+            entry && reads_finer(*entry, solver) && !(may_copy && entry->info.undoes_target_motion);
         Case common = without_pose(scene, models, solver, entry, given);
         common.program_sha256 = files.sha256;
         // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses.
@@ -211,12 +222,29 @@ private:
             queries.threads = plan_.cases[job.cases.front()].threads;
             queries.count = job.cases.size();
             queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
-            const bool copies = copies_targets(entry->info, queries, source->kind, target->kind);
-            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size(), copies});
-            if (copies) note_copies(label, queries, models);
+            queries.target_copied = copies_targets(entry->info, job, *source, *target, models);
+            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
+            if (queries.target_copied) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);
+    }
+
+    // Of some answer of the job.
+    bool copies_targets(const SolverInfo& info, const Job& job, const ResolvedModel& source,
+                        const ResolvedModel& target, const SceneModels& models) const {
+        return std::any_of(job.cases.begin(), job.cases.end(), [&](std::size_t row) {
+            const Case& asked = plan_.cases[row];
+            Query query;
+            query.quantity = asked.quantity;
+            query.source_pose = asked.pose;
+            query.target_pose = asked.target_pose;
+            query.tolerance = asked.resolved_tolerance();
+            query.floor = asked.floor;
+            query.cutoff = asked.cutoff;
+            return Session::copies_targets(info, query, {source.kind, models.source_largest},
+                                           {target.kind, models.target_largest});
+        });
     }
 
     // Of all its command lines together.

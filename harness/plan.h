@@ -23,7 +23,6 @@ struct Job {
         std::filesystem::path source_file, target_file;
         QuerySet queries;
         std::size_t cases = 0;  // how many of them, in the order of `cases`
-        bool copies = false;    // see copies_targets()
     };
 
     std::size_t scene = 0;  // number in the experiment; of a matrix that of its first

@@ -205,6 +205,7 @@ json to_json(const Outcome& o) {
     out["preparation"] = rows_json(preparation_columns(), o.preparation);
     out["repeats"] = rows_json(repeat_columns(), o.repeats);
     out["repeats_asked"] = o.repeats_asked;
+    out["stages_asked"] = o.stages_asked;
     out["trace"] = rows_json(trace_columns(), o.trace);
     return out;
 }
@@ -219,6 +220,7 @@ Outcome outcome_from_json(const json& j) {
     o.preparation = rows_of(preparation_columns(), j.at("preparation"));
     o.repeats = rows_of(repeat_columns(), j.at("repeats"));
     o.repeats_asked = j.at("repeats_asked");
+    o.stages_asked = j.value("stages_asked", false);
     o.trace = rows_of(trace_columns(), j.at("trace"));
     return o;
 }

@@ -117,6 +117,7 @@ struct Outcome {
     std::vector<FirstAnswer> answers;
     std::vector<Repeat> repeats;
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
+    bool stages_asked = false;
     std::vector<TraceSample> trace;
     std::string fields_sha256;  // of the file that holds them, beside the journal; see field_file.h
     bool from_trace = false;

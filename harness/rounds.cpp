@@ -86,6 +86,7 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     outcome.answers.clear();
     outcome.repeats.clear();
     outcome.trace.clear();
+    std::erase_if(outcome.extras, [](const auto& one) { return one.first.starts_with(stage_prefix); });  // of the finer
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {
         if (!(sample.upper - sample.lower <= gap)) continue;

@@ -114,6 +114,7 @@ private:
             return nullptr;
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
+        if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;
         const bool traced = !plan_.marks(row).empty() || traces_chain(row);
         if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && traced) return nullptr;
         return &outcome;
@@ -190,6 +191,7 @@ private:
                                outcome.build = build_of(plan_.cases[row].solver);
                                outcome.machine = this_machine().id;
                                outcome.repeats_asked = plan_.experiment.repeats;
+                               outcome.stages_asked = plan_.experiment.stages;
                                ++statuses[outcome.status];
                                journal_.append({plan_.cases[row].identity, round}, outcome);
                                progress_.done(1);
@@ -289,7 +291,7 @@ private:
                 note_shapes_shared(job, ledger);
                 continue;
             }
-            if (job.pairs.front().copies) continue;  // see note_copies() in plan.cpp
+            if (job.pairs.front().queries.target_copied) continue;  // see note_copies() in plan.cpp
             std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
             std::set<int> poses;
             for (std::size_t row : job.cases) {

@@ -47,9 +47,11 @@ json to_json(const WorkOrder& o) {
     for (const auto& [file, hash] : o.plugins) plugins[file.string()] = hash;
     for (const auto& p : o.pairs) {
         const QuerySet& q = p.queries;
-        pairs.push_back({{"source", p.source_file.string()},
-                         {"target", p.target_file.string()},
-                         {"queries", {q.moves, q.count, q.finest_tolerance, q.target_moves, q.symmetric, q.threads}}});
+        pairs.push_back(
+            {{"source", p.source_file.string()},
+             {"target", p.target_file.string()},
+             {"queries",
+              {q.moves, q.count, q.finest_tolerance, q.target_moves, q.target_copied, q.symmetric, q.threads}}});
     }
     for (const auto& i : o.items) {
         items.push_back({{"row", i.row},
@@ -92,7 +94,7 @@ WorkOrder work_order_from_json(const json& j) {
         const json& q = p.at("queries");
         o.pairs.push_back({p.at("source").get<std::string>(),
                            p.at("target").get<std::string>(),
-                           {q.at(0), q.at(1), q.at(2), q.at(3), q.at(4), q.at(5)}});
+                           {q.at(0), q.at(1), q.at(2), q.at(3), q.at(4), q.at(5), q.at(6)}});
     }
     if (!j.at("exponent").is_null()) o.exponent = j.at("exponent").get<int>();
     o.limits = {j.at("limits").at(0), j.at("limits").at(1), j.at("limits").at(2)};

@@ -469,7 +469,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
     }
-    EXPECT_TRUE(copies_targets(scripted().info, {.target_moves = true}, ShapeKind::points, ShapeKind::points));
+    EXPECT_TRUE(Session::copies_targets(scripted().info, query, {ShapeKind::points, 1}, {ShapeKind::points, 1}));
 }
 
 TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {

@@ -202,6 +202,50 @@ TEST(SessionUndo, ACopyWhereItMust) {
     query = good;
     query.wanted.certificate = true;
     EXPECT_EQ(built(query), 1) << "a proof";
+    // What is left of A, and B, would be too small for a solver.
+    const Session small(sharp(), Options("sharp", {}, {}), {point({0.75, 0, 0}), point({0, 0, 0})},
+                        {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
+    query = good;
+    query.source_pose.rotation = 0x1p-600 * Eigen::Matrix3d::Identity();
+    query.source_pose.translation = query.target_pose.translation;
+    seen.built = 0;
+    (void)small.solve(query, trace);
+    EXPECT_EQ(seen.built, 1) << "tiny";
+}
+
+// The answer is known beforehand, in any unit.
+TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
+    const ShapeExtent a{ShapeKind::mesh, 0.5}, b{ShapeKind::mesh, 0.75};
+    SolverInfo info = sharp().info;
+    const auto copies = [&](const Query& query) { return Session::copies_targets(info, query, a, b); };
+    Query query = query_with({}, turned_and_longer(0, {0.5, 0, 0}));
+    EXPECT_FALSE(copies(query));
+    EXPECT_FALSE(copies(query_with(turned_and_longer(1e-6), {})));  // A may be stretched
+    EXPECT_TRUE(copies(query_with({}, turned_and_longer(1e-6))));
+    EXPECT_TRUE(copies(query_with({}, query.target_pose, 1e-13)));
+    EXPECT_TRUE(Session::copies_targets(info, query, {ShapeKind::points, 0.5}, b));
+    EXPECT_TRUE(Session::copies_targets(info, query, a, {ShapeKind::points, 0.75}));
+    EXPECT_TRUE(Session::copies_targets(info, query, a, {ShapeKind::mesh, 1e6}));  // rounding, beside this tolerance
+    query = query_with(turned_and_longer(1e-6), {});
+    query.quantity = Quantity::symmetric;
+    EXPECT_TRUE(copies(query));  // of h(B,A), A is the target
+    info.moving_target = true;
+    EXPECT_FALSE(copies(query));
+    info.moving_target = false, info.undoes_target_motion = false;
+    query.quantity = Quantity::directed;
+    query.target_pose.translation = {1, 0, 0};
+    EXPECT_TRUE(copies(query));
+}
+
+// Of a solver that takes a target that moves, the session leaves it alone.
+TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
+    SolverEntry entry = sharp();
+    entry.info.moving_target = true;
+    const Session session(entry, Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
+                          {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
+    Trace trace;
+    (void)session.solve(query_with({}, turned_and_longer(0, {0.5, 0, 0})), trace);
+    EXPECT_FALSE(seen.query.target_pose.is_identity());
 }
 
 // A solver that stops as soon as it may has an answer all the same, once undoing has had its share.
