@@ -175,13 +175,14 @@ private:
 
         std::vector<double> tolerances = solver.tolerances;
         std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        // A finer tolerance may take a copy of a target that moves where a coarser one takes none.
-        const bool may_copy =
-            moves(scene.target_motion) || (solver.quantity == Quantity::symmetric && moves(scene.motion));
-        const bool reads_trace =
-            entry && reads_finer(*entry, solver) && !(may_copy && entry->info.undoes_target_motion);
         Case common = without_pose(scene, models, solver, entry, given);
         common.program_sha256 = files.sha256;
+        const auto copies = [&](double tolerance) {
+            return !decided && copies_targets(*entry, common, tolerance, models, source->kind, target->kind);
+        };
+        // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
+        const bool reads_trace =
+            entry && reads_finer(*entry, solver) && (!copies(tolerances.front()) || copies(tolerances.back()));
         // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses.
         std::vector<Job> jobs(solver.warm ? tolerances.size() : 1);
         std::vector<std::string> before(tolerances.size());  // of warm cases: the identity of the last pose
@@ -222,7 +223,7 @@ private:
             queries.threads = plan_.cases[job.cases.front()].threads;
             queries.count = job.cases.size();
             queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
-            queries.target_copied = copies_targets(entry->info, job, *source, *target, models);
+            queries.target_copied = copies(plan_.cases[job.cases.front()].tolerance);
             job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
             if (queries.target_copied) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
@@ -230,20 +231,20 @@ private:
         note(label, entry, decided, models.poses.size() * tolerances.size(), run);
     }
 
-    // Of some answer of the job.
-    bool copies_targets(const SolverInfo& info, const Job& job, const ResolvedModel& source,
-                        const ResolvedModel& target, const SceneModels& models) const {
-        return std::any_of(job.cases.begin(), job.cases.end(), [&](std::size_t row) {
-            const Case& asked = plan_.cases[row];
-            Query query;
-            query.quantity = asked.quantity;
-            query.source_pose = asked.pose;
-            query.target_pose = asked.target_pose;
-            query.tolerance = asked.resolved_tolerance();
-            query.floor = asked.floor;
-            query.cutoff = asked.cutoff;
-            return Session::copies_targets(info, query, {source.kind, models.source_largest},
-                                           {target.kind, models.target_largest});
+    // Of some pose, at this tolerance of the case.
+    static bool copies_targets(const SolverEntry& entry, Case asked, double tolerance, const SceneModels& models,
+                               ShapeKind source, ShapeKind target) {
+        asked.tolerance = tolerance;
+        Query query;
+        query.quantity = asked.quantity;
+        query.tolerance = asked.resolved_tolerance();
+        query.floor = asked.floor;
+        query.cutoff = asked.cutoff;
+        return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
+            query.source_pose = pose.source;
+            query.target_pose = pose.target;
+            return Session::copies_targets(entry.info, query, {source, models.source_largest},
+                                           {target, models.target_largest});
         });
     }
 
