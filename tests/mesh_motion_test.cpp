@@ -110,6 +110,34 @@ TEST(MeshMotion, AllIntervalsOverlap) {
     for (const char* name : {"tang", "cover"}) EXPECT_LT(queries[name].first, queries[name].second) << name;
 }
 
+// What a chain carries along is written by all threads that work at a pose: answers and counts are those of one thread.
+TEST(MeshMotion, ThreadsChangeNothing) {
+    const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
+    QuerySet threaded = moving;
+    threaded.threads = 3;
+    int tried = 0;
+    for (const SolverEntry& entry : movers()) {
+        if (!entry.info.threads || !entry.info.warm) continue;
+        ++tried;
+        const Session session(entry, quick_options(entry), scene, threaded);
+        const std::unique_ptr<State> one = session.begin(), three = session.begin();
+        for (const Place& place : motion(5)) {
+            Query query;
+            query.quantity = Quantity::symmetric;
+            query.source_pose = place.source;
+            query.target_pose = place.target;
+            query.tolerance = {Tolerance::Of::absolute, 1e-4};
+            Trace trace;
+            const Result alone = session.solve(query, one.get(), trace);
+            query.threads = 3;
+            const Result together = session.solve(query, three.get(), trace);
+            expect_same_answer(alone, together, entry.info.name);
+            EXPECT_EQ(alone.counters, together.counters) << entry.info.name;
+        }
+    }
+    EXPECT_GE(tried, 1);
+}
+
 // Both shapes moved alike: the distance stays, but for what rounding their vertices does.
 TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
