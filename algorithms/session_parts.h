@@ -47,6 +47,20 @@ struct Session::Chain final : State {
     const State* opposite = nullptr;   // of the direction that was answered at this pose, for the other
 };
 
+// Calls down(lower) and up(upper) for all bounds of an answer: its own, those of its trace and those of its fields.
+template <class Down, class Up> void for_each_bound(Result& result, Trace& trace, const Down& down, const Up& up) {
+    down(result.bounds.lower);
+    up(result.bounds.upper);
+    for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
+    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
+        Field& field = (*result.fields)[i];
+        for (double& value : field.values) {
+            if (field.meaning == Field::Meaning::lower) down(value);
+            if (field.meaning == Field::Meaning::upper) up(value);
+        }
+    }
+}
+
 inline bool claims_an_answer(Status status) {
     return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
 }

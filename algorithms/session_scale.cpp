@@ -123,17 +123,8 @@ void Session::scale_back(Result& result, Trace& trace, double wider) const {
         if (wider > 0) upper = next_up(upper + wider);
         if (exponent_ != 0) upper = scaled_back(upper, exponent_, next_up);
     };
-    down(result.bounds.lower);
-    up(result.bounds.upper);
+    for_each_bound(result, trace, down, up);
     for (Certificate& one : result.certificates) up(one.proven);
-    for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
-    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
-        Field& field = (*result.fields)[i];
-        for (double& value : field.values) {
-            if (field.meaning == Field::Meaning::lower) down(value);
-            if (field.meaning == Field::Meaning::upper) up(value);
-        }
-    }
     for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
     for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
 }

@@ -93,16 +93,7 @@ void Session::move_back(Result& result, Trace& trace, const Undone& undone) {
         lower = std::max(0.0, next_down(lower * (1 - undone.stretch) - undone.wider));
     };
     const auto up = [&](double& upper) { upper = next_up(upper * (1 + undone.stretch) + undone.wider); };
-    down(result.bounds.lower);
-    up(result.bounds.upper);
-    for (TraceSample& sample : trace.samples()) down(sample.lower), up(sample.upper);
-    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
-        Field& field = (*result.fields)[i];
-        for (double& value : field.values) {
-            if (field.meaning == Field::Meaning::lower) down(value);
-            if (field.meaning == Field::Meaning::upper) up(value);
-        }
-    }
+    for_each_bound(result, trace, down, up);
     for (Vec3* point : {&result.witness.source_point, &result.witness.target_point})
         *point = undone.back.rotation * *point + undone.back.translation;
 }

@@ -65,7 +65,7 @@ struct Experiment {
     int rounds = 1;       // fresh processes; the order of solvers is turned round after each (ABBA)
     bool trace = false;   // coarser tolerances are read off the trace of the finest where a solver traces
     bool fields = false;  // values for each vertex and element of A, see Outcome::fields_sha256
-    bool stages = false;  // seconds by stage, from the same run or one of its own, see Wanted::stages
+    bool stages = false;  // seconds by stage, from a run that is not timed, see Wanted::stages
     Limits limits;
     std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
 };

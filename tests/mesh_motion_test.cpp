@@ -64,6 +64,15 @@ struct Common {
     }
 };
 
+Query symmetric_query(const Place& place) {
+    Query query;
+    query.quantity = Quantity::symmetric;
+    query.source_pose = place.source;
+    query.target_pose = place.target;
+    query.tolerance = {Tolerance::Of::absolute, 1e-4};
+    return query;
+}
+
 constexpr QuerySet moving{
     .moves = true, .count = 20, .finest_tolerance = 1e-4, .target_moves = true, .symmetric = true};
 
@@ -122,11 +131,7 @@ TEST(MeshMotion, ThreadsChangeNothing) {
         const Session session(entry, quick_options(entry), scene, threaded);
         const std::unique_ptr<State> one = session.begin(), three = session.begin();
         for (const Place& place : motion(5)) {
-            Query query;
-            query.quantity = Quantity::symmetric;
-            query.source_pose = place.source;
-            query.target_pose = place.target;
-            query.tolerance = {Tolerance::Of::absolute, 1e-4};
+            Query query = symmetric_query(place);
             Trace trace;
             const Result alone = session.solve(query, one.get(), trace);
             query.threads = 3;
@@ -167,11 +172,7 @@ TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
         const Session one(entry, quick_options(entry), scene, moving),
             other(entry, quick_options(entry), turned_round, moving);
         for (const Place& place : motion(4)) {
-            Query query;
-            query.quantity = Quantity::symmetric;
-            query.source_pose = place.source;
-            query.target_pose = place.target;
-            query.tolerance = {Tolerance::Of::absolute, 1e-4};
+            Query query = symmetric_query(place);
             Trace trace;
             const Bounds a = one.solve(query, trace).bounds;
             std::swap(query.source_pose, query.target_pose);
