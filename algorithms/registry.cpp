@@ -27,6 +27,7 @@ SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
 SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
 SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
 SolverEntry kdtree_solver();                // peers/kdtree.cpp
+SolverEntry penetration_solver();           // meshes/penetration.cpp
 SolverEntry cgal_solver();                  // peers/cgal.cpp
 SolverEntry external_solver();              // peers/external.cpp
 
@@ -57,6 +58,7 @@ std::vector<SolverEntry>& list_of_solvers() {
         kdtree_solver(),
 #endif
 #ifdef HAUSBENCH_HAS_CGAL
+        penetration_solver(),
         cgal_solver(),
 #endif
         external_solver(),
@@ -89,6 +91,7 @@ const std::vector<NotBuilt>& solvers_not_built() {
         {"kdtree", "nanoflann was not found, or HAUSBENCH_WITH_KDTREE_PEER is off"},
 #endif
 #ifndef HAUSBENCH_HAS_CGAL
+        {"penetration", "HAUSBENCH_WITH_CGAL_PEER is off (CGAL's corefinement is GPL)"},
         {"cgal", "HAUSBENCH_WITH_CGAL_PEER is off"},
 #endif
     };

@@ -64,19 +64,43 @@ std::string_view to_string(Status status) {
     return names[static_cast<std::size_t>(status)];
 }
 
-std::string_view to_string(Quantity quantity) { return quantity == Quantity::symmetric ? "symmetric" : "directed"; }
+std::string_view to_string(Quantity quantity) {
+    constexpr std::string_view names[] = {"directed", "symmetric", "penetration"};
+    return names[static_cast<std::size_t>(quantity)];
+}
+
+std::string_view symbol(Quantity quantity) {
+    constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth"};
+    return symbols[static_cast<std::size_t>(quantity)];
+}
 
 std::string_view to_string(Witness::Direction direction) {
     return direction == Witness::Direction::source_to_target ? "source to target" : "target to source";
 }
 
-std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target) {
+namespace {
+
+std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKind target) {
     const auto text = [&](const char* side, ShapeKind kind) {
         return fmt::format("solver '{}' takes no {} as {}", info.name, to_string(kind), side);
     };
     if (!info.source.contains(source)) return text("source", source);
     if (!info.target.contains(target)) return text("target", target);
     return {};
+}
+
+}  // namespace
+
+std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, Quantity quantity) {
+    if (const std::string no = refusal_of_shapes(info, source, target); !no.empty()) return no;
+    if (info.offers(quantity)) return {};
+    if (!info.offers(Quantity::directed))
+        return fmt::format("solver '{}' computes {} only, not {}", info.name, symbol(info.quantities.front()),
+                           symbol(quantity));
+    if (quantity == Quantity::penetration)
+        return fmt::format("solver '{}' computes no penetration depth: solver 'penetration' does", info.name);
+    const std::string no = refusal_of_shapes(info, target, source);  // of two directions
+    return no.empty() ? no : no + ", as H(A,B) asks for";
 }
 
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
@@ -121,12 +145,12 @@ Session::Session(const SolverEntry& entry, const Options& options, Shapes source
       target_(std::move(target)),
       exponent_(source_->exponent()) {
     const ShapeKind a = kind_of(source_->shape()), b = kind_of(target_->shape());
-    if (const std::string no = refusal(entry.info, a, b); !no.empty()) throw InputError(no);
+    if (const std::string no = refusal_of_shapes(entry.info, a, b); !no.empty()) throw InputError(no);
     if (source_->exponent() != target_->exponent())
         throw std::logic_error("the shapes of a session are scaled by different exponents");
     scalable_ = scalable(entry.info, a, b);
     const bool own = entry.info.offers(Quantity::symmetric);
-    if (queries.symmetric && !own) expect_both_directions();
+    if (queries.symmetric) expect(Quantity::symmetric);
     prepare("", source_, target_, queries, forward_);
     QuerySet turned = queries;
     std::swap(turned.moves, turned.target_moves);
@@ -136,9 +160,9 @@ Session::Session(const SolverEntry& entry, const Options& options, Shapes source
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
-void Session::expect_both_directions() const {
-    const std::string no = refusal(entry_.info, kind_of(target_->shape()), kind_of(source_->shape()));
-    if (!no.empty()) throw InputError(no + ", as H(A,B) asks for");
+void Session::expect(Quantity quantity) const {
+    const std::string no = refusal(entry_.info, kind_of(source_->shape()), kind_of(target_->shape()), quantity);
+    if (!no.empty()) throw InputError(no);
 }
 
 Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
@@ -259,7 +283,7 @@ Result Session::directed(const Query& query, bool backward, Chain* chain, Trace&
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
     const bool both = query.quantity == Quantity::symmetric && !entry_.info.offers(Quantity::symmetric);
-    if (both) expect_both_directions();
+    expect(query.quantity);
     // Both, so that a pose that is refused is refused whatever the other one is.
     const bool source_far = leaves_range(*source_, query.source_pose, "A");
     const bool target_far = leaves_range(*target_, query.target_pose, "B");

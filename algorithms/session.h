@@ -96,7 +96,7 @@ private:
 
     using Shapes = std::shared_ptr<PreparedShape>;
 
-    void expect_both_directions() const;
+    void expect(Quantity quantity) const;  // throws where it is not offered
     Options own_options() const;
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
     bool built_for_the_first_direction(const std::string& name) const;
@@ -141,7 +141,8 @@ inline bool may_bound_a_distance(const Bounds& bounds) {
     return bounds.lower < std::numeric_limits<double>::infinity() && bounds.upper >= 0;
 }
 
-// An error text where the solver cannot take these shapes, empty where it can.
-std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target);
+// An error text where the solver cannot take these shapes, or does not offer this quantity and Session cannot make it of what
+// it does; empty where it can.
+std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, Quantity quantity = Quantity::directed);
 
 }  // namespace hausbench

@@ -127,6 +127,10 @@ void Session::scale_back(Result& result, Trace& trace, double wider) const {
     for (Certificate& one : result.certificates) up(one.proven);
     for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
     for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
+    for (auto& [name, value] : result.reported) {
+        auto* length = std::get_if<double>(&value);
+        if (length && name.starts_with(length_prefix)) *length = std::ldexp(*length, -exponent_);
+    }
 }
 
 }  // namespace hausbench

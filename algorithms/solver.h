@@ -77,7 +77,8 @@ struct Witness {
 std::string_view to_string(Witness::Direction direction);
 
 // What a solver reports of itself, by name: a number, such as the share of points that it culled, or a text, such as the algorithm
-// that it chose.
+// that it chose. Session scales a number back whose name begins with `length_prefix`, to the nearest: it is no bound.
+inline constexpr std::string_view length_prefix = "length: ";
 using Reported = std::map<std::string, std::variant<double, std::string>>;
 
 // A value for each vertex or each element of A, such as the upper bound of each triangle.
@@ -119,8 +120,14 @@ struct Result {
     std::int64_t outside_bytes = -1;
 };
 
-enum class Quantity { directed, symmetric };  // h(A,B), H(A,B)
+// h(A,B); H(A,B); or how deep two solids are in each other: over the connected parts of the volume that they have in common, the largest H
+// of the part's boundary that is of A and the one that is of B (Tang et al. 2009, section 7.3; see meshes/penetration.cpp).
+enum class Quantity { directed, symmetric, penetration };
+inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration};
 std::string_view to_string(Quantity quantity);
+
+// "h(A,B)", "H(A,B)", "the penetration depth".
+std::string_view symbol(Quantity quantity);
 
 // What an answer is to hold beside its bounds. Not asked for where solving is timed.
 struct Wanted {

@@ -148,7 +148,8 @@ const Columns<Case>& case_columns() {
                                  Identity::where_given),
         at<Case, MEMBER(target_pose)>("target_pose", "of B, likewise", Identity::where_given),
         at<Case, MEMBER(quantity)>("quantity",
-                                   "`directed`: h(A,B), or `symmetric`: H(A,B), the larger of h(A,B) and h(B,A)",
+                                   "`directed`: h(A,B); `symmetric`: H(A,B), the larger of h(A,B) and h(B,A); or "
+                                   "`penetration`: how deep A and B are in each other",
                                    Identity::where_given),
         at<Case, MEMBER(warm)>("warm", "1: the solver starts from what it kept of the pose before; 0: from nothing",
                                Identity::where_given),
@@ -182,6 +183,7 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(source_diagonal)>("source_diagonal", "length, of the box of A as loaded"),
         at<Case, MEMBER(source_longest)>("source_longest", "length of the longest side of that box; 0 in older files"),
         at<Case, MEMBER(pose_index)>("pose_index", "number in the motions"),
+        at<Case, MEMBER(frame)>("frame", "of a recorded simulation; -1: the scene is none"),
         {"tolerance_absolute", "as a length (NaN for `lower`)",
          Column<Case>::Real{1,
                             [](const Case& asked, double* out) {

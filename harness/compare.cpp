@@ -109,8 +109,8 @@ Question question_of(const Case& c) {
 }
 
 std::string place_of(const Case& c) {
-    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, c.quantity == Quantity::symmetric ? ", H" : "",
-                       c.pose_index, c.tolerance, c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
+    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c.quantity), c.pose_index, c.tolerance,
+                       c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
 }
 
 std::string interval_text(const Outcome& o) {

@@ -4,6 +4,7 @@
 #include "error.h"
 #include "model_table.h"
 #include "paths.h"
+#include "recording.h"
 #include "registry.h"
 
 #include <fmt/format.h>
@@ -246,7 +247,7 @@ int line_of(const toml::node& node) { return int(node.source().begin.line); }
 ScenePlan read_scene(const fs::path& file, const Reader& reader) {
     ScenePlan scene;
     scene.name = reader.text("name");
-    if (!reader.find("sources")) {
+    if (!reader.find("sources") && !reader.find("recording")) {
         if (const toml::node* node = reader.find("targets"))
             reader.fail(*node, "'targets' makes a matrix together with 'sources': give both, or 'source' and 'target'");
         scene.source = reader.text("source");
@@ -334,8 +335,73 @@ std::vector<ScenePlan> expand_each(const Reader& reader, const ScenePlan& scene)
     return scenes;
 }
 
-// One scene for each source and each target, source by source, or for each model; else the one that it is.
-std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
+// The frames of a recording that a scene asks for: all, those it lists, or every n-th, the first of all included.
+std::vector<bool> frames_asked(const Reader& reader, int count) {
+    const toml::node *list = reader.find("frames"), *every = reader.find("every");
+    if (list && every) reader.fail(*every, "'every' and 'frames' both choose frames: remove one of the two");
+    std::vector<bool> asked(std::size_t(count), false);
+    if (!list) {
+        const int step = reader.count("every", 1, 1);
+        for (std::size_t i = 0; i < asked.size(); i += std::size_t(step)) asked[i] = true;
+        return asked;
+    }
+    const toml::array* frames = list->as_array();
+    if (!frames || frames->empty()) reader.fail(*list, "'frames' must be a list of numbers of frames");
+    for (const toml::node& item : *frames) {
+        const auto frame = item.value_exact<std::int64_t>();
+        if (!frame || *frame < 0 || *frame >= count)
+            reader.fail(item, fmt::format("'frames': a frame is a whole number from 0 to {}", count - 1));
+        asked[std::size_t(*frame)] = true;
+    }
+    return asked;
+}
+
+// One scene for each pair of models of which objects overlap: every pose is that of two objects in a frame.
+std::vector<ScenePlan> expand_recording(const fs::path& file, const Reader& reader, const ScenePlan& scene) {
+    const toml::node& node = *reader.find("recording");
+    for (const char* key : {"source", "target", "sources", "targets", "each", "exact", "motion", "target_motion"}) {
+        if (const toml::node* other = reader.find(key))
+            reader.fail(*other,
+                        fmt::format("'{}' does not go with 'recording', which says it: remove one of the two", key));
+    }
+    Recording recording;
+    try {
+        recording = read_recording(file.parent_path() / reader.text("recording"));
+    } catch (const InputError& error) {
+        reader.fail(node, fmt::format("'recording': {}", error.what()));
+    }
+    const std::vector<bool> asked = frames_asked(reader, recording.frames);
+    std::vector<ScenePlan> scenes;
+    for (const Recording::Pair& pair : recording.pairs) {
+        ScenePlan one = scene;
+        one.each = scene.name;
+        one.name = fmt::format("{}: {} and {}", scene.name, pair.source, pair.target);
+        one.source = pair.source;
+        one.target = pair.target;
+        one.source_line = one.target_line = line_of(node);
+        Recorded source, target;
+        for (std::size_t i = 0; i < pair.frames.size(); ++i) {
+            if (!asked[std::size_t(pair.frames[i])]) continue;
+            one.frames.push_back(pair.frames[i]);
+            source.poses.push_back(pair.source_poses[i]);
+            target.poses.push_back(pair.target_poses[i]);
+        }
+        if (one.frames.empty()) continue;
+        one.motion = std::move(source);
+        one.target_motion = std::move(target);
+        scenes.push_back(std::move(one));
+    }
+    if (scenes.empty())
+        reader.fail(node, "'recording': no objects overlap in the frames that are asked for: choose others");
+    return scenes;
+}
+
+// One scene for each source and each target, source by source, for each model, or for each pair of a recording; else the one that it is.
+std::vector<ScenePlan> expand(const fs::path& file, const Reader& reader, const ScenePlan& scene) {
+    if (reader.find("recording")) return expand_recording(file, reader, scene);
+    for (const char* key : {"every", "frames"})
+        if (const toml::node* node = reader.find(key))
+            reader.fail(*node, fmt::format("'{}' chooses frames of a 'recording': give one, or remove it", key));
     if (reader.find("each")) return expand_each(reader, scene);
     for (const auto& [key, text] :
          {std::pair{"name", &scene.name}, {"source", &scene.source}, {"target", &scene.target}})
@@ -377,11 +443,14 @@ std::vector<ScenePlan> expand(const Reader& reader, const ScenePlan& scene) {
 
 Quantity read_quantity(const Reader& reader, Quantity otherwise) {
     const std::string text = reader.text("quantity", std::string(to_string(otherwise)));
-    for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
+    std::vector<std::string> names;
+    for (const Quantity quantity : quantities) {
         if (text == to_string(quantity)) return quantity;
+        names.emplace_back(to_string(quantity));
     }
-    reader.fail(*reader.find("quantity"), fmt::format("'quantity' must be directed (h) or symmetric (H), not '{}'{}",
-                                                      text, nearest_hint(text, {"directed", "symmetric"})));
+    reader.fail(*reader.find("quantity"),
+                fmt::format("'quantity' must be directed (h), symmetric (H) or penetration (depth), not '{}'{}", text,
+                            nearest_hint(text, names)));
 }
 
 SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
@@ -526,10 +595,10 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
                               {"name", "source", "target", "sources", "targets", "each", "note", "exact", "motion",
-                               "target_motion", "profiles"});
+                               "target_motion", "recording", "every", "frames", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 const ScenePlan scene = read_scene(file, reader);
-                const auto pairs = expand(reader, scene);
+                const auto pairs = expand(file, reader, scene);
                 for (const ScenePlan& pair : pairs) names_of_all.insert(pair.name);
                 if (!wanted(reader, profile, profiles)) continue;
                 expect_pose_files(reader, scene);

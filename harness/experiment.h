@@ -31,10 +31,11 @@ struct ScenePlan {
     std::string name, source, target;      // models, by name, or files, by path (own_models.h)
     int source_line = 0, target_line = 0;  // of the experiment's file
     std::string matrix;  // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
-    std::string each;    // of which it is one: the name, with {}, of the [[scene]] with `each`; else empty
+    std::string each;  // of which it is one: the name of the [[scene]] with `each` (and {}) or `recording`; else empty
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
     Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses
+    std::vector<int> frames;                                  // of a recording: of each pose; else empty
 };
 
 struct SolverPlan {

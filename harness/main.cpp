@@ -277,6 +277,9 @@ int dispatch(int argc, char** argv) {
         });
     measure_verb->add_flag("--symmetric", request.symmetric,
                            "h(A,B), h(B,A), each to the full tolerance, and H(A,B), the larger of the two");
+    measure_verb->add_flag("--penetration", request.penetration,
+                           "instead of a distance, how deep two closed meshes are in each other: the deepest pair of "
+                           "points, of the volume that they have in common");
     measure_verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     measure_verb->add_option("--cutoff", request.cutoff,
                              "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 "

@@ -21,14 +21,15 @@ namespace {
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
 // What can be done where a solver does not take the pair.
-std::string solvers_for(ShapeKind source, ShapeKind target) {
+std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
-        if (refusal(entry.info, source, target).empty()) names += (names.empty() ? "" : ", ") + entry.info.name;
+        if (refusal(entry.info, source, target, quantity).empty())
+            names += (names.empty() ? "" : ", ") + entry.info.name;
     }
     if (names.empty())
-        return fmt::format("no solver measures {} against {}: give two files of one kind", to_string(source),
-                           to_string(target));
+        return fmt::format("no solver computes {} of {} and {}: give two {}", symbol(quantity), to_string(source),
+                           to_string(target), quantity == Quantity::penetration ? "meshes" : "files of one kind");
     return fmt::format("choose one that does with --solver: {}", names);
 }
 
@@ -43,6 +44,10 @@ std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
 }
 
 void check(const MeasureRequest& request) {
+    if (request.symmetric && request.penetration)
+        throw InputError("--symmetric and --penetration ask for two quantities: give one of them");
+    if (request.penetration && !request.fields.empty())
+        throw InputError("--fields: the penetration depth has none: remove it, or --penetration");
     if (!(request.tolerance > 0) || !std::isfinite(request.tolerance))
         throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
     if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
@@ -133,20 +138,18 @@ Measured measure(const MeasureRequest& asked) {
     measured.source = about(request.source, source);
     measured.target = about(request.target, target);
     const ShapeKind a = measured.source.kind, b = measured.target.kind;
-    measured.solver = !request.solver.empty() ? request.solver : default_solver(a, b);
+    const Quantity quantity = request.quantity();
+    measured.solver = !request.solver.empty()             ? request.solver
+                      : quantity == Quantity::penetration ? "penetration"
+                                                          : default_solver(a, b);
     if (a == ShapeKind::surface && b == ShapeKind::surface && !request.fields.empty())
         throw InputError(fmt::format(
             "--fields {}: an algebraic surface has no vertices, so it has no fields: triangulate both first",
             request.fields.string()));
     const SolverEntry& entry = find_solver(measured.solver);
-    std::string no = refusal(entry.info, a, b);
-    if (no.empty() && request.symmetric) {
-        no = refusal(entry.info, b, a);
-        if (!no.empty()) no += ", as H(A,B) asks for";
-    }
-    if (!no.empty())
-        throw InputError(
-            fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), no, solvers_for(a, b)));
+    if (const std::string no = refusal(entry.info, a, b, quantity); !no.empty())
+        throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), no,
+                                     solvers_for(a, b, quantity)));
     if (!request.certificate.empty() && !entry.info.certificates)
         throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
                                      request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));

@@ -15,18 +15,23 @@ inline constexpr double question_seconds = 10;  // the time limit where a cutoff
 
 struct MeasureRequest {
     std::filesystem::path source, target;
-    std::string solver;  // empty: guthe for meshes, scan for point sets, surface_enclosure for surfaces
+    std::string solver;  // empty: cover for meshes, scan for point sets, surface_enclosure for surfaces
     ParameterMap options;
     double tolerance = 1e-6;
     std::string of = "diagonal";   // one of tolerance_units
     bool tolerance_given = false;  // one of the two was given: then it is an error where it means nothing
     bool symmetric = false;        // H = max of both directions
+    bool penetration = false;      // the penetration depth, instead of a distance
     std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
     int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
     std::filesystem::path fields = {};                            // a file to write them into; empty: none are wanted
     std::filesystem::path certificate = {};                       // likewise
     bool in_process = false;                                      // solve in this process: for debuggers
+
+    Quantity quantity() const {
+        return penetration ? Quantity::penetration : symmetric ? Quantity::symmetric : Quantity::directed;
+    }
 };
 
 struct MeasuredShape {

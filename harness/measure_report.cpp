@@ -55,7 +55,7 @@ json directions_json(const Measured& m, const MeasureRequest& request) {
         all.push_back(std::move(one));
     };
     if (m.failed) return all;
-    if (!request.symmetric) add("source to target", m.result, m.solve_seconds);
+    if (request.quantity() == Quantity::directed) add("source to target", m.result, m.solve_seconds);
     if (m.forward) add("source to target", *m.forward, m.forward_seconds);
     if (m.backward) add("target to source", *m.backward, m.backward_seconds);
     return all;
@@ -112,7 +112,8 @@ json to_json(const Measured& m, const MeasureRequest& request) {
     }
     const bool asked = request.cutoff.has_value();
     const int code = exit_code(m, request);
-    out.update({{"direction", request.symmetric ? "symmetric" : "source to target"},
+    const Quantity quantity = request.quantity();
+    out.update({{"direction", quantity == Quantity::directed ? "source to target" : to_string(quantity)},
                 {"directions", directions_json(m, request)},
                 {"solver", m.solver},
                 {"certified", m.certified},
@@ -148,7 +149,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         else
             text += witness_text(m.result);
     } else {
-        text += answer_text("h(A,B)", m.result, m.source.diagonal) + witness_text(m.result);
+        text +=
+            answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) + witness_text(m.result);
     }
     if (request.cutoff) {
         constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};

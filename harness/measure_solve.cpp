@@ -68,6 +68,7 @@ public:
     Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured)
         : work_(work), shapes_(std::move(shapes)), measured_(measured) {
         const MeasureRequest& request = work.request;
+        query_.quantity = request.penetration ? Quantity::penetration : Quantity::directed;  // else from two of them
         query_.tolerance = work.tolerance;
         query_.threads = request.threads;
         query_.time_limit = request.time_limit;

@@ -83,6 +83,7 @@ std::vector<Pose> poses_of(const Motion& motion, const Shape& shape) {
     if (const auto* m = std::get_if<Translation>(&motion)) return translated(*m, shape);
     if (const auto* m = std::get_if<Rotation>(&motion)) return rotated(*m, shape);
     if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file);
+    if (const auto* m = std::get_if<Recorded>(&motion)) return m->poses;
     return {Pose{}};
 }
 
@@ -90,6 +91,7 @@ std::size_t pose_count(const Motion& motion) {
     if (const auto* m = std::get_if<Translation>(&motion)) return std::size_t(m->steps);
     if (const auto* m = std::get_if<Rotation>(&motion)) return std::size_t(m->steps);
     if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file).size();
+    if (const auto* m = std::get_if<Recorded>(&motion)) return m->poses.size();
     return 1;
 }
 

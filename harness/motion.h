@@ -28,13 +28,17 @@ struct Rotation {
     int steps;
 };
 
-// A text file with twelve numbers in each line: the rotation row by row, then the translation; '#' begins a comment. A
-// recorded simulation has this form too.
+// A text file with twelve numbers in each line: the rotation row by row, then the translation; '#' begins a comment.
 struct PoseFile {
     std::filesystem::path file;
 };
 
-using Motion = std::variant<Static, Translation, Rotation, PoseFile>;
+// Those of one side of a pair of objects of a recording (recording.h).
+struct Recorded {
+    std::vector<Pose> poses;
+};
+
+using Motion = std::variant<Static, Translation, Rotation, PoseFile, Recorded>;
 
 // Throws InputError with the line of a pose file that does not hold twelve finite numbers.
 std::vector<Pose> poses_of(const Motion& motion, const Shape& shape);

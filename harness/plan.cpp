@@ -162,11 +162,7 @@ private:
         const auto* source = std::get_if<ResolvedModel>(&models.source);
         const auto* target = std::get_if<ResolvedModel>(&models.target);
         if (!decided) {
-            std::string no = refusal(entry->info, source->kind, target->kind);
-            if (no.empty() && solver.quantity == Quantity::symmetric && !entry->info.offers(Quantity::symmetric)) {
-                no = refusal(entry->info, target->kind, source->kind);
-                if (!no.empty()) no += ", as H(A,B) asks for";
-            }
+            const std::string no = refusal(entry->info, source->kind, target->kind, solver.quantity);
             if (!no.empty()) decide(RowStatus::skipped, no);
         }
         // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
@@ -191,6 +187,7 @@ private:
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
                 Case asked = common;
                 asked.pose_index = int(p);
+                if (!scene.frames.empty()) asked.frame = scene.frames[p];
                 asked.pose = models.poses[p].source;
                 asked.target_pose = models.poses[p].target;
                 asked.tolerance = tolerances[t];

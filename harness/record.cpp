@@ -112,10 +112,13 @@ std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>&
     return text;
 }
 
+std::string suffix_of(Quantity quantity) {
+    return quantity == Quantity::symmetric ? ", H" : quantity == Quantity::penetration ? ", depth" : "";
+}
+
 std::string name_of(const Case& c) {
-    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene,
-                       c.quantity == Quantity::symmetric ? ", H" : "", c.pose_index, c.tolerance, c.tolerance_of,
-                       c.warm ? ", warm" : "");
+    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene, suffix_of(c.quantity),
+                       c.pose_index, c.tolerance, c.tolerance_of, c.warm ? ", warm" : "");
 }
 
 RowStatus row_status(Status status) {

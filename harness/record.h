@@ -26,7 +26,7 @@ std::string to_string(const std::map<RowStatus, std::size_t>& counts);  // "24 o
 
 template <class E> inline constexpr int count_of = 0;  // of the values of an enumeration that a column holds by name
 template <> inline constexpr int count_of<RowStatus> = 10;
-template <> inline constexpr int count_of<Quantity> = 2;
+template <> inline constexpr int count_of<Quantity> = 3;
 template <> inline constexpr int count_of<Witness::Direction> = 2;
 template <> inline constexpr int count_of<Field::Of> = 2;
 template <> inline constexpr int count_of<Field::Meaning> = 3;
@@ -43,6 +43,7 @@ struct Case {
     std::int64_t source_elements = 0, target_elements = 0;
     double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
     int pose_index = 0;
+    int frame = -1;          // of a recording; -1: the scene is none
     Pose pose, target_pose;  // of A, of B
     Quantity quantity = Quantity::directed;
     double tolerance = 0;
@@ -69,6 +70,9 @@ std::string shown(const Case& asked);
 
 // "samples=8, seed=1": those of `one` that are not the same in all of `swept`.
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
+
+// What follows a scene's name where the quantity is not h(A,B): ", H" or ", depth".
+std::string suffix_of(Quantity quantity);
 
 // For people: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
 std::string name_of(const Case& asked);

@@ -149,8 +149,7 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
     };
     std::vector<Shown> out = {
         {{"solver", false, 0, true}, [](const Row& r) { return shown(r.asked); }},
-        {{"scene", false, 0, true},
-         [](const Row& r) { return r.asked.scene + (r.asked.quantity == Quantity::symmetric ? ", H" : ""); }},
+        {{"scene", false, 0, true}, [](const Row& r) { return r.asked.scene + suffix_of(r.asked.quantity); }},
     };
     if (differ([](const Row& r) { return r.asked.pose_index; }))
         out.push_back({{"pose", true}, [](const Row& r) { return std::to_string(r.asked.pose_index); }});

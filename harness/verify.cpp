@@ -1,6 +1,7 @@
 #include "verify.h"
 
 #include "verify_fields.h"
+#include "verify_penetration.h"
 #include "verify_surface.h"
 
 #include <fmt/format.h>
@@ -229,6 +230,20 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
 
+// Of one pair of meshes in one pose.
+void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
+                  const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+    const bool all = std::all_of(members.begin(), members.end(), [&](std::size_t i) {
+        return i >= checked && rows[i].check.lower != Verdict::not_checked;
+    });
+    if (all) return;
+    const Case& first = rows[members.front()].asked;
+    const Shape *source = load(first.source), *target = load(first.target);
+    if (!source || !target || kind_of(*source) != ShapeKind::mesh || kind_of(*target) != ShapeKind::mesh) return;
+    const PenetrationChecker checker(*source, first.pose, *target, first.target_pose, stop);
+    for (const std::size_t i : members) rows[i].check = checker.check(rows[i].outcome.bounds, rows[i].outcome.witness);
+}
+
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
 }  // namespace
@@ -236,6 +251,7 @@ bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.transla
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
                  std::size_t checked) {
     std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
+    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids;  // rows of a penetration depth
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
@@ -248,6 +264,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         }
         if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
         const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
+        if (c.quantity == Quantity::penetration) {
+            solids[{source, target}].push_back(i);
+            continue;
+        }
         const bool turned = target < source;
         pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
     }
@@ -261,6 +281,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         for (const Member& m : members)
             rows[m.row].check = {Verdict::not_checked, Verdict::not_checked, "", rows[m.row].check.fields};
         if (!PairCheck(rows, members, *first, *second, stop).run()) break;
+    }
+    for (const auto& [key, members] : solids) {
+        if (stop && stop()) break;
+        check_depths(rows, members, checked, load, stop);
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         Row& row = rows[i];

@@ -12,6 +12,8 @@
 // Upper bound: not below a verified lower bound of the same shapes and poses by any solver. That can refute, not prove. A lower
 // bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
 //
+// A penetration depth has a check of its own, see verify_penetration.h.
+//
 // A row that is not certified may be off by what rounding explains, 84 * 2^-53 of the largest |coordinate| (verify.cpp derives it);
 // one that is certified by nothing.
 #pragma once

@@ -75,6 +75,7 @@ template <class F> void for_each_fitting(F&& f) {
     int solvers_tried = 0;
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.source.surface || entry.info.name == "external" || !entry.info.known_wrong.empty()) continue;
+        if (entry.info.offers(Quantity::penetration)) continue;  // penetration_test.cpp
         int tried = 0;
         for (const Case& c : cases()) {
             if (!refusal(entry.info, kind_of(c.test.scene.source), kind_of(c.test.scene.target)).empty()) continue;
@@ -358,6 +359,7 @@ void check_matrix(const SolverEntry& entry, int ratio, const std::string& where)
 TEST(SessionMatrix, SharedShapesHaveTheBitsOfEachPairAlone) {
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.source.surface || entry.info.name == "external") continue;
+        if (entry.info.offers(Quantity::penetration)) continue;  // penetration_test.cpp
         for (const int ratio : {0, -40, -60, 20}) {
             check_matrix(entry, ratio, entry.info.name + ", ratio 2^" + std::to_string(ratio));
         }

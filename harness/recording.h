@@ -1,0 +1,27 @@
+// A recorded simulation: frame by frame, which of its moving objects overlap, and their poses. CONTRIBUTING.md has the format.
+#pragma once
+
+#include "geometry.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct Recording {
+    // All overlapping pairs of objects with these models, in the order of the frames.
+    struct Pair {
+        std::string source, target;
+        std::vector<int> frames;
+        std::vector<Pose> source_poses, target_poses;
+    };
+
+    int frames = 0;  // recorded, with or without a pair
+    std::vector<Pair> pairs;
+};
+
+// Throws InputError with the line that is wrong. Quaternions are normalised; a rotation is right to a few units in the last place.
+Recording read_recording(const std::filesystem::path& file);
+
+}  // namespace hausbench
