@@ -37,13 +37,14 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
 	@echo 'make build        the program, build/release/hausbench'
 	@echo 'make datasets     fetch the models that experiments name'
 	@echo 'make corpus       fetch and check the whole corpus of real meshes, which some experiments sweep in profile paper'
+	@echo 'make recordings   simulate the recorded scenes of experiments/tang2009 again (needs libbullet-dev; what it writes is committed)'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
 	@echo 'make certificates write and check the proofs of 40 pairs of real meshes, and false claims, which must be refused'
@@ -117,6 +118,18 @@ datasets: $(DEPS)
 corpus: $(DEPS)
 	$(FETCH) --corpus --check
 
+# Nothing else needs Bullet: the recordings are committed. Another compiler or processor may round otherwise, and give other poses.
+RECORDED := bunny_1k $(addprefix letter_,h a u s d o r f b e n c)
+
+recordings: build
+	@[ -f /usr/include/bullet/btBulletDynamicsCommon.h ] || { echo 'recordings: please run: sudo apt-get install libbullet-dev' >&2; exit 1; }
+	$(FETCH) $(RECORDED)
+	cmake -G Ninja -S . -B build/recorder -DCMAKE_BUILD_TYPE=Release -DHAUSBENCH_WITH_RECORDER=ON -DHAUSBENCH_WITH_TESTS=OFF $(LAUNCHER) $(CMAKE_ARGS)
+	cmake --build build/recorder -j $(JOBS) --target record_scenes
+	for model in $(RECORDED); do "$(HAUSBENCH_PROGRAM)" export $$model build/recorder/$$model.off; done
+	build/recorder/record_scenes domino build/recorder experiments/tang2009/alphabet_domino.recording
+	build/recorder/record_scenes bunnies build/recorder experiments/tang2009/falling_bunnies.recording
+
 # Of the corpus only what these stems ask for in this profile.
 fetch_for = $(FETCH) --profile $(PROFILE) --experiment $(foreach stem,$(1),$(shell find experiments -name '$(stem).toml'))
 
@@ -176,7 +189,7 @@ certificates: build
 	$(PYTHON) tests/certificates.py
 
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py tests/analysis tests/datasets_py tests/hostile
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
 
@@ -207,10 +220,11 @@ tsan: build/tsan/build.ninja
 instructions: build
 	@code=0; $(PYTHON) tests/instructions.py || code=$$?; [ $$code = 5 ] || exit $$code
 
-# clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own.
+# clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own, and the
+# recorder is not a part of that build.
 tidy: build/release/build.ninja
 	@command -v clang-tidy >/dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }
-	printf '%s\n' $(filter-out tests/outside_plugin/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(CPP_FILES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/release --quiet
+	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(CPP_FILES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/release --quiet
 
 format: $(DEPS)
 	clang-format -i $(CPP_FILES) $(HEADERS)

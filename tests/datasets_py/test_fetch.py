@@ -204,6 +204,68 @@ def test_scripts_become_obj_files(world: World) -> None:
         fetch.javascript_mesh("alert(1)")
 
 
+def small_font() -> bytes:
+    """A font of 64 units with an H, which is a square, and an O: a square with a square hole."""
+    pytest.importorskip("fontTools")
+    from fontTools.fontBuilder import FontBuilder
+    from fontTools.pens.ttGlyphPen import TTGlyphPen
+
+    def glyph(*squares: tuple[int, int]) -> Any:
+        pen = TTGlyphPen(None)
+        for low, high in squares:
+            pen.moveTo((low, low))
+            for corner in ((low, high), (high, high), (high, low)):
+                pen.lineTo(corner)
+            pen.closePath()
+        return pen.glyph()
+
+    builder, stream = FontBuilder(64), io.BytesIO()
+    builder.setupGlyphOrder([".notdef", "H", "O"])
+    builder.setupCharacterMap({ord("H"): "H", ord("O"): "O"})
+    builder.setupGlyf({".notdef": glyph(), "H": glyph((0, 32)), "O": glyph((0, 32), (8, 24))})
+    builder.setupHorizontalMetrics({name: (64, 0) for name in (".notdef", "H", "O")})
+    builder.setupHorizontalHeader()
+    builder.setupPost()
+    builder.save(stream)
+    return stream.getvalue()
+
+
+def test_letters_of_a_font_become_obj_files(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+    from letters import letter_obj
+
+    font = small_font()
+    (world.shelf / "pack=1.0.deb").write_bytes(tar({"f.ttf": font, "b.obj": b"B"}))
+    letter = letter_obj(font, "O")
+    assert letter.startswith(b"v 0.5 0.0 0.0\n") and b" 0.125\n" in letter and letter.count(b"f ") == 200
+    world.model("o", "debian", "f.ttf!letter/O.obj", sha(letter))
+    world.model("whole", "debian", "f.ttf", sha(font))
+    assert world.fetch() == 0
+    assert world.kept() == {f"raw/{sha(letter)}/O.obj": letter, f"raw/{sha(font)}/f.ttf": font}
+
+    world.model("x", "debian", "f.ttf!letter/X.obj", sha(b"X"))
+    world.model("p", "debian", "f.ttf!picture/O.obj", sha(b"P"), "other")
+    (world.shelf / "other=1.0.deb").write_bytes(tar({"f.ttf": font}))
+    world.model("n", "debian", "n.ttf!letter/O.obj", sha(b"N"), "third")
+    (world.shelf / "third=1.0.deb").write_bytes(tar({"n.ttf": b"no font"}))
+    assert world.fetch() == 1
+    errors = capsys.readouterr().err
+    assert "model x: f.ttf of package pack: the font has no letter X" in errors
+    assert "model p: package other has no file f.ttf!picture/O.obj" in errors
+    assert "model n: n.ttf of package third: the font cannot be read" in errors
+
+
+def test_without_fonttools_letters_are_skipped(
+    world: World, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (world.shelf / "pack=1.0.deb").write_bytes(tar({"f.ttf": b"font"}))
+    world.model("o", "debian", "f.ttf!letter/O.obj", sha(b"O"))
+    modules: dict[str, Any] = sys.modules
+    monkeypatch.setitem(modules, "fontTools.ttLib", None)
+    assert world.fetch() == 0
+    error = capsys.readouterr().err
+    assert "skipped: model o: fontTools" in error and "python3-fonttools" in error
+
+
 def test_derived_models_bring_their_origin(world: World) -> None:
     (world.shelf / "pack=1.0.deb").write_bytes(tar({"a.obj": b"A", "b.obj": b"B"}))
     world.model("a", "debian", "a.obj", sha(b"A"))

@@ -1,0 +1,93 @@
+// Rigid bodies that fall and touch each other, simulated with Bullet.
+#pragma once
+
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <Eigen/Geometry>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace recorder {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+struct Pose {
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+};
+
+// A closed mesh, and the frame in which Bullet sees it: the origin is the centre of mass, the axes are those of inertia.
+struct Model {
+    std::string name;
+    Mesh mesh;
+    double volume = 0;
+    Pose frame;               // from Bullet's frame to that of the mesh
+    Eigen::Vector3d inertia;  // of density 1
+    // Bullet's copy, which `shape` points into.
+    std::vector<double> coordinates;
+    std::vector<int> corners;
+    std::unique_ptr<btTriangleIndexVertexArray> triangles;
+    std::unique_ptr<btGImpactMeshShape> shape;
+};
+
+inline Eigen::Vector3d to_eigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+// Reads FOLDER/NAME.off. Throws std::runtime_error if it is no closed mesh.
+std::unique_ptr<Model> read_model(const std::string& folder, const std::string& name);
+
+// Lengths are in units of the models.
+struct Settings {
+    double step = 1.0 / 1000;  // seconds
+    double gravity = 9.81;
+    double density = 20;  // a bunny and a letter then have a mass of about 1
+    // Of the spring and the damper at each point where a body touches the ground. Where two bodies touch, the springs
+    // are in series: half the stiffness; Bullet adds up the damping.
+    double stiffness = 0, damping = 0;
+    double friction = 0;
+    double drag = 0;  // the share of its velocity that a body loses in a second
+    int steps_per_frame = 0, frames = 0;
+};
+
+struct Body {
+    const Model* model;
+    Pose pose;  // of the mesh, at first
+    Eigen::Vector3d velocity;
+    bool asleep;  // until something touches it
+};
+
+// Bodies over the ground z = 0.
+class World {
+public:
+    explicit World(const Settings& settings);
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+
+    void add(const Body& body);
+
+    // As many steps as there are between two frames.
+    void advance();
+
+    std::size_t size() const { return models_.size(); }
+    const Model& model(std::size_t body) const { return *models_[body]; }
+    Pose pose(std::size_t body) const;
+
+private:
+    Settings settings_;
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_{&configuration_};
+    btDbvtBroadphase broadphase_;
+    btSequentialImpulseConstraintSolver solver_;
+    btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+    btStaticPlaneShape ground_{btVector3(0, 0, 1), 0};
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;  // the ground first
+    std::vector<const Model*> models_;
+};
+
+}  // namespace recorder
