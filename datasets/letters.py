@@ -129,14 +129,11 @@ def bridged(rings: list[list[int]], at: Ring) -> list[int]:
 
 
 def is_ear(ring: list[int], k: int, at: Ring) -> bool:
-    """Whether corner k of the ring, cut off, leaves a ring that does not meet the cut."""
+    """Whether corner k of the ring is convex, and no other point lies in its triangle or on the cut."""
     u, v, w = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
-    if len({u, v, w}) < 3 or cross(at[u], at[v], at[w]) <= 0:
-        return False
     sides = ((at[u], at[v]), (at[v], at[w]), (at[w], at[u]))
-    if any(all(cross(a, b, at[p]) >= 0 for a, b in sides) for p in ring if p not in (u, v, w)):
-        return False
-    return len(ring) == 3 or not any(meet(at[u], at[w], at[a], at[b]) for a, b in zip(ring, ring[1:] + ring[:1]))
+    return cross(at[u], at[v], at[w]) > 0 and not any(
+        all(cross(a, b, at[p]) >= 0 for a, b in sides) for p in ring if p not in (u, v, w))
 
 
 def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:

@@ -90,11 +90,19 @@ def contour(*points: tuple[int, int, bool]) -> list[tuple[Fraction, Fraction, bo
 SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, as the outer contours of TrueType are
 HOLE = ring((2, 2), (4, 2), (4, 4), (2, 4))
 NOTCH = ring((5, 3), (7, 3), (6, 4), (7, 6), (5, 5))
+# A needle points into the ear whose cut is the shortest, or ends on the cut.
+NEEDLES = [ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10)) for tip in (2, 5)]
+# A point of the outer ring is next to two holes; only one bridge may begin there.
+SPIKE = [ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)), ring((3, 4), (2, 5), (2, 3)), ring((5, 4), (6, 5), (6, 3))]
+# The points that are nearest to each other stand on either side of a long hole.
+BAR = [ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)), ring((2, 12), (14, 12), (14, 13), (2, 13)),
+       ring((8, 11), (9, 10), (7, 10))]
 
 
 @pytest.mark.parametrize("triangles", [0, 60, 200])
 @pytest.mark.parametrize(("rings", "area", "holes"), [
     ([SQUARE], 64, 0), ([SQUARE[::-1]], 64, 0), ([HOLE, SQUARE], 60, 1), ([SQUARE, HOLE[::-1], NOTCH], 60 - Fraction(7, 2), 2),
+    ([NEEDLES[0]], 364, 0), ([NEEDLES[1]], 370, 0), (SPIKE, 64 - 4 - 1 - 1, 2), (BAR, 256 - 4 - 12 - 1, 2),
     ([ring((0, 0), (9, 0), (9, 1), (1, 1), (1, 8), (9, 8), (9, 9), (0, 9))], 25, 0)])
 def test_solids_of_rings_with_holes(rings: list[letters.Ring], area: Fraction, holes: int, triangles: int) -> None:
     mesh = letters.solid(rings, Fraction(1, 4), triangles)
