@@ -92,8 +92,10 @@ public:
                  elements_ ? &*elements_ : nullptr,
                  proofs_ ? &*proofs_ : nullptr,
                  partners_of(warm_start, pair)},
-          threads_(elements_ || proofs_ ? 1 : query.threads),
-          workers_(static_cast<std::size_t>(threads_.most()), CoverWorker(scene_)) {}
+          threads_(elements_ || proofs_ ? 1 : query.threads) {
+        workers_.reserve(static_cast<std::size_t>(threads_.most()));
+        for (int i = 0; i < threads_.most(); ++i) workers_.emplace_back(scene_);
+    }
 
     Result run();
 

@@ -159,13 +159,13 @@ Solid::Solid(const TriangleMesh& mesh) : vertices_(mesh.vertices), faces_(std::m
             {std::size_t(mesh.triangles(t, 0)), std::size_t(mesh.triangles(t, 1)), std::size_t(mesh.triangles(t, 2))});
     pmp::repair_polygon_soup(points, polygons);
     pmp::orient_polygon_soup(points, polygons);  // doubles vertices where no one surface goes through them
-    vertices_.resize(Eigen::Index(points.size()), 3);
-    for (std::size_t v = 0; v < points.size(); ++v)
-        vertices_.row(Eigen::Index(v)) << points[v].x(), points[v].y(), points[v].z();
     if (polygons.empty()) {
         flaw_ = "all its triangles are points or lines";
         return;
     }
+    vertices_.resize(Eigen::Index(points.size()), 3);
+    for (std::size_t v = 0; v < points.size(); ++v)
+        vertices_.row(Eigen::Index(v)) << points[v].x(), points[v].y(), points[v].z();
     if (!pmp::is_polygon_soup_a_polygon_mesh(polygons)) {
         flaw_ = "it is no manifold";
         return;

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <utility>
 
 namespace hausbench {
 
@@ -22,7 +24,14 @@ constexpr int most_halvings = 20;  // of a triangle
 constexpr int enough_halvings =
     8;  // from so many on, a piece is covered by some of the triangles near it, if there are too many
 constexpr std::size_t most_looked_at = 32;  // on either side of the middle of a group, for a partner
+constexpr std::size_t most_spare_rooms = 4;
 constexpr double least_unit = 0x1p-100;     // of a place, as a part of the magnitude
+
+// Of this thread, given back and not in use.
+std::vector<std::unique_ptr<CoverRoom::Covers>>& spare_rooms() {
+    thread_local std::vector<std::unique_ptr<CoverRoom::Covers>> rooms;
+    return rooms;
+}
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
@@ -47,6 +56,27 @@ std::size_t longest_edge(const CoverPiece& piece) {
 }
 
 }  // namespace
+
+CoverRoom::CoverRoom() {
+    auto& spare = spare_rooms();
+    if (spare.empty()) {
+        covers_ = std::make_unique<Covers>();
+        return;
+    }
+    covers_ = std::move(spare.back());
+    spare.pop_back();
+    // All else is set before it is read.
+    covers_->rough.proof = covers_->exact.proof = nullptr;
+    covers_->rough.distances = covers_->rough.tests = covers_->rough.cuts = 0;
+    covers_->exact.distances = covers_->exact.tests = covers_->exact.cuts = 0;
+}
+
+CoverRoom::~CoverRoom() {
+    if (!covers_ || spare_rooms().size() >= most_spare_rooms) return;
+    covers_->rough.stack.clear();
+    covers_->exact.stack.clear();
+    spare_rooms().push_back(std::move(covers_));
+}
 
 // --- bookkeeping ------------------------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -57,9 +58,29 @@ struct CoverOutcome {
     Counters counters;
 };
 
+// Room for covering, a few hundred kB. Where small shapes are measured one after the other, making it anew would take longer than the search:
+// each thread keeps what is given back.
+class CoverRoom {
+public:
+    struct Covers {
+        OffsetCover<float> rough;
+        OffsetCover<double> exact;
+    };
+
+    CoverRoom();
+    ~CoverRoom();
+    CoverRoom(CoverRoom&&) = default;
+
+    Covers& operator*() const { return *covers_; }
+
+private:
+    std::unique_ptr<Covers> covers_;
+};
+
 class CoverWorker final : CoverHost {
 public:
     explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
+    CoverWorker(CoverWorker&&) = default;
 
     // A new part. `settled`: the largest upper bound so far; `budget`: cuts that are left; `stopped`: time is out already, so that all is
     // settled by the bounds it has.
@@ -119,8 +140,9 @@ private:
     double tau_ = 0, settled_before_ = 0;
     std::uint64_t budget_ = 0;
     std::optional<Status> stop_;
-    OffsetCover<float> cover_;
-    OffsetCover<double> exact_;
+    CoverRoom room_;
+    OffsetCover<float>& cover_ = (*room_).rough;
+    OffsetCover<double>& exact_ = (*room_).exact;
     std::vector<CoverPiece> pieces_, again_;
     std::size_t batch_ = 0;     // pieces covered together
     std::size_t gathered_ = 0;  // most triangles of B that were near some of the last ones
