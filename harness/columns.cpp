@@ -216,7 +216,7 @@ const Columns<Outcome>& outcome_columns() {
         at<Outcome, MEMBER(cutoff_used)>(
             "cutoff_used",
             "the cutoff that the answer was given: in a search the least upper bound of the answers to the targets "
-            "before it, if that is less than `cutoff`; else `cutoff`; infinity: none, or no answer"),
+            "before it, if that is less than `cutoff`, but above `floor`; else `cutoff`; infinity: none, or no answer"),
         at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B posed), or H where `quantity` says so"),
         at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= that distance"),
         at<Outcome, MEMBER(witness.source_point)>(
