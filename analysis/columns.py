@@ -62,6 +62,7 @@ class Cases:
     reason: Texts
     solver_status: Texts
     answer: Texts
+    cutoff_used: Floats
     lower: Floats
     upper: Floats
     witness_source: Floats
@@ -205,6 +206,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/reason": "",
     "cases/solver_status": "",
     "cases/answer": "",
+    "cases/cutoff_used": float("inf"),
     "cases/lower": float("nan"),
     "cases/upper": float("nan"),
     "cases/witness_source": [float("nan"), float("nan"), float("nan")],

@@ -154,7 +154,9 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(warm)>("warm", "1: the solver starts from what it kept of the pose before; 0: from nothing",
                                Identity::where_given),
         at<Case, MEMBER(chain)>(
-            "chain", "of a warm case: the `identity` of the case of the pose before it; empty at the first pose",
+            "chain",
+            "of a warm case: the `identity` of the case of the pose before it; in a search: of the target before it; "
+            "empty at the first",
             Identity::where_given),
         at<Case, MEMBER(threads)>("threads", "that the solver may use; 1 for a solver that offers no more",
                                   Identity::where_given),
@@ -213,6 +215,10 @@ const Columns<Outcome>& outcome_columns() {
                                                                                                : "gap";
                                },
                                nullptr}},
+        at<Outcome, MEMBER(cutoff_used)>(
+            "cutoff_used",
+            "the cutoff that the answer was given: in a search the least upper bound of the answers to the targets "
+            "before it, if that is less than `cutoff`, but above `floor`; else `cutoff`; infinity: none, or no answer"),
         at<Outcome, MEMBER(bounds.lower)>("lower", "lower <= h(A posed, B posed), or H where `quantity` says so"),
         at<Outcome, MEMBER(bounds.upper)>("upper", "upper >= that distance"),
         at<Outcome, MEMBER(witness.source_point)>(

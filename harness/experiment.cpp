@@ -274,6 +274,17 @@ ScenePlan read_scene(const fs::path& file, const Reader& reader) {
         if (moves(scene.motion) || moves(scene.target_motion))
             reader.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's motions");
     }
+    if (const toml::node* node = reader.find("search")) {
+        const std::string search = reader.text("search");
+        if (search != "nearest")
+            reader.fail(*node, fmt::format("'search' must be \"nearest\", not '{}'{}", search,
+                                           nearest_hint(search, {"nearest"})));
+        if (!reader.find("sources"))
+            reader.fail(*node, "'search' is of a matrix: give 'sources' and 'targets', or remove it");
+        if (moves(scene.motion) || moves(scene.target_motion))
+            reader.fail(*node, "'search' is among shapes that stand still: remove it, or the scene's motions");
+        scene.search = true;
+    }
     return scene;
 }
 
@@ -428,6 +439,7 @@ std::vector<ScenePlan> expand(const fs::path& file, const Reader& reader, const 
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t k = 0; k < targets.size(); ++k) {
             const std::string &source = sources[i], &target = targets[k];
+            if (scene.search && source == target) continue;  // at distance 0, which would end the search
             ScenePlan pair = scene;
             pair.source_line = line("sources", i);
             pair.target_line = line("targets", k);
@@ -438,6 +450,8 @@ std::vector<ScenePlan> expand(const fs::path& file, const Reader& reader, const 
             pairs.push_back(std::move(pair));
         }
     }
+    if (pairs.empty())
+        reader.fail(*reader.find("search"), "'search' has no two models to compare: name other 'targets'");
     return pairs;
 }
 
@@ -480,6 +494,23 @@ SolverPlan read_solver(const Reader& reader, const Experiment& experiment) {
             fmt::format("'warm': the solver '{}' carries nothing from one pose to the next: remove it", solver.name));
     }
     return solver;
+}
+
+// The pairs of a search make sense together only, and each is a cold case.
+void expect_searches(const Reader& reader, const SolverPlan& solver, const std::vector<ScenePlan>& scenes) {
+    const auto names = [&](const std::string& name) {
+        return std::find(solver.scenes.begin(), solver.scenes.end(), name) != solver.scenes.end();
+    };
+    for (const ScenePlan& scene : scenes) {
+        if (!scene.search) continue;
+        if (names(scene.name))
+            reader.fail(*reader.find("scenes"), fmt::format("'{}' is a pair of a search: name the whole of it, '{}'",
+                                                            scene.name, scene.matrix));
+        if (solver.warm && (solver.scenes.empty() || names(scene.matrix)))
+            reader.fail(
+                *reader.find("warm"),
+                fmt::format("'warm' does not go with '{}', a search: remove it, or name other 'scenes'", scene.matrix));
+    }
 }
 
 const std::vector<std::string> root_keys = {
@@ -594,8 +625,8 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
             if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
             if (std::string_view(kind) == "scene") {
                 Reader reader(file, *item.as_table(), "[[scene]]",
-                              {"name", "source", "target", "sources", "targets", "each", "note", "exact", "motion",
-                               "target_motion", "recording", "every", "frames", "profiles"});
+                              {"name", "source", "target", "sources", "targets", "search", "each", "note", "exact",
+                               "motion", "target_motion", "recording", "every", "frames", "profiles"});
                 names_of_all.insert(reader.text("name"));
                 const ScenePlan scene = read_scene(file, reader);
                 const auto pairs = expand(file, reader, scene);
@@ -623,6 +654,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
                     reader.fail(fmt::format("unknown scene '{}'{}", scene,
                                             nearest_hint(scene, {names_of_all.begin(), names_of_all.end()})));
                 }
+                expect_searches(reader, solver, experiment.scenes);
                 // None where all its scenes belong to other profiles; of an empty list, it would run on every scene.
                 if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
                                                            [&](const auto& s) { return names.contains(s); }))

@@ -30,7 +30,8 @@ double unit_of(const std::string& of, double diagonal, double longest_side);
 struct ScenePlan {
     std::string name, source, target;      // models, by name, or files, by path (own_models.h)
     int source_line = 0, target_line = 0;  // of the experiment's file
-    std::string matrix;  // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
+    std::string matrix;   // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
+    bool search = false;  // of a matrix: the targets of each source are one chain, see Case::chain
     std::string each;  // of which it is one: the name of the [[scene]] with `each` (and {}) or `recording`; else empty
     std::string note;
     double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known

@@ -176,6 +176,8 @@ std::string explain(const Plan& plan, const fs::path& results) {
                                 shapes_of(job), job.pairs.size());
         else if (poses.size() > 1)
             text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+        if (e.scenes[job.scene].search)
+            text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
     }
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {

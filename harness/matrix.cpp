@@ -76,6 +76,10 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
     const std::size_t scene = group.front().scene;
     std::vector<int> exponents;
     for (const Job& job : group) exponents.push_back(exponent_of(info, job.pairs.front(), extents));
+    const auto fits = [&](std::size_t i, int most) {
+        return exponents[i] - most <= widest_scale_of_a_worker &&
+               same_bits(plan, group[i], exponents[i], most, extents);
+    };
     // The largest first. Scaling by 2^60 less than a pair would be by itself loses nothing that counts (Session).
     while (!group.empty()) {
         const int most = *std::min_element(exponents.begin(), exponents.end());
@@ -83,11 +87,15 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         joined.scene = scene;
         joined.label = fmt::format("{} on {}", shown(first), matrix);
         joined.exponent = most;
+        if (plan.experiment.scenes[scene].search) {
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                if (!fits(i, most)) joined.exponent.reset();
+            }
+        }
         std::vector<Job> rest;
         std::vector<int> rest_exponents;
         for (std::size_t i = 0; i < group.size(); ++i) {
-            if (exponents[i] - most > widest_scale_of_a_worker ||
-                !same_bits(plan, group[i], exponents[i], most, extents)) {
+            if (joined.exponent && !fits(i, most)) {
                 rest.push_back(std::move(group[i]));
                 rest_exponents.push_back(exponents[i]);
                 continue;
@@ -116,8 +124,9 @@ void join_matrices(Plan& plan) {
             continue;
         }
         // Chains of several tolerances stay apart, so that a pair's cases stand together.
+        const bool chains = first.warm || scene.search;
         const Key key{scene.matrix,  first.label, options_json(first.options).dump(), first.quantity,
-                      first.threads, first.warm,  first.warm ? first.tolerance : 0};
+                      first.threads, first.warm,  chains ? first.tolerance : 0};
         const auto [at, fresh] = number.emplace(key, groups.size());
         if (fresh) groups.emplace_back();
         groups[at->second].push_back(std::move(job));

@@ -5,8 +5,8 @@
 
 namespace hausbench {
 
-// The jobs of one matrix, solver and set of options become one, or several where scales are more than 2^60 apart. Reads each shape of
-// a matrix once, for its extent. O(n) for n jobs.
+// The jobs of one matrix, solver and set of options become one, or several where scales are more than 2^60 apart. A search stays one
+// job, whose shapes are then loaded and scaled pair by pair. Reads each shape of a matrix once, for its extent. O(n) for n jobs.
 void join_matrices(Plan& plan);
 
 }  // namespace hausbench

@@ -78,6 +78,11 @@ public:
         plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
+        for (const ScenePlan& scene : experiment.scenes) {
+            if (!scene.search || choice.scenes.empty() || !chosen(choice.scenes, scene.name)) continue;
+            throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
+                                         scene.name, scene.matrix));
+        }
         for (const ScenePlan& scene :
              experiment.scenes) {  // all names first: a wrong one should not cost the derivations
             catalogue_.find(scene.source);
@@ -177,11 +182,15 @@ private:
             return !decided && copies_targets(*entry, common, tolerance, models, source->kind, target->kind);
         };
         // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
-        const bool reads_trace =
-            entry && reads_finer(*entry, solver) && (!copies(tolerances.front()) || copies(tolerances.back()));
-        // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses.
-        std::vector<Job> jobs(solver.warm ? tolerances.size() : 1);
-        std::vector<std::string> before(tolerances.size());  // of warm cases: the identity of the last pose
+        const bool reads_trace = entry && !scene.search && reads_finer(*entry, solver) &&
+                                 (!copies(tolerances.front()) || copies(tolerances.back()));
+        // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses. So has a search at each
+        // tolerance. Pairs that cannot be run are no part of it: no answer depends on them.
+        const bool chained = solver.warm || (scene.search && !decided);
+        std::vector<Job> jobs(chained ? tolerances.size() : 1);
+        std::vector<std::string> alone;
+        auto& before = scene.search ? searches_[{scene.matrix, scene.source, &given}] : alone;
+        before.resize(tolerances.size());
         for (std::size_t p = 0; p < models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
@@ -191,8 +200,9 @@ private:
                 asked.pose = models.poses[p].source;
                 asked.target_pose = models.poses[p].target;
                 asked.tolerance = tolerances[t];
-                if (solver.warm) asked.chain = before[t];
-                asked.identity = before[t] = identify(asked);
+                if (chained) asked.chain = before[t];
+                asked.identity = identify(asked);
+                if (chained) before[t] = asked.identity;
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));
                 if (decided) {
@@ -201,7 +211,7 @@ private:
                     plan_.read_off(row, {finest, entry->info.ignores_tolerance});
                 } else {
                     if (t == 0) finest = row;
-                    jobs[solver.warm ? t : 0].cases.push_back(row);
+                    jobs[chained ? t : 0].cases.push_back(row);
                 }
             }
         }
@@ -362,6 +372,8 @@ private:
     const std::function<void(const std::string&)>& say_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
     std::map<std::string, CommandFiles> commands_;  // by line
+    // Of the chain of each search, source and set of options: by tolerance, the identity of its last case.
+    std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
     Plan plan_;
 };
 

@@ -17,7 +17,8 @@ namespace hausbench {
 
 // One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run; or on all pairs
 // of a matrix whose scales are near enough, each shape loaded and prepared once. Of warm cases one tolerance only, so that those
-// of a pair are one chain, in the order of the poses.
+// of a pair are one chain, in the order of the poses; likewise of a search, where those of a source are one chain, in the order of the
+// targets.
 struct Job {
     struct Pair {
         std::filesystem::path source_file, target_file;

@@ -53,7 +53,8 @@ struct Case {
     int threads = 1;                                                     // that the solver may use
     std::string program_sha256;  // see command_files.h; empty: the solver runs no command, or nothing of it was found
     Limits limits;
-    // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head.
+    // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head. In a
+    // search the cutoff comes from the targets before, and `chain` is the identity of the last of them.
     bool warm = false;
     std::string chain;
     double exact = unknown;  // the true distance, where the experiment gives it
@@ -105,6 +106,7 @@ struct Outcome {
     RowStatus status = RowStatus::skipped;
     std::string reason;
     std::string solver_status;
+    double cutoff_used = std::numeric_limits<double>::infinity();  // see Item::narrow() in worker.h
     Bounds bounds{unknown, unknown};
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;

@@ -155,18 +155,32 @@ private:
         return {};
     }
 
-    // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head.
+    // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head; so is a
+    // search, but only once: later rounds ask with the cutoffs of round 0.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
         std::vector<std::size_t> places;
         for (std::size_t begin = 0; begin < job.cases.size();) {
             std::size_t end = begin + 1;
-            while (end < job.cases.size() && !plan_.cases[job.cases[end]].chain.empty()) ++end;
+            while (end < job.cases.size() && !plan_.cases[job.cases[end]].chain.empty() &&
+                   !(round > 0 && searches(job)))
+                ++end;
             bool wanted = false;
             for (std::size_t i = begin; i < end; ++i) wanted = wanted || to_run(job.cases[i], round);
             for (std::size_t i = begin; wanted && i < end; ++i) places.push_back(i);
             begin = end;
         }
         return places;
+    }
+
+    bool searches(const Job& job) const { return plan_.experiment.scenes[job.scene].search; }
+
+    // Of the answers before this one in its search.
+    double least_upper_before(const Job& job, std::size_t place) const {
+        double least = std::numeric_limits<double>::infinity();
+        while (!plan_.cases[job.cases[place]].chain.empty()) {
+            if (const Outcome* outcome = kept(job.cases[--place], 0)) least = std::min(least, outcome->bounds.upper);
+        }
+        return least;
     }
 
     bool to_run(std::size_t row, int round) const {
@@ -217,18 +231,28 @@ private:
         order.repeats = plan_.experiment.repeats;
         order.leave = plan_.leave_nothing_out ? Leave::nothing_out : Leave::out_what_is_not_needed;
         order.plugins = plugin_hashes();
-        std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0;
+        std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;
+        const double least = least_upper_before(job, places.front());  // of a search that broke off
         for (std::size_t place : places) {
             while (place >= pair_end) pair_end += job.pairs[++pair].cases;
             const std::size_t row = job.cases[place];
             const Case& asked = plan_.cases[row];
-            if (asked.chain.empty()) ++chain;
+            if (!asked.warm || asked.chain.empty()) ++chain;
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
                                    traced, marks, round == 0 ? fields_file(row) : std::filesystem::path(),
                                    round == 0 && plan_.experiment.stages});
+            if (!searches(job)) continue;
+            WorkOrder::Item& item = order.items.back();
+            if (round > 0) {
+                item.cutoff = kept(row, 0)->cutoff_used;
+                continue;
+            }
+            if (asked.chain.empty() || search == 0) ++search;
+            item.search = search;
+            if (search == 1) item.narrow(least);
         }
         return order;
     }

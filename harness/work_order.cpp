@@ -1,5 +1,7 @@
 #include "worker.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace hausbench {
@@ -15,6 +17,12 @@ ParameterMap parameters_of(const json& object) {
 }
 
 }  // namespace
+
+void WorkOrder::Item::narrow(double least_upper) {
+    if (cutoff <= floor || !(least_upper < cutoff)) return;
+    constexpr double least = 0x1p-500;  // still above 0 when scaled
+    cutoff = std::min(cutoff, std::max({least_upper, least, std::nextafter(floor, cutoff)}));
+}
 
 std::size_t WorkOrder::chain_end(std::size_t first) const {
     std::size_t end = first + 1;
@@ -70,7 +78,8 @@ json to_json(const WorkOrder& o) {
                          {"trace", i.trace},
                          {"marks", i.marks},
                          {"fields", i.fields.string()},
-                         {"stages", i.stages}});
+                         {"stages", i.stages},
+                         {"search", i.search}});
     }
     return {{"solver", o.solver},
             {"options", options_json(o.options)},
@@ -118,7 +127,8 @@ WorkOrder work_order_from_json(const json& j) {
              i.at("trace"),
              i.at("marks").get<std::vector<double>>(),
              i.at("fields").get<std::string>(),
-             i.at("stages")});
+             i.at("stages"),
+             i.at("search")});
     }
     for (const auto& [file, hash] : j.at("plugins").items()) o.plugins[file] = hash;
     return o;

@@ -41,7 +41,7 @@ public:
                 if (order_.items[i].warm)
                     answer_chain(i, last);
                 else
-                    answer_cold(order_.items[i]);
+                    answer_cold(narrowed(order_.items[i]));
                 i = last;
             }
         }
@@ -49,6 +49,14 @@ public:
     }
 
 private:
+    // Of a search: with the cutoff that the answers before it allow.
+    const WorkOrder::Item& narrowed(WorkOrder::Item& item) {
+        if (item.search != search_) least_upper_ = std::numeric_limits<double>::infinity();
+        search_ = item.search;
+        if (item.search) item.narrow(least_upper_);
+        return item;
+    }
+
     void send(const json& event) {
         const std::string line =
             event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
@@ -148,7 +156,9 @@ private:
         outcome.solver_status = to_string(result.status);
         if (outcome.status != RowStatus::ok)
             outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
+        outcome.cutoff_used = item.cutoff;
         outcome.bounds = result.bounds;
+        least_upper_ = std::min(least_upper_, result.bounds.upper);
         outcome.witness = result.witness;
         outcome.counters = result.counters;
         for (const auto& [name, value] : result.reported) {
@@ -222,6 +232,7 @@ private:
         Outcome outcome;
         outcome.status = status;
         outcome.reason = one_line(reason);
+        outcome.cutoff_used = item.cutoff;
         add_preparation(outcome);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
         return std::nullopt;
@@ -305,7 +316,9 @@ private:
 
     WorkOrder order_;
     int events_;
-    bool broke_ = false;  // the solver threw, see answer_chain()
+    bool broke_ = false;                                            // the solver threw, see answer_chain()
+    std::size_t search_ = 0;                                        // at hand, see WorkOrder::Item
+    double least_upper_ = std::numeric_limits<double>::infinity();  // of its answers
     std::optional<SolverMemory> memory_;
     std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // of a matrix
     std::map<std::filesystem::path, std::size_t> last_use_;                   // likewise: the last item

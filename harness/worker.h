@@ -39,6 +39,11 @@ struct WorkOrder {
         std::vector<double> marks;
         std::filesystem::path fields = {};  // file to write them into; empty: not asked for
         bool stages = false;
+        std::size_t search = 0;  // items of one search have one number, and stand together; 0: it is of none
+
+        // Of a search whose answers so far have this least upper bound: what is farther away is of no interest. The cutoff stays above
+        // the floor: at the floor it would ask another question, which no tolerance ends (Query).
+        void narrow(double least_upper);
     };
     std::vector<Item> items;
 

@@ -4,12 +4,14 @@
 #include "error.h"
 #include "registry.h"
 #include "temporary_folder.h"
+#include "worker.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 
 namespace hausbench {
@@ -56,6 +58,14 @@ protected:
                                                       top, scene, solver));
         return make_plan(read_experiment(file, "quick"), Catalogue(manifest, folder_.path() / "cache", ""), {},
                          [](const std::string&) {});
+    }
+    // Of a matrix scene; `search` makes it one.
+    Plan matrix_plan(const std::string& top, const std::string& sources, const std::string& targets,
+                     const std::string& solver = "", const std::string& search = "search = 'nearest'") const {
+        return plan(top,
+                    fmt::format("[[scene]]\nname = 'm'\nsources = [{}]\n{}\n{}", sources,
+                                targets.empty() ? "" : "targets = [" + targets + "]", search),
+                    fmt::format("scenes = ['m']\n{}", solver));
     }
     void refuses(const std::string& top, const std::string& scene, const std::string& solver,
                  const std::vector<std::string>& words) const {
@@ -197,6 +207,94 @@ TEST_F(PlanRows, OnlySolversThatCarryAStateAreWarm) {
             {"s.toml:", "'warm'", "'naive' carries nothing from one pose to the next"});
     refuses("", "", "warm = 1", {"'warm' must be true or false"});
     EXPECT_EQ(plan("", "", "warm = false").cases[0].identity, plan("", "", "").cases[0].identity);
+}
+
+TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
+    const Plan search = matrix_plan("", "'ball', 'half', 'cloud'", ""),
+               matrix = matrix_plan("", "'ball', 'half', 'cloud'", "", "", "");
+    ASSERT_EQ(matrix.cases.size(), 2u * 9);
+    ASSERT_EQ(search.cases.size(), 2u * 6);  // none of a shape with itself
+    ASSERT_EQ(matrix.jobs.size(), 1u);
+    ASSERT_EQ(search.jobs.size(), 2u);  // one a tolerance
+    const std::vector<std::pair<std::string, std::string>> pairs = {
+        {"ball", "half"}, {"ball", "cloud"}, {"half", "ball"}, {"half", "cloud"}, {"cloud", "ball"}, {"cloud", "half"}};
+    std::set<std::string> of_matrix = identities(matrix), heads;
+    for (const Job& job : search.jobs) {
+        ASSERT_EQ(job.cases.size(), 6u);
+        ASSERT_EQ(job.pairs.size(), 6u);
+        EXPECT_TRUE(job.exponent);
+        for (std::size_t i = 0; i < 6; ++i) {
+            const Case& asked = search.cases[job.cases[i]];
+            EXPECT_EQ(std::pair(asked.source, asked.target), pairs[i]);
+            EXPECT_EQ(job.pairs[i].cases, 1u);
+            EXPECT_EQ(asked.tolerance, search.cases[job.cases[0]].tolerance);
+            EXPECT_FALSE(asked.warm);
+            EXPECT_EQ(asked.chain, i % 2 == 0 ? "" : search.cases[job.cases[i - 1]].identity);
+            // The head asks what the matrix asks, and nothing else does.
+            EXPECT_EQ(of_matrix.contains(asked.identity), i % 2 == 0);
+        }
+    }
+    EXPECT_EQ(identities(search).size(), 12u);
+}
+
+TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
+    const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
+    const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
+    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // itself is no part of it
+    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor is another source
+    const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
+                                           last(matrix_plan("", "'ball'", "'cloud'")),
+                                           last(matrix_plan("", "'ball'", "'half'"))};
+    EXPECT_EQ(targets.size(), 4u);
+}
+
+TEST_F(PlanRows, InASearchNothingIsReadOffAFinerRow) {
+    EXPECT_EQ(matrix_plan("trace = true", "'ball', 'half'", "", "", "").traced.size(), 4u);
+    EXPECT_TRUE(matrix_plan("trace = true", "'ball', 'half'", "").traced.empty());
+    EXPECT_TRUE(
+        matrix_plan("", "'ball', 'half'", "", "[[solver]]\nname = 'idle_exact'\nscenes = ['m']").traced.empty());
+}
+
+TEST_F(PlanRows, EachSolverHasASearchOfItsOwn) {
+    const Plan two = matrix_plan("", "'ball'", "'half', 'cloud'", "[[solver]]\nname = 'idle_exact'\nscenes = ['m']");
+    ASSERT_EQ(two.jobs.size(), 4u);
+    for (const Job& job : two.jobs) {
+        EXPECT_EQ(two.cases[job.cases[0]].chain, "");
+        EXPECT_EQ(two.cases[job.cases[1]].chain, two.cases[job.cases[0]].identity);
+    }
+}
+
+TEST_F(PlanRows, PairsThatAreNotRunAreNoPartOfASearch) {
+    const Plan some = matrix_plan("", "'ball'", "'cloud', 'half'",
+                                  "[[solver]]\nname = 'idle_without_points'\nquantity = 'symmetric'\nscenes = ['m']");
+    std::size_t skipped = 0;
+    for (std::size_t i = 0; i < some.cases.size(); ++i) {
+        const Case& asked = some.cases[i];
+        if (asked.solver != "idle_without_points") continue;
+        EXPECT_EQ(asked.chain, "");
+        skipped += some.decided.contains(i);
+    }
+    EXPECT_EQ(skipped, 2u);
+}
+
+TEST(Search, TheCutoffIsTheLeastUpperBoundButStaysAboveTheFloor) {
+    const auto narrowed = [](double floor, double cutoff, double least) {
+        WorkOrder::Item item{};
+        item.floor = floor, item.cutoff = cutoff;
+        item.narrow(least);
+        return item.cutoff;
+    };
+    constexpr double none = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(narrowed(0, none, 3), 3);
+    EXPECT_EQ(narrowed(0, 2, 3), 2);
+    EXPECT_EQ(narrowed(0, none, none), none);
+    EXPECT_EQ(narrowed(0, 2, std::nan("")), 2);
+    EXPECT_EQ(narrowed(1, none, 1), std::nextafter(1.0, 2.0));
+    EXPECT_EQ(narrowed(1, none, 0.5), std::nextafter(1.0, 2.0));
+    EXPECT_EQ(narrowed(1, 1, 0.5), 1);  // the experiment asks that question itself
+    EXPECT_GT(narrowed(0, none, 0), 0);
+    EXPECT_LT(narrowed(0, none, 0), 1e-150);
+    EXPECT_EQ(narrowed(0, 1e-200, 0), 1e-200);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ constexpr int enough_halvings =
     8;  // from so many on, a piece is covered by some of the triangles near it, if there are too many
 constexpr std::size_t most_looked_at = 32;  // on either side of the middle of a group, for a partner
 constexpr std::size_t most_spare_rooms = 4;
-constexpr double least_unit = 0x1p-100;     // of a place, as a part of the magnitude
+constexpr double least_unit = 0x1p-100;  // of a place, as a part of the magnitude
 
 // Of this thread, given back and not in use.
 std::vector<std::unique_ptr<CoverRoom::Covers>>& spare_rooms() {

@@ -36,7 +36,7 @@ CASE: dict[str, Any] = {
     "quantity": "directed", "warm": 0, "chain": "", "tolerance": 0.0, "tolerance_of": "diagonal",
     "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "threads": 1, "program_sha256": "", "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
-    "solver_status": "converged", "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",
+    "solver_status": "converged", "cutoff_used": float("inf"), "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
     "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0,
     "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked", "fields_sha256": "", "fields_check": "not checked",

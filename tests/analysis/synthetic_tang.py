@@ -104,7 +104,8 @@ def pictures(stem: str, labels: Sequence[str] = ("tang", "cover")) -> ResultFile
 
 def similarity(groups: Sequence[int] = (2, 2, 2, 2, 2, 2), alike: int = 6, skew: float = 0.0, far: float = 0.0) -> ResultFile:
     """Known: families of so many shapes; within the first `alike` families the distance is 0.01, else 0.2, and 0.1 to 0.16 between families. One pair's two
-    orders differ by `skew`, and the distance of the first to the last shape is longer by `far`. All intervals have width 1e-3.
+    orders differ by `skew`, and the distance of the first to the last shape is longer by `far`. All intervals have width 1e-3. Each pair takes 1,000
+    distances and 500 nodes.
     """
     file = ResultFile("tang2009_similarity")
     titles = list(FAMILIES.values())
@@ -114,8 +115,33 @@ def similarity(groups: Sequence[int] = (2, 2, 2, 2, 2, 2), alike: int = 6, skew:
         for j, b in enumerate(names):
             middle = 0.0 if i == j else (0.01 if kinds[i] < alike else 0.2) if kinds[i] == kinds[j] else 0.1 + 0.01 * ((kinds[i] + kinds[j]) % 7)
             middle += skew * (i == 0 and j == 2) + far * ({i, j} == {0, len(names) - 1})
-            file.case("cover", f"similarity: {a} to {b}", [0.01], source=f"{a}_centred", target=f"{b}_centred", lower=middle, upper=middle + 1e-3, quantity="symmetric")
+            file.case("cover", f"similarity: {a} to {b}", [0.01], source=f"{a}_centred", target=f"{b}_centred", lower=middle, upper=middle + 1e-3, quantity="symmetric",
+                      counters={"point_triangle_distances": 1000, "node_visits": 500})
     return file
 
 
 STEMS["tang2009_similarity"] = similarity
+
+
+def nearest(work: int = 100, slow: Sequence[int] = (), wrong: Sequence[int] = ()) -> ResultFile:
+    """The search over the shapes of `similarity`, in its order. Known: what is cut off takes `work` distances and no nodes, all else 1,000 and 500; of the shapes
+    `slow` every pair takes 3,000 distances; those of `wrong` miss the nearest one.
+    """
+    matrix, file = similarity(), ResultFile("tang2009_nearest")
+    least: dict[str, float] = {}
+    sources = list(dict.fromkeys(row["source"] for row in matrix.cases))
+    for row in matrix.cases:
+        if row["source"] == row["target"]:
+            continue
+        number, cutoff = sources.index(row["source"]), least.get(row["source"], float("inf"))
+        cut_off = row["lower"] > cutoff or (number in wrong and row["upper"] < 0.05)
+        counts = {"point_triangle_distances": 3000 if number in slow else work if cut_off else 1000, "node_visits": 500 * (not cut_off)}
+        upper = float("inf") if cut_off else row["upper"]
+        file.case("cover", row["scene"].replace("similarity", "nearest"), [0.01], source=row["source"], target=row["target"], lower=row["lower"], upper=upper,
+                  quantity="symmetric", answer="h > cutoff" if cut_off else "gap", cutoff_used=cutoff, counters=counts,
+                  solver_status="above_cutoff" if cut_off else "converged")
+        least[row["source"]] = min(cutoff, upper)
+    return file
+
+
+STEMS["tang2009_nearest"] = nearest

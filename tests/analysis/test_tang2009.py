@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -205,3 +206,62 @@ def test_similarity_with_a_missing_answer(make: Make) -> None:
     text = make(file)[2]
     assert claim(text, "intervals of H(A, B)").startswith(": not separated")
     assert claim(text, "for most families").startswith(": not tested")
+
+
+LESS = "takes less counted work than the full matrix"
+SAME = "finds the shape that the full matrix has nearest"
+
+
+def test_nearest_table(make: Make, tmp_path: Path) -> None:
+    synthetic_tang.similarity().write(tmp_path)
+    records, rows, text = make(synthetic_tang.nearest())
+    shape, *cells = next(row for row in rows[""] if row[0] == "queen")
+    assert cells[:4] == ["king", "1.05", "yes", "8 of 11"] and shape == "queen"
+    assert cells[4:] == ["11,000", "3,800", "2.89", "16,500", "5,300", "3.11"]
+    whole = next(row for row in rows[""] if row[0] == "all shapes")
+    cut_off = sum(int(record["cut_off"]) for record in records)
+    assert whole[3:5] == ["12 of 12", f"{cut_off} of 132"] and whole[5] == "132,000" and whole[6] == f"{132_000 - 900 * cut_off:,}"
+    assert whole[8:10] == ["198,000", f"{198_000 - 1400 * cut_off:,}"] and len(records) == 12
+    assert claim(text, LESS).startswith(" it holds (above 1 for 12 of 12 shapes") and "Counted in distances it holds" in claim(text, LESS)
+    assert claim(text, SAME).startswith(" it holds (not so for 0 of 12 shapes)")
+
+
+@pytest.mark.parametrize(("changed", "outcome"), [({}, " it holds"), ({"slow": (3,)}, " it does not hold"), ({"work": 1500}, ": not separated")])
+def test_nearest_takes_less_work(make: Make, tmp_path: Path, changed: dict[str, Any], outcome: str) -> None:
+    synthetic_tang.similarity().write(tmp_path)
+    assert claim(make(synthetic_tang.nearest(**changed))[2], LESS).startswith(outcome)
+
+
+@pytest.mark.parametrize(("wrong", "outcome"), [((), " it holds"), ((2,), " it does not hold")])
+def test_nearest_finds_the_same(make: Make, tmp_path: Path, wrong: tuple[int, ...], outcome: str) -> None:
+    synthetic_tang.similarity().write(tmp_path)
+    assert claim(make(synthetic_tang.nearest(wrong=wrong))[2], SAME).startswith(outcome)
+
+
+def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path) -> None:
+    matrix = synthetic_tang.similarity()
+    near = next(row for row in matrix.cases if row["source"] == "king_centred" and row["target"] == "bunny_cgal_centred")
+    near.update(lower=0.0095, upper=0.0105)  # of the queen 0.01 to 0.011
+    matrix.write(tmp_path)
+    _, rows, text = make(synthetic_tang.nearest())
+    assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
+    assert next(row for row in rows[""] if row[0] == "king")[1:4] == ["queen", "1.05", "—"]
+
+
+def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> None:
+    _, rows, text = make(synthetic_tang.nearest())
+    assert claim(text, LESS).startswith(": not tested") and claim(text, SAME).startswith(": not tested")
+    assert "No matrix to compare with" in text and "make tang2009_similarity" in text
+    synthetic_tang.similarity().write(tmp_path)
+    file = synthetic_tang.nearest()
+    file.cases[1].update(status="timeout", reason="20 s", answer="", lower=float("nan"), upper=float("nan"))
+    _, rows, text = make(file)
+    assert claim(text, LESS).startswith(": not separated (above 1 for 11 of 11 shapes, no ratio for 1")
+    assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
+    assert rows["cover (ours)"][0][4].endswith(", 1 failed")
+    # A matrix of other shapes under the same names is none.
+    other = synthetic_tang.similarity()
+    for model in other.models:
+        model["sha256"] = "another"
+    other.write(tmp_path)
+    assert claim(make(synthetic_tang.nearest())[2], LESS).startswith(": not tested")
