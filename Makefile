@@ -127,8 +127,10 @@ recordings: build
 	cmake -G Ninja -S . -B build/recorder -DCMAKE_BUILD_TYPE=Release -DHAUSBENCH_WITH_RECORDER=ON -DHAUSBENCH_WITH_TESTS=OFF $(LAUNCHER) $(CMAKE_ARGS)
 	cmake --build build/recorder -j $(JOBS) --target record_scenes
 	for model in $(RECORDED); do "$(HAUSBENCH_PROGRAM)" export $$model build/recorder/$$model.off; done
-	build/recorder/record_scenes domino build/recorder experiments/tang2009/alphabet_domino.recording
-	build/recorder/record_scenes bunnies build/recorder experiments/tang2009/falling_bunnies.recording
+	for kind in '' _soft; do \
+	  build/recorder/record_scenes domino$$kind build/recorder experiments/tang2009/alphabet_domino$$kind.recording && \
+	  build/recorder/record_scenes bunnies$$kind build/recorder experiments/tang2009/falling_bunnies$$kind.recording || exit 1; \
+	done
 
 # Of the corpus only what these stems ask for in this profile.
 fetch_for = $(FETCH) --profile $(PROFILE) --experiment $(foreach stem,$(1),$(shell find experiments -name '$(stem).toml'))

@@ -370,7 +370,8 @@ std::vector<bool> frames_asked(const Reader& reader, int count) {
 // One scene for each pair of models of which objects overlap: every pose is that of two objects in a frame.
 std::vector<ScenePlan> expand_recording(const fs::path& file, const Reader& reader, const ScenePlan& scene) {
     const toml::node& node = *reader.find("recording");
-    for (const char* key : {"source", "target", "sources", "targets", "each", "exact", "motion", "target_motion"}) {
+    for (const char* key :
+         {"source", "target", "sources", "targets", "search", "each", "exact", "motion", "target_motion"}) {
         if (const toml::node* other = reader.find(key))
             reader.fail(*other,
                         fmt::format("'{}' does not go with 'recording', which says it: remove one of the two", key));

@@ -1,10 +1,11 @@
 // Simulates the two dynamic scenes of Tang et al. 2009, and records the poses of the bodies that overlap.
 //
-//     record_scenes domino|bunnies MODELS FILE
+//     record_scenes domino|bunnies|domino_soft|bunnies_soft MODELS FILE
 //
 // MODELS is a folder with NAME.off of each model (hausbench export). Bodies are rigid and of even density, and Bullet gets the
-// triangles of their meshes, not hulls. Contacts are springs with dampers, so that bodies overlap by some per cent of their size,
-// as in the penalty-based simulations that ask for the penetration depth. All steps are equally long. Bullet uses one thread here
+// triangles of their meshes, not hulls. Contacts are rigid, as Bullet has them by default and as the engine of the paper (Havok) had
+// them: bodies overlap by about a thousandth of their size. In the soft scenes contacts are springs with dampers, and bodies overlap by some
+// per cent, as in the penalty-based simulations that ask for the penetration depth. All steps are equally long. Bullet uses one thread here
 // and no clock: on one machine a run gives the same file again.
 #include "random.h"
 #include "world.h"
@@ -97,13 +98,19 @@ struct Plan {
     std::vector<Body> bodies;
 };
 
+void soften(Settings& settings, double stiffness, double damping) {
+    settings.stiffness = stiffness;
+    settings.damping = damping;
+    settings.step = 1e-3;  // the springs are stiff
+    settings.iterations = 50;
+}
+
 // The letters sleep until they are touched: C, F and S do not stand by themselves.
-Plan domino(Models& models) {
+Plan domino(Models& models, bool soft) {
     Plan plan{"Alphabet Domino: twelve letters fall one onto the other; a bunny hits the first.", {}, {}};
-    plan.settings.stiffness = 400;
-    plan.settings.damping = 20;
     plan.settings.friction = 0.6;
-    plan.settings.steps_per_frame = 20;
+    if (soft) soften(plan.settings, 400, 20);
+    plan.settings.steps_per_frame = soft ? 20 : 4;
     plan.settings.frames = 240;
     const Quaterniond upright(0.5, 0.5, 0.5, 0.5);  // the letter's depth runs along x, its height along z
     for (const char letter : std::string("hausdorfbenc")) {
@@ -113,19 +120,20 @@ Plan domino(Models& models) {
         plan.bodies.push_back({&model, {upright, place}, Vector3d::Zero(), true});
     }
     const Quaterniond sitting(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitX()));
-    plan.bodies.push_back({&models["bunny_1k"], {sitting, {-0.9, 0, 0.6}}, {4, 0, 0.5}, false});
+    plan.bodies.push_back({&models["bunny_1k"], {sitting, {-0.9, 0, 0.6}}, {soft ? 4.0 : 8.0, 0, 0.5}, false});
     return plan;
 }
 
 // Up to seven bunnies in each layer, turned and moved at random.
-Plan bunnies(Models& models) {
+Plan bunnies(Models& models, bool soft) {
     Plan plan{"Falling Bunnies: fifty bunnies fall into a heap.", {}, {}};
-    plan.settings.stiffness = 800;
-    plan.settings.damping = 60;
     plan.settings.friction = 0.8;
-    plan.settings.drag = 0.7;  // without it the last bunnies are too fast for springs as soft as these
-    plan.settings.steps_per_frame = 100;
-    plan.settings.frames = 30;
+    if (soft) {
+        soften(plan.settings, 800, 60);
+        plan.settings.drag = 0.7;  // without it the last bunnies are too fast for springs as soft as these
+    }
+    plan.settings.steps_per_frame = soft ? 100 : 24;
+    plan.settings.frames = soft ? 30 : 40;
     const Model& bunny = models["bunny_1k"];
     const hausbench::Random random(2009);
     for (std::uint64_t i = 0; i < 50; ++i) {
@@ -150,9 +158,11 @@ std::string head(const Plan& plan) {
     text += fmt::format(
         "# Simulated with Bullet {}.{} in double precision: triangle meshes of density {} over the ground z = 0,\n",
         btGetVersion() / 100, btGetVersion() % 100, s.density);
-    text +=
-        fmt::format("# step {}, gravity {}, stiffness {} and damping {} of a point of contact, friction {}, drag {}.\n",
-                    s.step, s.gravity, s.stiffness, s.damping, s.friction, s.drag);
+    const std::string contacts =
+        s.rigid() ? "rigid contacts"
+                  : fmt::format("stiffness {} and damping {} of a point of contact", s.stiffness, s.damping);
+    text += fmt::format("# step {:.6g}, {} iterations, gravity {}, {}, friction {}, drag {}.\n", s.step, s.iterations,
+                        s.gravity, contacts, s.friction, s.drag);
     text += fmt::format(
         "# Frame i is the state after {} (i + 1) steps; the first {} such states are kept. A pair is written if its\n",
         s.steps_per_frame, s.frames);
@@ -162,10 +172,12 @@ std::string head(const Plan& plan) {
 }
 
 void record(const std::string& scene, const std::string& folder, const std::string& file) {
-    if (scene != "domino" && scene != "bunnies")
-        throw std::runtime_error("there is no scene " + scene + ": domino or bunnies");
+    const bool soft = scene.ends_with("_soft");
+    const std::string kind = soft ? scene.substr(0, scene.size() - 5) : scene;
+    if (kind != "domino" && kind != "bunnies")
+        throw std::runtime_error("there is no scene " + scene + ": domino or bunnies, and _soft after it or not");
     Models models(folder);
-    const Plan plan = scene == "domino" ? domino(models) : bunnies(models);
+    const Plan plan = kind == "domino" ? domino(models, soft) : bunnies(models, soft);
     World world(plan.settings);
     std::string text = head(plan);
     for (const Body& body : plan.bodies) {
@@ -186,7 +198,8 @@ void record(const std::string& scene, const std::string& folder, const std::stri
 
 int main(int count, char** arguments) {
     try {
-        if (count != 4) throw std::runtime_error("usage: record_scenes domino|bunnies MODELS FILE");
+        if (count != 4)
+            throw std::runtime_error("usage: record_scenes domino|bunnies|domino_soft|bunnies_soft MODELS FILE");
         recorder::record(arguments[1], arguments[2], arguments[3]);
     } catch (const std::exception& error) {
         std::cerr << "record_scenes: " << error.what() << "\n";

@@ -68,8 +68,8 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
 World::World(const Settings& settings) : settings_(settings) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
     world_.setGravity(btVector3(0, 0, -settings.gravity));
-    world_.getSolverInfo().m_splitImpulse = false;  // it would push bodies apart whatever the stiffness
-    world_.getSolverInfo().m_numIterations = 50;
+    world_.getSolverInfo().m_splitImpulse = settings.rigid();  // it would push bodies apart whatever the stiffness
+    world_.getSolverInfo().m_numIterations = settings.iterations;
     bodies_.push_back(std::make_unique<btRigidBody>(0, nullptr, &ground_));
     bodies_.back()->setFriction(settings.friction);
     world_.addRigidBody(bodies_.back().get());
@@ -87,7 +87,7 @@ void World::add(const Body& body) {
                                                to_bullet(settings_.density * model.inertia));
     rigid->setWorldTransform(btTransform(btQuaternion(turn.x(), turn.y(), turn.z(), turn.w()), to_bullet(place)));
     rigid->setLinearVelocity(to_bullet(body.velocity));
-    rigid->setContactStiffnessAndDamping(settings_.stiffness, settings_.damping);
+    if (!settings_.rigid()) rigid->setContactStiffnessAndDamping(settings_.stiffness, settings_.damping);
     rigid->setFriction(settings_.friction);
     rigid->setDamping(settings_.drag, settings_.drag);
     rigid->setActivationState(body.asleep ? ISLAND_SLEEPING : DISABLE_DEACTIVATION);

@@ -43,15 +43,19 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
 
 // Lengths are in units of the models.
 struct Settings {
-    double step = 1.0 / 1000;  // seconds
+    double step = 1.0 / 240;  // seconds; Bullet's default for what moves fast
+    int iterations = 10;      // of Bullet's solver; its default
     double gravity = 9.81;
     double density = 20;  // a bunny and a letter then have a mass of about 1
     // Of the spring and the damper at each point where a body touches the ground. Where two bodies touch, the springs
     // are in series: half the stiffness; Bullet adds up the damping.
+    // Stiffness 0: contacts are rigid.
     double stiffness = 0, damping = 0;
     double friction = 0;
     double drag = 0;  // the share of its velocity that a body loses in a second
     int steps_per_frame = 0, frames = 0;
+
+    bool rigid() const { return stiffness == 0; }
 };
 
 struct Body {
