@@ -57,6 +57,7 @@ class Cases:
     source_diagonal: Floats
     source_longest: Floats
     pose_index: Ints
+    frame: Ints
     tolerance_absolute: Floats
     status: Texts
     reason: Texts
@@ -201,6 +202,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/source_diagonal": 0.0,
     "cases/source_longest": 0.0,
     "cases/pose_index": 0,
+    "cases/frame": -1,
     "cases/tolerance_absolute": 0.0,
     "cases/status": "skipped",
     "cases/reason": "",
