@@ -118,7 +118,7 @@ def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: boo
             mesh_picture.draw(ax, own, of, np.tile((*colour[:3], 0.10), (len(own.triangles), 1)), both_sides=True)
     common = Mesh(np.concatenate([part.corners for part, _ in parts]), np.concatenate([parts[0][0].triangles, parts[1][0].triangles + len(parts[0][0].corners)]))
     mesh_picture.draw(ax, common, of, np.concatenate([colours for _, colours in parts]) * ((1, 1, 1, 0.35) if close else (1, 1, 1, 1)), both_sides=True)
-    if not close:
+    if not close or not len(common.triangles):
         mesh_picture.frame(ax, of.seen(np.concatenate([mesh.corners for mesh in meshes])))
         return
     extras = results.extras(row)

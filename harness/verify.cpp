@@ -233,10 +233,8 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
 // Of one pair of meshes in one pose.
 void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
                   const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
-    const bool all = std::all_of(members.begin(), members.end(), [&](std::size_t i) {
-        return i >= checked && rows[i].check.lower != Verdict::not_checked;
-    });
-    if (all) return;
+    const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
+    if (std::all_of(members.begin(), members.end(), is_checked)) return;
     const Case& first = rows[members.front()].asked;
     const Shape *source = load(first.source), *target = load(first.target);
     if (!source || !target || kind_of(*source) != ShapeKind::mesh || kind_of(*target) != ShapeKind::mesh) return;

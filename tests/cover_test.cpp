@@ -1,12 +1,15 @@
 // Threshold cover: its interval against exact samples and the other solvers, hostile meshes, and that it ends.
 #include "exact.h"
 #include "registry.h"
+#include "scenes.h"
 #include "search/offset_cover.h"
 #include "session.h"
 #include "small_scenes.h"
 #include "tree_meshes.h"
 
 #include <hwy/targets.h>
+
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -187,6 +190,44 @@ Result answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query) 
 }
 
 // Every instruction set that this program was compiled for and this machine has, forced in turn: the same bits.
+// Room for covering is kept from one solve to the next: nothing of what was in it may be seen, whatever was solved before.
+TEST(Cover, RoomsThatAreUsedAgainChangeNothing) {
+    const SolverEntry& entry = find_solver("cover");
+    Random random(11);
+    std::vector<Scene> scenes;
+    for (const Index n : {12, 90, 600}) scenes.push_back({soup(cloud(random, 3 * n)), soup(cloud(random, 3 * n, 0.5))});
+    const auto solve = [&](const Scene& scene, double tolerance, bool certificate, std::uint64_t budget, int threads) {
+        QuerySet queries;
+        queries.threads = threads;
+        const Session session(entry, Options("cover", entry.info.parameters, {}), scene, queries);
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, tolerance};
+        query.wanted.certificate = certificate;
+        query.budget = budget;
+        query.threads = threads;
+        Trace untraced;
+        return session.solve(query, untraced);
+    };
+    constexpr std::uint64_t no_budget = std::numeric_limits<std::uint64_t>::max();
+    std::vector<Result> first;
+    std::thread([&] {  // whose rooms are new
+        for (const Scene& scene : scenes) first.push_back(solve(scene, 1e-6, false, no_budget, 1));
+    })
+        .join();
+    for (int round = 0; round < 3; ++round) {
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            (void)solve(scenes[(i + 1) % 3], 1e-9, true, no_budget, 1);
+            (void)solve(scenes[(i + 2) % 3], 1e-9, false, 3, 1);  // ends amid the work
+            (void)solve(scenes[(i + 1) % 3], 1e-4, false, no_budget, 2);
+            const Result again = solve(scenes[i], 1e-6, false, no_budget, 1);
+            EXPECT_EQ(again.bounds.lower, first[i].bounds.lower);
+            EXPECT_EQ(again.bounds.upper, first[i].bounds.upper);
+            EXPECT_EQ(again.witness.source_point, first[i].witness.source_point);
+            EXPECT_EQ(again.counters, first[i].counters);
+        }
+    }
+}
+
 TEST(Cover, TheAnswerDoesNotDependOnTheInstructionSet) {
     Random random(46);
     int compared = 0;

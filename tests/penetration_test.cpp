@@ -79,6 +79,17 @@ TEST(Penetration, Nested) {
     EXPECT_NEAR(turned.witness.source_point.cwiseAbs().maxCoeff(), 3, slack);
 }
 
+TEST(Penetration, NestedMoves) {
+    const TriangleMesh inner = box({-1, -1, -1}, {1, 1, 1}), outer = box({-3, -3, -3}, {3, 3, 3});
+    Query query = query_of();
+    query.source_pose.translation = {10, 0, 0};
+    query.target_pose.translation = {10.5, 0, 0};  // the middle of one face of the inner one is 2.5 from the outer one
+    expect_depth(depth(inner, outer, {}, query), 2.5);
+    query.target_pose.rotation *= 2;
+    expect_depth(depth(inner, outer, {}, query), 5.5);
+    expect_depth(depth(outer, inner, {}, query), 1.5);
+}
+
 // A box within the wall of a hollow one cuts a shell out of it, one part with two surfaces; its corners are the furthest from the cavity's.
 TEST(Penetration, Hollow) {
     const TriangleMesh shell = joined(box({-3, -3, -3}, {3, 3, 3}), inside_out(box({-2, -2, -2}, {2, 2, 2})));

@@ -74,6 +74,14 @@ TEST(VerifyPenetration, NearerTrianglesOutsideDoNotCount) {
            Verdict::holds);
 }
 
+// The nearer point lies in both solids, as does the middle of the way to it, in yet another tooth: it bounds another part.
+TEST(VerifyPenetration, AnotherPartRefutesNothing) {
+    const TriangleMesh teeth =
+        joined(joined(box({0, 0, 0}, {1, 1, 4}), box({1.2, 0, 0}, {2.2, 1, 4})), box({2.4, 0, 0}, {3.4, 1, 4}));
+    expect(check(teeth, box({-5, -5, 1}, {2.5, 6, 9}), {2.5, 4}, from_source({1, 0.5, 3.9})), Verdict::not_checked,
+           Verdict::holds);
+}
+
 TEST(VerifyPenetration, ShapesStandWhereTheirPosesPutThem) {
     const Pose away{Eigen::Matrix3d::Identity(), {0.25, 0, 0}};
     expect(check(cube, bar, {0.25, 0.5}, from_target({0.75, 0.5, 0.5}), {}, away), Verdict::holds, Verdict::holds);

@@ -145,3 +145,42 @@ def nearest(work: int = 100, slow: Sequence[int] = (), wrong: Sequence[int] = ()
 
 
 STEMS["tang2009_nearest"] = nearest
+
+
+def depths(cover: float = 1e-4, frames: int = 30, tang_lower: float = 0.01, failed: int = 0) -> ResultFile:
+    """Known: in each frame of two scenes two pairs overlap, with depth 1 % of the longest side (`tang_lower` by Tang) and one part; cutting a pair takes 5 ms, measuring
+    it `cover` and twice that by Tang, a tenth more in every other frame. `failed` pairs of `cover` have no answer. Fig. 11 has two parts.
+    """
+    file = ResultFile("tang2009_pd")
+    for scene in ("Alphabet Domino", "Falling Bunnies"):
+        for label, factor in (("tang", 2.0), ("cover", 1.0)):
+            for frame in range(frames):
+                for k in range(2):
+                    lower = tang_lower if label == "tang" else 0.01
+                    common: dict[str, Any] = {"label": label, "lower": lower, "upper": lower + 1e-4, "quantity": "penetration", "frame": frame, "pose_index": 2 * frame + k,
+                                              "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, float(frame), 0, 0], "target_pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, float(k), 0, 0],
+                                              "source_longest": 1.0, "source": "one", "target": "other"}
+                    if label == "cover" and failed:
+                        failed -= 1
+                        file.case("penetration", f"{scene}: one and other", **without_bounds("failed", "CGAL failed", common))
+                        continue
+                    told_of_it = {"parts": 1.0, "triangles measured": 20.0, "seconds: cut": 5e-3, "seconds: measure": cover * factor * (1.1 if frame % 2 else 1.0)}
+                    file.case("penetration", f"{scene}: one and other", [0.01], extras=json.dumps(told_of_it), **common)
+    part = {f"length: part {i}, {side} {axis}": 0.1 * i for i in (1, 2) for side in "AB" for axis in "xyz"}
+    file.case("penetration", "Fig. 11", [0.01], label="each part", lower=0.1, upper=0.1, quantity="penetration", source_longest=1.0, source="one", target="other",
+              target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.25, 0.125, 0.125], extras=json.dumps({"parts": 2.0, **part}))
+    return file
+
+
+def fig1() -> ResultFile:
+    """Known: a pair with H of 1.5, and a frame with two pairs that are 0.1 and 0.2 deep and one without an answer."""
+    file = ResultFile("tang2009_fig1")
+    where: dict[str, Any] = {"source": "one", "target": "other", "source_longest": 2.0}
+    for label in ("tang", "cover"):
+        file.case(label, "Bird1/Bird2", [0.1], lower=1.5, upper=1.5, quantity="symmetric", scene_note="two stand in", witness_source=[0.25, 0.25, 0.0],
+                  witness_target=[3.0, 0.25, 0.0], **where)
+    for k, depth in enumerate((0.1, 0.2)):
+        file.case("penetration", "Falling Bunnies: one and other", [0.1], label="cover, depth", lower=depth, upper=depth, quantity="penetration", frame=24, pose_index=k,
+                  witness_source=[0.0, 0.0, 0.0], witness_target=[depth, 0.0, 0.0], target_pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, float(k), 0, 0], **where)
+    file.case("penetration", "Falling Bunnies: one and other", **without_bounds("failed", "CGAL failed", {"label": "cover, depth", "quantity": "penetration", "frame": 24, "pose_index": 2, **where}))
+    return file

@@ -265,3 +265,63 @@ def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> 
         model["sha256"] = "another"
     other.write(tmp_path)
     assert claim(make(synthetic_tang.nearest())[2], LESS).startswith(": not tested")
+
+
+@pytest.fixture()
+def overlapping(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every model is the tetrahedron with its right angle at the origin."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    monkeypatch.setattr(mesh_picture, "mesh", lambda name: Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])))
+
+
+@pytest.mark.usefixtures("overlapping")
+def test_depths_cells(make: Make) -> None:
+    records, rows, text = make(synthetic_tang.depths())
+    assert rows["Alphabet Domino"][0][:7] == ["Tang 2009", "30", "2.00", "1.00", "1.00", "1.00", "20.0"]
+    cover = next(row for row in rows[""] if row[0] == "cover (ours)")
+    assert cover[7].startswith("10.0 [") and cover[8].startswith("0.210 [") and cover[9].startswith("10.2 [")  # two pairs; every other frame takes a tenth more
+    assert [row[-1] for row in rows[""] if row[0] == "paper"] == ["0.97", "3.88"]
+    assert len(records) == 2 * 2 * 60 and {record["frame"] for record in records} == {str(frame) for frame in range(30)}
+    assert claim(text, "Every pair that overlaps").startswith(" it holds") and claim(text, "have a number in common").startswith(" it holds")
+
+
+@pytest.mark.usefixtures("overlapping")
+@pytest.mark.parametrize(("cover", "frames", "domino", "bunnies"), [
+    (1e-4, 30, " it holds", " it holds"), (4.62e-4, 30, ": not separated", " it holds"), (1e-3, 30, " it does not hold", " it holds"),
+    (4e-3, 30, " it does not hold", " it does not hold"), (1e-4, 19, ": not separated", ": not separated")])
+def test_time_of_measuring_depths(make: Make, cover: float, frames: int, domino: str, bunnies: str) -> None:
+    _, _, text = make(synthetic_tang.depths(cover=cover, frames=frames))
+    for scene, outcome in (("Alphabet Domino", domino), ("Falling Bunnies", bunnies)):
+        assert claim(text, f"Measuring the depths of a frame of {scene} takes less than the paper's {'0.97' if 'Domino' in scene else '3.88'} ms on average, by cover").startswith(outcome)
+    assert claim(text, "With CGAL's cutting a frame of Alphabet Domino takes less than the paper's 0.97 ms on average, by cover").startswith(" it does not hold" if frames == 30 else ": not")
+
+
+@pytest.mark.usefixtures("overlapping")
+def test_depths_that_failed_or_disagree(make: Make) -> None:
+    _, rows, text = make(synthetic_tang.depths(failed=3))
+    assert next(row for row in rows[""] if row[0] == "cover (ours)")[2] == "3 of 60 pairs failed"
+    assert claim(text, "Every pair that overlaps").startswith(" it does not hold (not so for 3 of 240")
+    assert claim(text, "Measuring the depths of a frame of Alphabet Domino takes less than the paper's 0.97 ms on average, by cover").startswith(": not tested")
+    assert claim(text, "have a number in common").startswith(": not separated")
+    assert claim(make(synthetic_tang.depths(tang_lower=0.011))[2], "have a number in common").startswith(" it does not hold (not so for 120 of 120")
+
+
+@pytest.mark.usefixtures("overlapping")
+def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
+    records, rows, text = make(synthetic_tang.fig1())
+    assert rows["Falling Bunnies"] == [["cover, depth", "depth, frame 24", "2 of 3", "10.00000", "10.00000"]]
+    assert rows["Bird1/Bird2"][0] == ["Tang 2009", "H", "1 of 1", "75.00000", "75.00000"]
+    assert len(records) == 5 and "two stand in" in text
+
+
+def test_points_inside(overlapping: None) -> None:
+    points = np.array([[0.1, 0.1, 0.1], [0.4, 0.4, 0.4], [-0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [5, 5, 5]])
+    assert list(tang_pictures.inside(mesh_picture.mesh("any"), points)) == [True, False, False, True, False]
+
+
+def test_pieces_make_up_the_triangles(overlapping: None) -> None:
+    whole, cut = mesh_picture.mesh("any"), tang_pictures.pieces(mesh_picture.mesh("any"), 0.3)
+    area = [np.linalg.norm(np.cross(m.corners[m.triangles[:, 1]] - m.corners[m.triangles[:, 0]], m.corners[m.triangles[:, 2]] - m.corners[m.triangles[:, 0]]), axis=1).sum()
+            for m in (whole, cut)]
+    sides = cut.corners[cut.triangles]
+    assert area[0] == pytest.approx(area[1]) and np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max() <= 0.3
