@@ -189,7 +189,8 @@ TEST(Penetration, WhatBoundsNoVolumeIsRefusedWhereItOverlaps) {
     expect_refused(depth(open, bar), "A bounds no volume");
     expect_refused(depth(open, bar), "not closed: 3 edges");
     expect_refused(depth(bar, open), "B bounds no volume");
-    expect_refused(depth(joined(cube, box({0.5, 0.5, 0.5}, {3, 3, 3})), bar), "crosses itself");
+    expect_refused(depth(joined(cube, box({0.5, 0.5, 0.5}, {3, 3, 3})), bar),
+                   "crosses itself or has triangles without area");
     TriangleMesh fin = cube;  // three triangles at one edge
     fin.vertices.conservativeResize(9, 3);
     fin.vertices.row(8) << 5, 5, 5;
