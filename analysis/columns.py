@@ -44,6 +44,7 @@ class Cases:
     chain: Texts
     threads: Ints
     program_sha256: Texts
+    frame: Ints
     identity: Texts
     label: Texts
     variant: Texts
@@ -57,7 +58,6 @@ class Cases:
     source_diagonal: Floats
     source_longest: Floats
     pose_index: Ints
-    frame: Ints
     tolerance_absolute: Floats
     status: Texts
     reason: Texts
@@ -189,6 +189,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/chain": "",
     "cases/threads": 1,
     "cases/program_sha256": "",
+    "cases/frame": -1,
     "cases/identity": "",
     "cases/label": "",
     "cases/variant": "",
@@ -202,7 +203,6 @@ DEFAULTS: dict[str, Any] = {
     "cases/source_diagonal": 0.0,
     "cases/source_longest": 0.0,
     "cases/pose_index": 0,
-    "cases/frame": -1,
     "cases/tolerance_absolute": 0.0,
     "cases/status": "skipped",
     "cases/reason": "",

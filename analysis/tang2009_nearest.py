@@ -89,7 +89,7 @@ def asked(results: Results, row: int) -> tuple[object, ...]:
     cases, models = results.cases, results.models
     hashes = dict(zip(models.name, models.sha256))
     return (cases.solver[row], cases.options[row], cases.source[row], cases.target[row], hashes.get(cases.source[row]), hashes.get(cases.target[row]),
-            cases.quantity[row], cases.tolerance[row], cases.tolerance_of[row])
+            cases.quantity[row], cases.tolerance[row], cases.tolerance_of[row], cases.floor[row], cases.budget[row], cases.threads[row], cases.build[row])
 
 
 def searches(results: Results, matrix: Results | None, label: str) -> list[Search]:

@@ -32,13 +32,14 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
 
 
 def agreement(found: list[Scene]) -> Verdict:
-    """The intervals that two solvers give one pair have a number in common, but for what cutting rounds."""
+    """The intervals that two solvers give one pair have a number in common, but for a billionth of the longest side, which is more than cutting rounds."""
     bounds: dict[tuple[str, int, bytes], list[tuple[float, float]]] = {}
     for scene in found:
         cases = scene.results.cases
         for row in scene.answered:
             where = np.concatenate([cases.pose[row], cases.target_pose[row]]).tobytes()
-            bounds.setdefault((scene.name, int(cases.frame[row]), where), []).append((float(cases.lower[row]), float(cases.upper[row])))
+            bounds.setdefault((scene.name, int(cases.frame[row]), where), []).append(
+                (float(cases.lower[row] / cases.source_longest[row]) - 5e-10, float(cases.upper[row] / cases.source_longest[row]) + 5e-10))
     several = [each for each in bounds.values() if len(each) > 1]
     apart = sum(max(low for low, _ in each) > min(high for _, high in each) for each in several)
     return all_of("The intervals of all solvers have a number in common", apart, len(several), len(bounds), "pairs")

@@ -13,6 +13,7 @@ and h holes. It is closed, and its triangles face outwards.
 from __future__ import annotations
 
 import io
+import struct
 from fractions import Fraction
 
 Point = tuple[Fraction, Fraction]
@@ -119,7 +120,10 @@ def bridged(rings: list[list[int]], at: Ring) -> list[int]:
     while holes:
         free = [i for i in ring if ring.count(i) == 1]
         pairs = sorted((squared_length(at[i], at[j]), i, j) for i in free for hole in holes for j in hole)
-        i, j = next((i, j) for _, i, j in pairs if not any(meet(at[i], at[j], *wall) for wall in walls))
+        bridge = next(((i, j) for _, i, j in pairs if not any(meet(at[i], at[j], *wall) for wall in walls)), None)
+        if bridge is None:
+            raise ValueError("a hole cannot be joined to its ring")
+        i, j = bridge
         hole = next(hole for hole in holes if j in hole)
         holes.remove(hole)
         walls.append((at[i], at[j]))
@@ -201,7 +205,7 @@ def letter_solid(font: bytes, letter: str) -> Solid:
             raise ValueError(f"the font has no letter {letter}")
         points, ends, flags = table[names[ord(letter)]].getCoordinates(table)
         height = table[names[ord("H")]].yMax
-    except (TTLibError, KeyError) as error:
+    except (TTLibError, KeyError, IndexError, AssertionError, struct.error) as error:
         raise ValueError(f"the font cannot be read: {error}") from error
     numbers = [(Fraction(x, em), Fraction(y, em), bool(flag & 1)) for (x, y), flag in zip(points, flags)]
     contours = [numbers[begin:end] for begin, end in zip([0, *(e + 1 for e in ends)], (e + 1 for e in ends))]

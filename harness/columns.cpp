@@ -164,6 +164,7 @@ const Columns<Case>& case_columns() {
                                          "of the programs and files that the command line of `external` names; empty: "
                                          "there is none",
                                          Identity::where_given),
+        at<Case, MEMBER(frame)>("frame", "of a recorded simulation; -1: the scene is none", Identity::where_given),
         at<Case, MEMBER(identity)>("identity", "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
         at<Case, MEMBER(label)>("label", "name in figures: that of the solver unless the experiment gives one"),
         at<Case, MEMBER(variant)>("variant",
@@ -185,7 +186,6 @@ const Columns<Case>& case_columns() {
         at<Case, MEMBER(source_diagonal)>("source_diagonal", "length, of the box of A as loaded"),
         at<Case, MEMBER(source_longest)>("source_longest", "length of the longest side of that box; 0 in older files"),
         at<Case, MEMBER(pose_index)>("pose_index", "number in the motions"),
-        at<Case, MEMBER(frame)>("frame", "of a recorded simulation; -1: the scene is none"),
         {"tolerance_absolute", "as a length (NaN for `lower`)",
          Column<Case>::Real{1,
                             [](const Case& asked, double* out) {

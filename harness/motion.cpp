@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <numbers>
 #include <sstream>
@@ -57,15 +58,13 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
         if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         std::istringstream words(line);
-        std::vector<double> values;
-        for (double value; words >> value;) values.push_back(value);
-        bool good = words.eof() && values.size() == 12;
-        for (double value : values) good = good && std::isfinite(value);
-        if (!good) {
+        const auto numbers = finite_numbers(words, 12);
+        if (!numbers) {
             throw InputError(fmt::format(
                 "{}:{}: a pose is twelve finite numbers (rotation row by row, then translation): correct this line",
                 file.string(), number));
         }
+        const std::vector<double>& values = *numbers;
         Pose pose;
         for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = values[std::size_t(i)];
         for (int i = 0; i < 3; ++i) pose.translation[i] = values[std::size_t(9 + i)];
@@ -93,6 +92,16 @@ std::size_t pose_count(const Motion& motion) {
     if (const auto* m = std::get_if<PoseFile>(&motion)) return read_poses(m->file).size();
     if (const auto* m = std::get_if<Recorded>(&motion)) return m->poses.size();
     return 1;
+}
+
+std::optional<std::vector<double>> finite_numbers(std::istream& line, std::size_t count) {
+    std::vector<double> numbers;
+    for (std::string word; line >> word;) {
+        char* end = nullptr;
+        numbers.push_back(std::strtod(word.c_str(), &end));
+        if (end != word.c_str() + word.size() || !std::isfinite(numbers.back())) return std::nullopt;
+    }
+    return numbers.size() == count ? std::optional(numbers) : std::nullopt;
 }
 
 bool moves(const Motion& motion) { return !std::holds_alternative<Static>(motion); }

@@ -4,6 +4,8 @@
 #include "scene.h"
 
 #include <filesystem>
+#include <istream>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -47,5 +49,8 @@ std::vector<Pose> poses_of(const Motion& motion, const Shape& shape);
 std::size_t pose_count(const Motion& motion);
 
 bool moves(const Motion& motion);
+
+// The words of a line, if they are so many finite numbers and nothing else.
+std::optional<std::vector<double>> finite_numbers(std::istream& line, std::size_t count);
 
 }  // namespace hausbench

@@ -1,6 +1,7 @@
 #include "recording.h"
 
 #include "error.h"
+#include "motion.h"
 
 #include <fmt/format.h>
 
@@ -13,15 +14,6 @@
 
 namespace hausbench {
 namespace {
-
-// The numbers of a line; none where a word is no finite number or there are more or fewer.
-std::optional<std::vector<double>> numbers_of(std::istringstream& words, std::size_t count) {
-    std::vector<double> numbers;
-    for (double number; words >> number;) numbers.push_back(number);
-    bool good = words.eof() && numbers.size() == count;
-    for (const double number : numbers) good = good && std::isfinite(number);
-    return good ? std::optional(numbers) : std::nullopt;
-}
 
 // From a quaternion, its real part first, and a translation.
 std::optional<Pose> pose_of(const double* numbers) {
@@ -56,16 +48,17 @@ private:
 
     void take(const std::string& kind, std::istringstream& words) {
         if (kind == "hausbench" && !begun_) {
-            std::string rest;
-            std::getline(words, rest);
-            if (rest != " recording 1") fail("a recording begins with 'hausbench recording 1'");
+            std::string word, version, more;
+            if (!(words >> word >> version) || word != "recording" || version != "1" || words >> more)
+                fail("a recording begins with 'hausbench recording 1'");
             begun_ = true;
         } else if (!begun_) {
             fail("a recording begins with 'hausbench recording 1'");
         } else if (kind == "frames") {
-            const auto count = numbers_of(words, 1);
+            const auto count = finite_numbers(words, 1);
             if (!count || !((*count)[0] >= 1 && (*count)[0] <= 1e6) || std::trunc((*count)[0]) != (*count)[0])
                 fail("'frames' is followed by how many there are");
+            if (recording_.frames > 0) fail("'frames' is there twice");
             recording_.frames = int((*count)[0]);
         } else if (kind == "object") {
             int number = -1;
@@ -83,7 +76,7 @@ private:
         constexpr const char* form =
             "write 'pair FRAME OBJECT OBJECT', then for each of the two a unit quaternion, its real part first, and a "
             "translation";
-        const auto numbers = numbers_of(words, 17);
+        const auto numbers = finite_numbers(words, 17);
         if (!numbers) fail(form);
         const auto whole = [&](std::size_t i) {
             if (!((*numbers)[i] >= 0 && (*numbers)[i] <= 1e6) || std::trunc((*numbers)[i]) != (*numbers)[i]) fail(form);

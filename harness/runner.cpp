@@ -115,6 +115,9 @@ private:
         // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
         if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
         if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;
+        // Of a search whose first round was run again since.
+        const Outcome* first = round > 0 ? kept(row, 0) : nullptr;
+        if (first && first->cutoff_used != outcome.cutoff_used) return nullptr;
         const bool traced = !plan_.marks(row).empty() || traces_chain(row);
         if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && traced) return nullptr;
         return &outcome;

@@ -238,8 +238,15 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
     const Case& first = rows[members.front()].asked;
     const Shape *source = load(first.source), *target = load(first.target);
     if (!source || !target || kind_of(*source) != ShapeKind::mesh || kind_of(*target) != ShapeKind::mesh) return;
-    const PenetrationChecker checker(*source, first.pose, *target, first.target_pose, stop);
+    PenetrationChecker checker(*source, first.pose, *target, first.target_pose, stop);
     for (const std::size_t i : members) rows[i].check = checker.check(rows[i].outcome.bounds, rows[i].outcome.witness);
+    for (const std::size_t i : members) {
+        Check& check = rows[i].check;
+        std::string reason;
+        if (check.upper != Verdict::holds || !checker.refutes(rows[i].outcome.bounds, reason)) continue;
+        check.upper = Verdict::unsound;
+        check.reason += (check.reason.empty() ? "" : "; ") + reason;
+    }
 }
 
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }

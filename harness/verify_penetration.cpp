@@ -9,9 +9,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace hausbench {
@@ -42,12 +45,21 @@ Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, co
     return touches ? Crossing::doubtful : Crossing::clean;
 }
 
-// A solid in its pose.
+// A solid in its pose. Triangles with two equal corners, and triangles that are there twice, do not count, as they do not for who cuts it.
 struct Body {
     Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
+        if (!surface.finite()) return;
+        std::set<std::array<std::array<double, 3>, 3>> known;
         for (Index i = 0; i < surface.count(); ++i) {
+            const Element element = surface[i];
+            std::array<std::array<double, 3>, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k)
+                corners[k] = {element[k][0] + 0.0, element[k][1] + 0.0, element[k][2] + 0.0};  // -0 is 0
+            std::sort(corners.begin(), corners.end());
+            if (corners[0] == corners[1] || corners[1] == corners[2] || !known.insert(corners).second) continue;
             Eigen::AlignedBox3d box;
-            for (const Vec3& v : surface[i]) box.extend(v);
+            for (const Vec3& v : element) box.extend(v);
+            triangles.push_back(i);
             boxes.push_back(box);
             whole.extend(box);
         }
@@ -65,9 +77,9 @@ struct Body {
             way.extend(end);
             int crossed = 0;
             bool doubtful = false;
-            for (Index i = 0; i < surface.count() && !doubtful; ++i) {
-                if (!way.intersects(boxes[std::size_t(i)])) continue;
-                const Crossing found = crossing(point(p), point(end), surface[i]);
+            for (std::size_t k = 0; k < triangles.size() && !doubtful; ++k) {
+                if (!way.intersects(boxes[k])) continue;
+                const Crossing found = crossing(point(p), point(end), surface[triangles[k]]);
                 doubtful = found == Crossing::doubtful;
                 crossed += found == Crossing::clean;
             }
@@ -80,15 +92,42 @@ struct Body {
     bool crossed_by(const Vec3& p, const Vec3& q) const {
         Eigen::AlignedBox3d way(p);
         way.extend(q);
-        for (Index i = 0; i < surface.count(); ++i) {
-            if (way.intersects(boxes[std::size_t(i)]) && crossing(point(p), point(q), surface[i]) != Crossing::none)
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            if (way.intersects(boxes[k]) && crossing(point(p), point(q), surface[triangles[k]]) != Crossing::none)
                 return true;
         }
         return false;
     }
 
+    // Whether a triangle of the connected surface that this one is part of meets the other surface. O(n m) boxes.
+    bool connected_surface_meets(Index triangle, const Body& other) const {
+        std::map<std::array<double, 3>, std::vector<std::size_t>> around;
+        const auto key = [](const Vec3& v) { return std::array<double, 3>{v[0] + 0.0, v[1] + 0.0, v[2] + 0.0}; };
+        std::vector<std::size_t> found;
+        std::vector<bool> seen(triangles.size(), false);
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            for (const Vec3& v : surface[triangles[k]]) around[key(v)].push_back(k);
+            if (triangles[k] == triangle) found.push_back(k), seen[k] = true;
+        }
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const Element own = surface[triangles[found[i]]];
+            for (std::size_t k = 0; k < other.triangles.size(); ++k) {
+                if (boxes[found[i]].intersects(other.boxes[k]) &&
+                    CGAL::do_intersect(exact(own), exact(other.surface[other.triangles[k]])))
+                    return true;
+            }
+            for (const Vec3& v : own) {
+                for (const std::size_t next : around.at(key(v))) {
+                    if (!seen[next]) found.push_back(next), seen[next] = true;
+                }
+            }
+        }
+        return false;
+    }
+
     Standing surface;
-    std::vector<Eigen::AlignedBox3d> boxes;
+    std::vector<Index> triangles;            // that count
+    std::vector<Eigen::AlignedBox3d> boxes;  // of each of these
     Eigen::AlignedBox3d whole;
 };
 
@@ -107,10 +146,10 @@ bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) 
 }
 
 // The triangles of a body that are nearer to p than r.
-std::vector<Index> near(const Standing& surface, const Vec3& p, double r) {
+std::vector<Index> near(const Body& body, const Vec3& p, double r) {
     std::vector<Index> found;
-    for (Index i = 0; i < surface.count(); ++i)
-        if (!surface.beyond(i, p, r) && nearer(squared_distance(p, surface[i]), r)) found.push_back(i);
+    for (const Index i : body.triangles)
+        if (!body.surface.beyond(i, p, r) && nearer(squared_distance(p, body.surface[i]), r)) found.push_back(i);
     return found;
 }
 
@@ -125,8 +164,9 @@ struct PenetrationChecker::Pair {
         : source(a, a_pose), target(b, b_pose), stop(std::move(asked)) {
         double largest = 0;
         for (const Body* body : {&source, &target}) {
-            if (!body->surface.finite()) return;
+            if (!body->surface.finite() || body->triangles.empty()) return;
             largest = std::max(largest, body->surface.points().cwiseAbs().maxCoeff());
+            if (!std::isfinite(8 * body->whole.diagonal().norm())) return;  // a ray would end at infinity
         }
         usable = true;
         slack = 1e-10 * largest;
@@ -134,69 +174,112 @@ struct PenetrationChecker::Pair {
 
     // Proven, refuted with the reason, or neither.
     Verdict lower(double lower, const Witness& witness, std::string& reason) const {
+        if (!std::isfinite(lower)) {
+            reason = "lower is infinite, and no two points are that far apart";
+            return Verdict::unsound;
+        }
         const bool forward = witness.direction == Witness::Direction::source_to_target;
         const Vec3& p = forward ? witness.source_point : witness.target_point;
         if (!p.allFinite()) return Verdict::no_witness;
         const Body &own = forward ? source : target, &other = forward ? target : source;
-        if (near(own.surface, p, 2 * slack).empty()) {
+        const std::vector<Index> at = near(own, p, 2 * slack);
+        if (at.empty()) {
             reason = unsound("lower", lower, "the witness is no point of its surface");
             return Verdict::unsound;
         }
         const auto inside = other.holds(p);
-        if (inside == std::optional(false) && near(other.surface, p, 2 * slack).empty()) {
+        if (inside != std::optional(true) && near(other, p, 2 * slack).empty()) {
+            if (!inside) return Verdict::not_checked;
             reason = unsound("lower", lower, "the witness does not lie in the other solid");
             return Verdict::unsound;
         }
         const double r = lower - 4 * slack;  // what rounding explains, at both ends
         if (!(r > 0)) return Verdict::holds;
         bool settled = true;
-        const std::vector<Index> around = near(own.surface, p, r);
-        for (const Index i : near(other.surface, p, r)) {
+        std::vector<Vec3> outside;  // nearer points that bound no volume that they have in common
+        const std::vector<Index> around = near(own, p, r);
+        for (const Index i : near(other, p, r)) {
             if (stop && stop()) return Verdict::not_checked;
             const Element element = other.surface[i];
             const Vec3 q = p + rough_offset(p, element);
             const bool cut = std::any_of(around.begin(), around.end(),
                                          [&](Index k) { return meet_near(element, own.surface[k], p, r); });
-            if (!cut && own.holds(q) == std::optional(false)) continue;
-            // Both ends lie on a surface: the segment between them without its ends is what must not cross one.
-            const Vec3 begin = p + 1e-3 * (q - p), end = p + 0.999 * (q - p), middle = 0.5 * (p + q);
-            if (own.holds(middle) == std::optional(true) && other.holds(middle) == std::optional(true) &&
-                !own.crossed_by(begin, end) && !other.crossed_by(begin, end)) {
-                reason = unsound(
-                    "lower", lower,
-                    fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
+            if (!cut && own.holds(q) == std::optional(false) && near(own, q, 2 * slack).empty()) {
+                outside.push_back(q);
+            } else if (same_part(p, q)) {
+                reason = bounded(lower, p, q);
                 return Verdict::unsound;
+            } else {
+                settled = false;
             }
-            settled = false;
         }
+        if (settled && !outside.empty()) return beside(lower, p, at.front(), own, other, outside, reason);
         return settled ? Verdict::holds : Verdict::not_checked;
+    }
+
+    static std::string bounded(double lower, const Vec3& p, const Vec3& q) {
+        return unsound("lower", lower,
+                       fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
+    }
+
+    // Whether the way between two points of the surfaces is proven to lie in both solids, but for what rounding explains at its ends.
+    bool same_part(const Vec3& p, const Vec3& q) const {
+        const double length = (q - p).norm(), step = 8 * slack / length;
+        if (!(step < 0.25)) return false;
+        const Vec3 begin = p + step * (q - p), end = q - step * (q - p), middle = 0.5 * (p + q);
+        return source.holds(middle) == std::optional(true) && target.holds(middle) == std::optional(true) &&
+               !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
+    }
+
+    // All nearer points of the other surface lie outside of the witness's solid. Where the other surface bounds the witness's part of the volume
+    // elsewhere, that is a proof. Where it does nowhere, the part is enclosed, and its depth is the distance to the whole of the other surface.
+    Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
+                   const std::vector<Vec3>& outside, std::string& reason) const {
+        if (own.connected_surface_meets(at, other)) return Verdict::holds;
+        bool within = false;  // some of the other surface lies in the witness's solid
+        for (const Index i : other.triangles) {
+            if (stop && stop()) return Verdict::not_checked;
+            for (const Vec3& v : other.surface[i]) {
+                if (own.holds(v) == std::optional(false)) continue;
+                if (same_part(p, v)) return Verdict::holds;
+                within = true;
+            }
+        }
+        if (within) return Verdict::not_checked;
+        reason = bounded(lower, p, *std::min_element(outside.begin(), outside.end(), [&](const Vec3& a, const Vec3& b) {
+                             return (a - p).norm() < (b - p).norm();
+                         }));
+        return Verdict::unsound;
     }
 
     // A vertex of one in the other, further than `length` from the other's surface; none if there is none. O(|A| |B|).
     std::optional<Vec3> deeper_than(double length) const {
         for (const auto& [own, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
-            const Points& vertices = own->surface.points();
-            for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-                const Vec3 p = vertices.row(v).transpose();
-                if (!other->whole.contains(p) || other->holds(p) != std::optional(true)) continue;
-                if (stop && stop()) return std::nullopt;
-                if (deep(other->surface, p, length)) return p;
+            std::set<std::array<double, 3>> seen;
+            for (const Index i : own->triangles) {
+                for (const Vec3& p : own->surface[i]) {
+                    if (!other->whole.contains(p) || !seen.insert({p[0], p[1], p[2]}).second) continue;
+                    if (stop && stop()) return std::nullopt;
+                    if (other->holds(p) == std::optional(true) && deep(*other, p, length)) return p;
+                }
             }
         }
         return std::nullopt;
     }
 
-    static bool deep(const Standing& surface, const Vec3& p, double length) {
-        for (Index i = 0; i < surface.count(); ++i)  // most are settled by a point that is clearly nearer
+    static bool deep(const Body& body, const Vec3& p, double length) {
+        const Standing& surface = body.surface;
+        for (const Index i : body.triangles)  // most are settled by a point that is clearly nearer
             if (!surface.beyond(i, p, length) && rough_offset(p, surface[i]).norm() < 0.999 * length) return false;
-        return near(surface, p, length).empty();
+        return near(body, p, length).empty();
     }
 
     Body source, target;
     Stop stop;
     double slack = 0;
-    bool usable = false;                                               // the poses leave all coordinates finite
-    mutable double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper: found for an earlier row
+    bool usable = false;  // the poses leave all coordinates finite
+    double proven = 0;    // the largest lower bound that holds, less what rounding explains
+    double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper: found for an earlier row
 };
 
 PenetrationChecker::PenetrationChecker(const Shape& source, const Pose& source_pose, const Shape& target,
@@ -205,30 +288,41 @@ PenetrationChecker::PenetrationChecker(const Shape& source, const Pose& source_p
 
 PenetrationChecker::~PenetrationChecker() = default;
 
-Check PenetrationChecker::check(const Bounds& bounds, const Witness& witness) const {
+Check PenetrationChecker::check(const Bounds& bounds, const Witness& witness) {
     Check result;
     if (!pair_->usable) return result;
     const auto add = [&](const std::string& reason) { result.reason += (result.reason.empty() ? "" : "; ") + reason; };
     std::string reason;
     result.lower = bounds.lower <= 0 ? Verdict::holds : pair_->lower(bounds.lower, witness, reason);
     if (!reason.empty()) add(reason);
-    result.upper = Verdict::holds;
+    if (result.lower == Verdict::holds) pair_->proven = std::max(pair_->proven, bounds.lower - 4 * pair_->slack);
     const double upper = bounds.upper + 4 * pair_->slack;
-    if (upper < bounds.lower) {
+    result.upper = Verdict::holds;
+    const auto refuted = [&](const std::string& why) {
         result.upper = Verdict::unsound;
-        add(unsound("upper", bounds.upper, "it is below lower"));
-    } else if (upper < pair_->shallow) {
-        if (const auto deeper = pair_->deeper_than(upper)) {
-            result.upper = Verdict::unsound;
-            add(unsound("upper", bounds.upper,
-                        fmt::format("the vertex ({:.9g}, {:.9g}, {:.9g}) lies deeper in the other solid", (*deeper)[0],
-                                    (*deeper)[1], (*deeper)[2])));
-        } else {
+        add(unsound("upper", bounds.upper, why));
+    };
+    if (upper < bounds.lower) {
+        refuted("it is below lower");
+    } else if (upper < 0) {
+        refuted("a depth is no less than 0");
+    } else if (std::isfinite(upper) && upper < pair_->shallow) {
+        const auto deeper = pair_->deeper_than(upper);
+        if (deeper)
+            refuted(fmt::format("the vertex ({:.9g}, {:.9g}, {:.9g}) lies deeper in the other solid", (*deeper)[0],
+                                (*deeper)[1], (*deeper)[2]));
+        else
             pair_->shallow = upper;
-        }
     }
     if (pair_->stop && pair_->stop()) return {};
     return result;
+}
+
+bool PenetrationChecker::refutes(const Bounds& bounds, std::string& reason) const {
+    if (!pair_->usable || bounds.upper + 4 * pair_->slack >= pair_->proven) return false;
+    reason = unsound("upper", bounds.upper,
+                     fmt::format("it is below the verified lower bound {:.17g} of another row", pair_->proven));
+    return true;
 }
 
 }  // namespace hausbench

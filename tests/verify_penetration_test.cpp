@@ -3,6 +3,9 @@
 
 #include "solids.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 namespace hausbench {
@@ -38,6 +41,50 @@ TEST(VerifyPenetration, RightAnswersHold) {
            Verdict::holds);
     expect(check(box({-1, -1, -1}, {1, 1, 1}), box({-3, -3, -3}, {3, 3, 3}), {2, 2}, from_source({1, 0.3, 0.2})),
            Verdict::holds, Verdict::holds);
+}
+
+// An enclosed part is as deep as it is far from the whole of the other mesh, so that what lies outside counts.
+TEST(VerifyPenetration, Enclosed) {
+    const TriangleMesh inner = box({-1, -1, -1}, {1, 1, 1}), outer = box({-3, -3, -3}, {3, 3, 3});
+    for (const double wrong : {2.1, 3.0, 100.0})
+        expect(check(inner, outer, {wrong, wrong}, from_source({1, 0.3, 0.2})), Verdict::unsound, Verdict::holds,
+               "bounded 2");
+    expect(check(outer, inner, {2, 2}, from_target({1, 0.3, 0.2})), Verdict::holds, Verdict::holds);
+    expect(check(outer, inner, {1.9, 1.9}, from_target({1, 0.3, 0.2})), Verdict::holds, Verdict::unsound, "deeper");
+    // Within the wall of a hollow box the cavity bounds the part, and the outside is nearer and does not count.
+    const TriangleMesh shell = joined(outer, inside_out(box({-2, -2, -2}, {2, 2, 2})));
+    const double corner = 0.5 * std::sqrt(3.0);
+    const Vec3 p(2.5, 2.5, 2.5);
+    expect(check(box(-p, p), shell, {corner, corner}, from_source(p)), Verdict::holds, Verdict::holds);
+    expect(check(box(-p, p), shell, {corner + 1e-3, 1}, from_source(p)), Verdict::unsound, Verdict::holds, "bounded");
+}
+
+// A slit just beside the witness separates the two teeth, and another one just before the nearer point.
+TEST(VerifyPenetration, NarrowSlitsSeparate) {
+    const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 4}), box({1.001, 0, 0}, {3.5, 1, 4}));
+    const TriangleMesh slab = box({-5, -5, 1}, {3.4, 6, 9});
+    expect(check(teeth, slab, {2.8, 4}, from_source({1, 0.5, 3.9})), Verdict::not_checked, Verdict::holds);
+    const TriangleMesh late = joined(box({0, 0, 0}, {3.399, 1, 4}), box({3.3995, 0, 0}, {3.5, 1, 4}));
+    EXPECT_NE(check(late, slab, {2.8, 4}, from_source({0, 0.5, 3.9})).lower, Verdict::unsound);
+}
+
+TEST(VerifyPenetration, TrianglesThatDoNotCount) {
+    TriangleMesh twice = cube;
+    twice.triangles.conservativeResize(14, 3);
+    twice.triangles.row(12) = twice.triangles.row(3);
+    twice.vertices.conservativeResize(9, 3);
+    twice.vertices.row(8) << 1, 0.5, 0.5;  // well within the bar
+    twice.triangles.row(13) << 0, 0, 8;
+    expect(check(twice, bar, {0.5, 0.5}, from_target(end)), Verdict::holds, Verdict::holds);
+    expect(check(twice, bar, {0, 0.21}, from_target(end)), Verdict::holds, Verdict::holds);
+}
+
+TEST(VerifyPenetration, BoundsAndCoordinatesThatAreHuge) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    expect(check(cube, bar, {infinity, infinity}, from_target(end)), Verdict::unsound, Verdict::holds, "infinite");
+    expect(check(cube, bar, {0.5, infinity}, from_target(end)), Verdict::holds, Verdict::holds);
+    expect(check(cube, bar, {-1, -0.5}, from_target(end)), Verdict::holds, Verdict::unsound, "no less than 0");
+    EXPECT_EQ(check(scaled(cube, 1e200), scaled(bar, 1e200), {1, 2}, from_target(end)).lower, Verdict::not_checked);
 }
 
 TEST(VerifyPenetration, ALowerBoundThatIsTooLarge) {

@@ -43,7 +43,13 @@ public:
         triangles_ = {mesh_of(scene.source), mesh_of(scene.target)};
     }
 
-    std::size_t prepared_bytes() const override { return source_->bytes() + target_->bytes(); }
+    std::size_t prepared_bytes() const override {
+        std::size_t bytes = source_->bytes() + target_->bytes();
+        for (const TriangleMesh& mesh : triangles_)
+            bytes +=
+                std::size_t(mesh.vertices.size()) * sizeof(double) + std::size_t(mesh.triangles.size()) * sizeof(Index);
+        return bytes;
+    }
 
     Result solve(const Query& query, State*, Trace&) const override {
         const auto begin = Clock::now();

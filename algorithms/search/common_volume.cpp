@@ -6,6 +6,7 @@
 #include <array>
 #include <exception>
 #include <map>
+#include <new>
 #include <set>
 #include <utility>
 
@@ -210,14 +211,16 @@ CommonVolume common_volume(const Solid& source, const Pose& source_pose, const S
                 "the volume that they have in common is no manifold (parts of it meet in an edge or a point)";
             return common;
         }
+        common.parts = parts_of(volume, b, found);
     } catch (const pmp::Corefinement::Self_intersection_exception&) {
         common.failure = "a mesh crosses itself in this pose, where the two meet";
         return common;
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         common.failure = std::string("CGAL failed to cut them: ") + error.what();
         return common;
     }
-    common.parts = parts_of(volume, b, found);
     return common;
 }
 

@@ -12,7 +12,8 @@ MODELS = tomllib.loads((ROOT / "datasets" / "manifest.toml").read_text())["model
 
 
 @pytest.mark.parametrize(("stem", "objects"), [
-    ("alphabet_domino", [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"]), ("falling_bunnies", ["bunny_1k"] * 50)])
+    *((f"alphabet_domino{kind}", [*(f"letter_{name}" for name in "hausdorfbenc"), "bunny_1k"]) for kind in ("", "_soft")),
+    *((f"falling_bunnies{kind}", ["bunny_1k"] * 50) for kind in ("", "_soft"))])
 def test_recordings(stem: str, objects: list[str]) -> None:
     file = ROOT / "experiments" / "tang2009" / f"{stem}.recording"
     assert file.stat().st_size < 600_000

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import h5py
 import pytest
 
 from conftest import Program
+from test_hostile_results import seal
 from test_run import numbers, run, texts
 
 RECORDING = """# two boxes and a bar
@@ -95,11 +95,17 @@ def test_keys_that_do_not_fit(hausbench: Program, tmp_path: Path, more: str, err
     ("pair 3 0 7", "pair 4 0 7", 10, "frame 4 is not one of 4"), ("pair 3 0 7", "pair 1 0 7", 10, "frames go backwards"),
     ("pair 3 0 7", "pair 3 0 8", 10, "there is no object 8"), ("pair 3 0 7", "pair 3 7 7", 10, "overlaps itself"),
     ("0.25 0 0", "0.25 0", 10, "write 'pair FRAME"), ("0.25 0 0", "0.25 0 nan", 10, "write 'pair FRAME"),
+    ("0.25 0 0", "0.25 0 0 -", 10, "write 'pair FRAME"), ("object 0 box", "frames 2", 4, "'frames' is there twice"),
     ("0.5 0.5 0.5 0.5", "0.5 0.5 0.5 0.6", 8, "the length of a quaternion is not 1"), ("# two", "pear", 1, "begins with"),
     ("pair 0", "pear 0", 7, "unknown word 'pear'")])
 def test_recordings_that_are_wrong(hausbench: Program, tmp_path: Path, old: str, new: str, line: int, error: str) -> None:
     done = hausbench("run", experiment(tmp_path, recording=RECORDING.replace(old, new, 1)), "--results", tmp_path)
     assert done.returncode == 2 and error in done.stderr and f"boxes.recording:{line}:" in done.stderr
+
+
+def test_comments_and_blanks(hausbench: Program, tmp_path: Path) -> None:
+    recording = RECORDING.replace("recording 1", "recording 1  # a comment").replace("frames 4", "\n  frames 4 \r")
+    assert len(numbers(run(hausbench, experiment(tmp_path, recording=recording), tmp_path), "cases/frame")) == 4
 
 
 def test_a_recording_that_is_missing_or_empty(hausbench: Program, tmp_path: Path) -> None:
@@ -129,17 +135,36 @@ def test_solvers_that_offer_none(hausbench: Program, tmp_path: Path) -> None:
         assert all("computes no penetration depth: solver 'penetration' does" in reason for reason in f["cases/reason"].asstr()[:])
 
 
-def test_a_wrong_depth_in_a_file_is_found(hausbench: Program, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("lower", "upper", "reason"), [
+    (0.6, 0.7, "the same part of the volume is bounded 0.5"), (0.0, 0.1, "lies deeper in the other solid"), (0.4, 0.3, "it is below lower")])
+def test_a_wrong_depth_in_a_file_is_found(hausbench: Program, tmp_path: Path, lower: float, upper: float, reason: str) -> None:
     file = run(hausbench, experiment(tmp_path, "frames = [0]"), tmp_path)
-    for column, value in (("lower", 0.6), ("upper", 0.1)):
-        changed = tmp_path / f"{column}.h5"
-        shutil.copy(file, changed)
-        with h5py.File(changed, "r+") as f:
-            f[f"cases/{column}"][:] = value
-            if "seal" in f.attrs:
-                del f.attrs["seal"]
-        done = hausbench("verify", changed)
-        assert done.returncode != 0
+    file.write_bytes(file.read_bytes()[:-73])
+    with h5py.File(file, "r+") as f:
+        f["cases/lower"][:], f["cases/upper"][:] = lower, upper
+    seal(file)
+    done = hausbench("verify", file)
+    assert done.returncode == 1 and reason in done.stdout + done.stderr, done.stdout
+
+
+def test_rows_of_a_pair_are_held_against_each_other(hausbench: Program, tmp_path: Path) -> None:
+    file = experiment(tmp_path, "frames = [0]")
+    file.write_text(file.read_text() + 'parameters = { solver = ["cover", "tang"] }\n')
+    run(hausbench, file, tmp_path)
+    result = tmp_path / "depths.h5"
+    result.write_bytes(result.read_bytes()[:-73])
+    with h5py.File(result, "r+") as f:
+        f["cases/lower"][1], f["cases/upper"][1] = 0.0, 0.4  # no vertex is deeper than 0.2
+    seal(result)
+    done = hausbench("verify", result)
+    assert done.returncode == 1 and "below the verified lower bound 0.49999" in done.stdout + done.stderr, done.stdout
+
+
+def test_bodies_at_rest_are_cases_of_their_own(hausbench: Program, tmp_path: Path) -> None:
+    again = RECORDING + "pair 3 0 3 1 0 0 0 0 0 0 1 0 0 0 0.75 0 0\n"
+    file = run(hausbench, experiment(tmp_path, recording=again), tmp_path)
+    assert list(numbers(file, "cases/frame")) == [0, 2, 3, 2, 3]
+    assert len(set(texts(file, "cases/identity"))) == 5
 
 
 def test_measure(hausbench: Program, tmp_path: Path) -> None:
