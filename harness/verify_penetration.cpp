@@ -222,13 +222,39 @@ struct PenetrationChecker::Pair {
                        fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
     }
 
-    // Whether the way between two points of the surfaces is proven to lie in both solids, but for what rounding explains at its ends.
-    bool same_part(const Vec3& p, const Vec3& q) const {
+    // Whether a straight line is proven to lie in both solids, but for what rounding explains at its ends, which may lie on a surface.
+    bool within_both(const Vec3& p, const Vec3& q) const {
         const double length = (q - p).norm(), step = 8 * slack / length;
         if (!(step < 0.25)) return false;
         const Vec3 begin = p + step * (q - p), end = q - step * (q - p), middle = 0.5 * (p + q);
         return source.holds(middle) == std::optional(true) && target.holds(middle) == std::optional(true) &&
                !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
+    }
+
+    // Whether points p and q of the surfaces are proven to bound the same part of the volume: a line joins them, or points a little beside them, where
+    // the straight one runs along a surface.
+    bool same_part(const Vec3& p, const Vec3& q) const {
+        if (within_both(p, q)) return true;
+        const double aside = std::max(1e-4 * (q - p).norm(), 64 * slack);
+        const std::vector<Vec3> around_p = inner_points(p, aside), around_q = inner_points(q, aside);
+        return std::any_of(around_p.begin(), around_p.end(), [&](const Vec3& a) {
+            return std::any_of(around_q.begin(), around_q.end(), [&](const Vec3& b) { return within_both(a, b); });
+        });
+    }
+
+    // A few points about so far from a point of the surfaces, each joined to it within both solids.
+    std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
+        std::vector<Vec3> found;
+        for (int direction = 0; direction < 24 && found.size() < 4;
+             ++direction) {  // three different numbers, turned, with any signs
+            Vec3 way(1, 0.7, 0.4);
+            for (int k = 0; k < 3; ++k)
+                if ((direction >> k & 1) != 0) way[k] = -way[k];
+            const int turn = direction / 8;
+            const Vec3 q = p + distance * Vec3(way[turn], way[(turn + 1) % 3], way[(turn + 2) % 3]);
+            if (within_both(p, q)) found.push_back(q);
+        }
+        return found;
     }
 
     // All nearer points of the other surface lie outside of the witness's solid. Where the other surface bounds the witness's part of the volume

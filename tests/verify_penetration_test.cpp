@@ -91,6 +91,8 @@ TEST(VerifyPenetration, ALowerBoundThatIsTooLarge) {
     expect(check(cube, bar, {0.51, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds,
            "the same part of the volume is bounded 0.5");
     expect(check(cube, bar, {0.5 + 1e-8, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds, "bounded 0.5");
+    // From a corner of the bar the way runs along its edge.
+    expect(check(cube, bar, {0.51, 0.52}, from_target({0.5, 0.2, 0.2})), Verdict::unsound, Verdict::holds, "bounded");
 }
 
 TEST(VerifyPenetration, AWitnessThatIsNone) {

