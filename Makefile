@@ -1,6 +1,6 @@
 # The front door: `make help` says what there is.
 #
-# The line every experiment walks: experiments/**/S.toml -> hausbench run -> results/S.h5 -> analysis/S.py -> results/figures, results/tables.
+# The line every experiment walks: experiments/**/S.toml -> hausbench run -> results/S.h5 -> analysis/**/S.py -> results/figures, results/tables.
 # Nothing here deletes results; a run that was interrupted goes on where it stopped when the same target is made again.
 
 SHELL := /bin/bash
@@ -146,7 +146,8 @@ for stem in $(1); do \
     echo "== $$stem"; \
     code=0; "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(RUN_ARGS) || code=$$?; \
     case $$code in 0) ;; 1) failed+=" $$stem (unsound rows)";; *) failed+=" $$stem (run)"; continue;; esac; \
-    [ ! -f "analysis/$$stem.py" ] || $(PYTHON) -m "analysis.$$stem" || failed+=" $$stem (analysis)"; \
+    script=$$(find analysis -name "$$stem.py" 2>/dev/null || true); \
+    [ -z "$$script" ] || $(PYTHON) -m "$$(tr / . <<< "$${script%.py}")" || failed+=" $$stem (analysis)"; \
 done; \
 [ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 endef
@@ -165,8 +166,9 @@ $(STEMS): %: build
 figures: $(DEPS)
 	@trap 'exit 130' INT TERM; failed=; none=yes; \
 	for stem in $(STEMS); do \
-	    [ -f "results/$$stem.h5" ] && [ -f "analysis/$$stem.py" ] || continue; \
-	    none=; echo "== $$stem"; $(PYTHON) -m "analysis.$$stem" || failed+=" $$stem"; \
+	    script=$$(find analysis -name "$$stem.py" 2>/dev/null || true); \
+	    [ -f "results/$$stem.h5" ] && [ -n "$$script" ] || continue; \
+	    none=; echo "== $$stem"; $(PYTHON) -m "$$(tr / . <<< "$${script%.py}")" || failed+=" $$stem"; \
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }

@@ -9,8 +9,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis import command, mesh_picture, style
-from analysis.load import ResultError, Results
+from analysis.shared import command, mesh_picture, style
+from analysis.shared.load import ResultError, Results
 
 STEM = "overview"
 FROM = (-0.5, 0.3, -1.0)  # where the eye is

@@ -19,7 +19,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis import winners
-from analysis.load import REFERENCE, ResultError, Results, load, measured_on
+from analysis.shared.load import REFERENCE, ResultError, Results, load, measured_on
+from analysis.shared.stems import module_of
 
 
 @dataclass
@@ -79,7 +80,7 @@ def text_of(group: str, folder: Path, kept: Kept) -> str:
             counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
             rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
                           f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-            importlib.import_module(f"analysis.{stem}").make(results, Path(out))
+            importlib.import_module(module_of(stem)).make(results, Path(out))
             texts[stem] = (Path(out) / "tables" / f"{stem}.md").read_text(encoding="utf-8").strip("\n")
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analysis import style, tables
-from analysis.load import ResultError, Results, load
-from analysis.statistics import Estimate, ratio_by_round
-from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+from analysis.shared import style, tables
+from analysis.shared.load import ResultError, Results, load
+from analysis.shared.statistics import Estimate, ratio_by_round
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 SHARE: Final = 0.9  # of all cells, for the claim
 

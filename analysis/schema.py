@@ -1,4 +1,4 @@
-"""What follows in Python and in prose from the program's table of columns: analysis/columns.py and the tables of results/README.md.
+"""What follows in Python and in prose from the program's table of columns: analysis/shared/columns.py and the tables of results/README.md.
 
     python3 -m analysis.schema
 
@@ -14,12 +14,12 @@ import sys
 from pathlib import Path
 from typing import Any, Final
 
-from analysis.program import ROOT, program
+from analysis.shared.program import ROOT, program
 
 README: Final = ROOT / "results" / "README.md"
-MODULE: Final = ROOT / "analysis" / "columns.py"
+MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
-HEAD: Final = '''"""The columns of result files, as analysis/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
+HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.statistics import Estimate
-from analysis.tables import NOTHING, Table, markdown, number
+from analysis.shared.statistics import Estimate
+from analysis.shared.tables import NOTHING, Table, markdown, number
 
 COLUMNS = ["part", "scene", "contender", "elements", "nanoseconds", "ratio", "low", "high", "rounds", "bytes",
            "largest_difference"]

@@ -18,7 +18,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from analysis.statistics import median, paired_ratio
+from analysis.shared.statistics import median, paired_ratio
 from bench.report import COLUMNS
 
 ROOT = Path(__file__).resolve().parent.parent

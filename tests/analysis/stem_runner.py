@@ -10,7 +10,8 @@ from pathlib import Path
 
 from synthetic import ResultFile
 
-from analysis import command
+from analysis.shared import command
+from analysis.shared.stems import module_of
 
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
@@ -20,7 +21,7 @@ def stem_runner(folder: Path) -> Make:
     """Of a function that returns the CSV, the Markdown rows by their first cell, and the whole Markdown."""
     def run(file: ResultFile) -> Made:
         file.write(folder)
-        module = importlib.import_module(f"analysis.{file.stem}")
+        module = importlib.import_module(module_of(file.stem))
         assert command.main(file.stem, module.make, ["--results", str(folder), "--out", str(folder)]) == 0
         for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
             path = folder / "figures" / f"{file.stem}.{suffix}"

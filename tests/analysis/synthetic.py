@@ -1,6 +1,6 @@
 """Writes result files as results/README.md describes them, with numbers that a test knows beforehand.
 
-Written from that description, not from analysis/load.py, so that the two check each other.
+Written from that description, not from analysis/shared/load.py, so that the two check each other.
 `python3 tests/analysis/synthetic.py DIR` writes one file for each stem, to look at the figures.
 """
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from synthetic import ResultFile, spread, without_bounds
 
-from analysis.tang2009_similarity import FAMILIES
+from analysis.tang2009.tang2009_similarity import FAMILIES
 
 POSES = 21
 STAGES = ("cull on A", "cull on B", "subdivide")

@@ -12,8 +12,9 @@ import pytest
 import synthetic
 from stem_runner import Make, stem_runner
 
-from analysis import cliffs, command, load, style
-from analysis.cliffs import FAMILIES
+from analysis.shared import command, load, style
+from analysis.stability import cliffs
+from analysis.stability.cliffs import FAMILIES
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "experiments" / "stability"

@@ -10,13 +10,14 @@ import pytest
 import synthetic
 from synthetic import ResultFile, spread
 
-from analysis import load, schema
-from analysis.program import program
+from analysis import schema
+from analysis.shared import load
+from analysis.shared.program import program
 
 
 
 def test_columns_follow_from_the_program() -> None:
-    """analysis/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
+    """analysis/shared/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
     if not program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()

@@ -9,7 +9,7 @@ import pytest
 from stem_runner import Make, stem_runner
 from synthetic import NAN, ResultFile, spread, without_bounds
 
-from analysis import style
+from analysis.shared import style
 
 
 @pytest.fixture()

@@ -12,10 +12,11 @@ import pytest
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile, without_bounds
 
-from analysis import over_pairs, sacht2024_fig2, sacht2024_fig10
-from analysis.load import load
-from analysis.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, share_near, shared_wins, wins_more
-from analysis.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+from analysis.sacht2024 import sacht2024_fig10, sacht2024_fig2
+from analysis.shared import over_pairs
+from analysis.shared.load import load
+from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, share_near, shared_wins, wins_more
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 
 @pytest.fixture()

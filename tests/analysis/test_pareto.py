@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from synthetic import ResultFile
 
-from analysis import load, pareto
+from analysis import pareto
+from analysis.shared import load
 
 
 def cell(file: ResultFile, scene: str, own: tuple[float, float], rival: tuple[float, float], spread: float = 0.01, certified: int = 1) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from pathlib import Path
 
@@ -13,9 +14,11 @@ from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 from synthetic_sacht import TIE, Ratio, Tie, size_of
 
-from analysis import command, mesh_picture, sacht2024_fig1, sacht2024_fig11, sacht_limits
-from analysis.mesh_picture import Mesh
-from analysis.statistics import exact
+from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
+from analysis.shared import command, mesh_picture
+from analysis.shared.mesh_picture import Mesh
+from analysis.shared.statistics import exact
+from analysis.shared.stems import module_of
 
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TETRAHEDRON = Mesh(CORNERS, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
@@ -259,7 +262,7 @@ def test_pictures_need_fields(stem: str, tmp_path: Path, capsys: pytest.CaptureF
     file = ResultFile(stem)
     file.case("sacht", "x", [0.1], lower=0.5, upper=0.5)
     file.write(tmp_path)
-    module = {"sacht2024_fig1": sacht2024_fig1, "sacht2024_fig11": sacht2024_fig11}.get(stem) or __import__(f"analysis.{stem}", fromlist=["make"])
+    module = {"sacht2024_fig1": sacht2024_fig1, "sacht2024_fig11": sacht2024_fig11}.get(stem) or importlib.import_module(module_of(stem))
     assert command.main(stem, module.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert f"make {stem}" in error and len(error.splitlines()) == 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from analysis.statistics import (
+from analysis.shared.statistics import (
     Estimate,
     by_round,
     coverage_of_rank,

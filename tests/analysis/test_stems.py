@@ -15,8 +15,11 @@ import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
 
-from analysis import command, error_vs_time, load, style, zhang2017_table3
-from analysis.statistics import median
+from analysis.shared import command, load, style
+from analysis.stability import error_vs_time
+from analysis.zhang2017 import zhang2017_table3
+from analysis.shared.statistics import median
+from analysis.shared.stems import module_of
 
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
@@ -213,7 +216,7 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     path = STEMS[stem]().write(tmp_path)
     before = path.read_bytes()
     path.chmod(0o444)
-    done = subprocess.run([sys.executable, "-m", f"analysis.{stem}", "--results", str(tmp_path),
+    done = subprocess.run([sys.executable, "-m", module_of(stem), "--results", str(tmp_path),
                            "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     written = [Path(line) for line in done.stdout.splitlines()]
@@ -224,7 +227,7 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_command_line_without_results(stem: str, tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", f"analysis.{stem}", "--results", str(tmp_path)], cwd=ROOT,
+    done = subprocess.run([sys.executable, "-m", module_of(stem), "--results", str(tmp_path)], cwd=ROOT,
                           capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr == f"{tmp_path / stem}.h5: no such file: measure it with 'make {stem}'\n"

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from analysis import style
+from analysis.shared import style
 
 
 def test_no_two_solvers_look_alike() -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from analysis import tables
-from analysis.statistics import NO_DATA, Estimate, exact, median
+from analysis.shared import tables
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median
 
 
 @pytest.mark.parametrize(("x", "text"), [

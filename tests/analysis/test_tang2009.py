@@ -13,8 +13,9 @@ from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 from synthetic_tang import motion
 
-from analysis import load, mesh_picture, tang_pictures
-from analysis.mesh_picture import Mesh
+from analysis.shared import load, mesh_picture
+from analysis.tang2009 import tang_pictures
+from analysis.shared.mesh_picture import Mesh
 
 PAIRS = tuple(f"pair {i}" for i in range(6))
 COLD = ("tang", "cover")

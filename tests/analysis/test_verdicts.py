@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from analysis import verdicts
-from analysis.statistics import NO_DATA, Estimate, exact, one_draw, paired_ratio
-from analysis.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
+from analysis.shared import verdicts
+from analysis.shared.statistics import NO_DATA, Estimate, exact, one_draw, paired_ratio
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
 
 
 def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from analysis import tables, winners
-from analysis.statistics import median
+from analysis import winners
+from analysis.shared import tables
+from analysis.shared.statistics import median
 
 TABLE3 = """## zhang2017_table3
 

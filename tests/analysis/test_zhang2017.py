@@ -13,8 +13,9 @@ import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis import cells, load, points, zhang2017_as_printed, zhang2017_fig12, zhang2017_steps
-from analysis.zhang_motion import Motion
+from analysis.shared import cells, load, points
+from analysis.zhang2017 import zhang2017_as_printed, zhang2017_fig12, zhang2017_steps
+from analysis.zhang2017.zhang_motion import Motion
 
 
 @pytest.fixture()

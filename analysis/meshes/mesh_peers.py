@@ -1,0 +1,203 @@
+"""Mesh solvers beside CGAL, pair by pair: times with preparation, how many times as fast each is, and memory."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import scipy.stats
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import Cell, clock_note, compare
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
+from analysis.shared.verdicts import FAILS, OPEN, Verdict, above_one, everywhere
+
+STEM: Final = "mesh_peers"
+PEER: Final = "cgal"
+AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
+LARGE: Final = {"cover": 30_000}  # triangles of A and B, of the pairs that count for that mean, where not all do
+EVERYWHERE: Final = {"cover": 5}  # times as fast as CGAL, on every pair
+
+
+Pair = tuple[Cell, Cell]  # CGAL, and the solver
+
+
+def ratio(pair: Pair) -> Estimate:
+    """How many times as long CGAL takes. Where it did not end its time limit stands for its time: a lower bound."""
+    peer, own = pair
+    if peer.failures and comparable(pair):
+        return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
+    return compare(peer, own)
+
+
+def identical(results: Results, scene: str) -> bool:
+    """A mesh and itself, which is not in the means: CGAL matches faces."""
+    row = int(results.rows(scene=scene)[0])
+    return bool(results.cases.source[row] == results.cases.target[row])
+
+
+def limit_of(cell: Cell) -> float:
+    return float(cell.results.cases.case_seconds_limit[cell.cases[0]])
+
+
+def comparable(pair: Pair) -> bool:
+    """The solver answered, and CGAL did or was stopped at its limit: what it ran out of otherwise says nothing of its time."""
+    peer, own = pair
+    return not own.failures and peer.failures.keys() <= {"timeout"}
+
+
+def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
+    """The geometric mean over pairs, round by round: the unit of its interval is the round."""
+    rounds = set.intersection(*[set(own.times) for _, own in pairs]) if pairs else set()
+
+    def means(side: int) -> dict[int, float]:
+        return {number: float(scipy.stats.gmean([pair[side].times.get(number, limit_of(pair[0])) for pair in pairs]))
+                for number in rounds}
+
+    return ratio_by_round(means(0), means(1))
+
+
+def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
+    title, aim = style.look(label).title, AIMS[label]
+    claim = f"{title} is {f'at least {aim} times as' if aim > 1 else 'as'} fast as CGAL in geometric mean"
+    if label in LARGE:
+        claim += f" over pairs of {LARGE[label]:,} triangles and more"
+        pairs = [pair for pair in pairs if size_of(pair[0]) >= LARGE[label]]
+    answered = [pair for pair in pairs if comparable(pair)]
+    mean = mean_ratio(answered)
+    scaled = replace(mean, value=mean.value / aim, low=mean.low / aim, high=mean.high / aim)
+    verdict = above_one(claim, scaled)
+    lost = sum(not peer.failures for peer, own in pairs if own.failures)
+    if mean.n:
+        verdict = replace(verdict, evidence=f"{tables.estimate(mean)} times over {len(answered)} pairs")
+    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # its limit is the least that it takes: the mean may be larger
+        verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
+                          evidence=f"{verdict.evidence}, at the least: CGAL did not end on {stopped}")
+    if lost:
+        verdict = replace(verdict, outcome=OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
+    return verdict
+
+
+def size_of(cell: Cell) -> float:
+    cases, row = cell.results.cases, cell.cases[0]
+    return float(cases.source_elements[row] + cases.target_elements[row])
+
+
+def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
+    """Of every pair, round by round. Where CGAL was stopped its limit stands for its time: that can confirm, and refutes nothing."""
+    aim = EVERYWHERE[label]
+
+    def over_aim(pair: Pair) -> Estimate:
+        peer, own = pair
+        if not comparable(pair):
+            return NO_DATA
+        stopped = bool(peer.failures)
+        times = {number: limit_of(peer) if stopped else peer.times[number] for number in own.times if stopped or number in peer.times}
+        found = ratio_by_round({number: seconds / aim for number, seconds in times.items()}, own.times)
+        return NO_DATA if stopped and not found.low > 1 else found
+
+    ratios = [over_aim(pair) for pair in pairs]
+    verdict = everywhere(f"{style.look(label).title} is at least {aim} times as fast as CGAL on every pair", ratios)
+    known = [aim * x.value for x in ratios if x.n]
+    spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
+    return replace(verdict, evidence=spread + verdict.evidence)
+
+
+def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:
+    """How many times as long another solver takes in geometric mean, as a note; none where no pair has both."""
+    both = [(cells[scene, other], cells[scene, label]) for scene in scenes if {(scene, other), (scene, label)} <= cells.keys()]
+    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
+    if not answered:
+        return []
+    return [f"{style.look(other).title} takes {tables.estimate(mean_ratio(answered))} times as long as {style.look(label).title} "
+            f"in geometric mean over the {len(answered)} pairs that both answered."]
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases = results.cases
+    scenes = [str(scene) for scene in results.in_order("scene")]
+    labels = style.order(zip(cases.solver, cases.label))
+    cells = {(scene, label): Cell(results, [int(row) for row in rows]) for scene in scenes for _, label in labels
+             if len(rows := results.rows(scene=scene, label=label))}
+    table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory beside the shapes, "
+                         f"MiB. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
+                         ["pair", "triangles", "h / diagonal", "", *[style.look(*pair).title for pair in labels]], left=4)
+    records: list[tables.Record] = []
+    for scene in scenes:
+        row = int(results.rows(scene=scene)[0])
+        peer = cells.get((scene, PEER))
+        own = [cells.get((scene, label)) for _, label in labels]
+        ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
+        h = best_lower([cell for cell in own if cell]) / float(cases.source_diagonal[row])
+        table.rules.add(len(table.rows))
+        table.rows.append([scene, f"{cases.source_elements[row]:,} → {cases.target_elements[row]:,}", tables.number(h), "ms",
+                           *[cell.text(1000) if cell else tables.NOTHING for cell in own]])
+        at_least = "≥ " if peer and peer.failures else ""
+        table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + tables.estimate(x) for x in ratios]])
+        table.rows.append(["", "", "", "MiB", *[tables.number(cell.peak / 2**20) if cell else tables.NOTHING for cell in own]])
+        if cases.scene_note[row]:
+            table.notes.append(f"{scene}: {cases.scene_note[row]}.")
+        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), "n": cell.time.n,
+                     "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+                     "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value,
+                     "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
+                    for (solver, label), cell, x in zip(labels, own, ratios) if cell]
+    pairs = {label: [(cells[scene, PEER], cells[scene, label]) for scene in scenes
+                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= cells.keys()]
+             for _, label in labels if label != PEER}
+    answered = {label: [pair for pair in known if comparable(pair)] for label, known in pairs.items()}
+    table.rules.add(len(table.rows))
+    table.rows.append(["geometric mean", "", "", "times",
+                       *[tables.estimate(mean_ratio(answered[label])) if label in answered else "" for _, label in labels]])
+    counted = ", ".join(f"{style.look(label).title} {len(found)}" for label, found in answered.items())
+    table.notes += [
+        f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
+        f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥).",
+        *[judge(label, pairs[label]).line() for label in AIMS if label in pairs],
+        *[judge_each(label, pairs[label]).line() for label in EVERYWHERE if label in pairs],
+        *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
+        tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
+    return (tables.save(table, records, out, STEM)
+            + style.save(draw(scenes, labels, cells), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
+
+
+def best_lower(cells: Sequence[Cell]) -> float:
+    """The largest proven lower bound of the pair."""
+    return max((cell.interval[0] for cell in cells if not math.isnan(cell.interval[0])), default=math.nan)
+
+
+def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
+    """One line a pair, one mark a solver; those that did not end stand right of the frame, with the letter why."""
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.19 * len(scenes)))
+    for i, scene in enumerate(scenes):
+        ax.axhline(i, color="#EEEEEE", linewidth=0.5, zorder=0)
+        failed = 0
+        for solver, label in labels:
+            cell, looks = cells.get((scene, label)), style.look(solver, label)
+            if cell and cell.time.n:
+                ax.plot(cell.time.value, i, **style.filled_marker(looks))
+            elif cell:
+                at = 1.03 + 0.09 * failed
+                failed += 1
+                status = cell.failures.most_common(1)[0][0]
+                ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks))
+                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(status, "?"), transform=ax.get_yaxis_transform(),
+                        va="center", fontsize=6, color="#333333")
+    known = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
+    ax.set_xscale("log")
+    ax.set_xlim(min(known) / 2, max(known) * 2)
+    ax.set_ylim(len(scenes) - 0.5, -0.5)
+    ax.set_yticks(range(len(scenes)), scenes)
+    ax.set_xlabel("time to prepare and solve (s)")
+    style.legend_above(figure, style.handles(labels, lines=False))
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,129 @@
+"""Our solver for point sets beside the best of the others, workload by workload: times with preparation, and memory."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import scipy.stats
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import clock_note
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
+
+STEM = "points_speed"
+OURS = "scan"
+TITLES = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}
+
+
+class Cell:
+    """One solver on one workload."""
+
+    def __init__(self, results: Results, row: int) -> None:
+        cases = results.cases
+        self.row, self.status = row, str(cases.status[row])
+        self.reported = not math.isnan(cases.reported_seconds[row])  # a program outside, by its own clock
+        self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
+        self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
+        peak = int(cases.peak_bytes[row])
+        self.mebibytes = peak / 2**20 if peak >= 0 and self.status == "ok" else math.nan
+
+    def text(self) -> str:
+        if self.status != "ok":
+            return style.STATUS_WORDS.get(self.status, self.status)
+        return tables.estimate(self.time, 1000)
+
+
+def title_of(solver: str, label: str) -> str:
+    return TITLES.get(label, style.look(solver, label).title)
+
+
+def ratio(other: Cell, ours: Cell) -> Estimate:
+    """How many times as long the other takes; paired by round where both have rounds."""
+    paired = ratio_by_round(other.rounds, ours.rounds)
+    return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(ours.rounds.values()))
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases = results.cases
+    scenes = [str(scene) for scene in results.in_order("scene")]
+    labels = style.order(zip(cases.solver, cases.label))
+    cells = {(scene, label): Cell(results, int(rows[0])) for scene in scenes for _, label in labels
+             if len(rows := results.rows(scene=scene, label=label))}
+    titles = [title_of(*pair) for pair in labels]
+    table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, and below it the "
+                         "peak memory, MiB.", ["workload", "", *titles, "best other / ours"], left=2)
+    records: list[tables.Record] = []
+    ratios: list[float] = []
+    for scene in scenes:
+        own = [cells.get((scene, label)) for _, label in labels]
+        ours = cells.get((scene, OURS))
+        rivals = [cell for (_, label), cell in zip(labels, own) if label != OURS and cell and cell.time.n]
+        best = min(rivals, key=lambda cell: cell.time.value, default=None)
+        speedup = ratio(best, ours) if best and ours and ours.time.n else NO_DATA
+        if speedup.n:
+            ratios.append(speedup.value)
+        table.rules.add(len(table.rows))
+        table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else tables.NOTHING for cell in own],
+                           tables.ratio(speedup)])
+        table.rows.append(["", "MiB", *[tables.number(cell.mebibytes) if cell else tables.NOTHING for cell in own], ""])
+        first = int(results.rows(scene=scene)[0])
+        table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
+                           f"{cases.target_elements[first]:,} points.")
+        for (solver, label), cell in zip(labels, own):
+            if cell:
+                records.append({
+                    "scene": scene, "solver": solver, "label": label, "status": cell.status, "n": cell.time.n,
+                    "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+                    "prepare_seconds": results.prepare_seconds(cell.row) if not cell.reported else math.nan,
+                    "peak_bytes": int(cases.peak_bytes[cell.row]), "lower": float(cases.lower[cell.row]),
+                    "upper": float(cases.upper[cell.row]), "best_other_over_ours": speedup.value})
+    mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(ratios, default=math.nan)
+    table.rules.add(len(table.rows))
+    table.rows.append(["geometric mean", "", *[""] * len(labels), tables.number(mean)])
+    table.notes += [
+        f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of "
+        f"{len(scenes)} workloads. Solvers that did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are "
+        "left out of it: they took longer.",
+        tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results)
+        + " SciPy: by its own clock, without starting Python and reading files; its memory is "
+        "that of the whole process, Python included.",
+        f"{machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
+    """One line a workload, one mark a solver; those that did not end are right of the frame, with the letter why."""
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.2 * len(scenes)))
+    looks = {label: style.Look(title_of(solver, label), look.colour, look.marker) for solver, label in labels
+             for look in [style.look(solver, label)]}
+    for i, scene in enumerate(scenes):
+        failed = 0
+        for _, label in labels:
+            cell = cells.get((scene, label))
+            if cell and cell.time.n:
+                ax.plot(cell.time.value, i, **style.filled_marker(looks[label]))
+            elif cell:
+                at = 1.03 + 0.09 * failed
+                failed += 1
+                ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks[label]))
+                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(cell.status, "?"), transform=ax.get_yaxis_transform(),
+                        va="center", fontsize=6, color="#333333")
+    known = [cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)] or [1.0]
+    ax.set_xscale("log")
+    ax.set_xlim(min(known) / 2, max(known) * 4)
+    ax.set_ylim(len(scenes) - 0.5, -0.5)
+    ax.set_yticks(range(len(scenes)), map(style.scene_title, scenes))
+    ax.set_xlabel("time to prepare and solve (s)")
+    style.legend_above(figure, [plt.Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
+                                for _, label in labels], columns=2)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

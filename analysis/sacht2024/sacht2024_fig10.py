@@ -1,0 +1,186 @@
+"""Fig. 10 of Sacht and Jacobson 2024: which order of their four upper bounds is the fastest, a mesh against itself meshed again."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.over_pairs import Wins, share_near, shared_wins, wins_more
+from analysis.shared.verdicts import Verdict
+
+STEM = "sacht2024_fig10"
+# What the paper draws, in its words: the seven worst, two in between, the ten best, from the worst to the best.
+DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
+                "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
+SINGLE: Final = ("1", "2", "3", "4")
+BEST, SOLVED = "1234", 0.753
+WITHIN = 0.1  # of the share of pairs that are solved
+NEVER_RAN = ("skipped", "failed", "not_built")
+
+
+class Orders:
+    """What each order took on each pair. Pairs that no order solved have no winner, as in the paper."""
+
+    def __init__(self, results: Results) -> None:
+        self.results, cases = results, results.cases
+        rows: dict[str, dict[str, int]] = {}
+        self.lost: dict[str, str] = {}  # pairs without a model, and why
+        for row in range(len(cases)):
+            scene = str(cases.scene[row])
+            if cases.status[row] in NEVER_RAN:
+                self.lost[scene] = str(cases.reason[row]) or str(cases.status[row])
+            else:
+                rows.setdefault(str(results.options(row).get("order", BEST)), {})[scene] = row
+        self.scenes = [s for s in map(str, results.in_order("scene")) if s not in self.lost]
+        known = [order for order in DRAWN if order in rows]
+        self.orders = [*sorted(rows.keys() - set(known), key=lambda order: (len(order), order)), *known]
+        self.cells = {(order, scene): Cell(results, [row]) for order, of in rows.items() for scene, row in of.items()}
+        self.solved = [scene for scene in self.scenes if any(self.ends(order, scene) for order in self.orders)]
+        self.wins = {what: self.shared(self.orders, what) for what in ("", *MEASURES)}
+
+    def ends(self, order: str, scene: str) -> bool:
+        cell = self.cells.get((order, scene))
+        return cell is not None and not cell.failures
+
+    def cost(self, order: str, scene: str, what: str) -> float:
+        """Time, or what is named in MEASURES; NaN where it did not come to the tolerance."""
+        cell = self.cells.get((order, scene))
+        return np.nan if cell is None else cell.count(MEASURES[what]) if what else cell.time.value
+
+    def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
+        """Who wins among these, on each pair that some order solves."""
+        return shared_wins({order: [self.cost(order, scene, what) for scene in self.solved]
+                            for order in orders if order in self.orders})
+
+    def stopped(self, order: str, status: str) -> int:
+        return sum(cell.failures[status] for (o, _), cell in self.cells.items() if o == order)
+
+    def count(self, order: str, what: str = "") -> int:
+        return int(self.wins[what][order].sum())
+
+    def percent(self, order: str, what: str = "") -> float:
+        return 100 * self.count(order, what) / len(self.solved) if self.solved else np.nan
+
+    def of(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
+        return {order: self.wins[what][order] for order in orders if order in self.wins[what]} if self.solved else {}
+
+
+def verdicts(found: Orders) -> list[Verdict]:
+    """The first three in time and in counted work."""
+    def more(claim: str, ahead: Iterable[str], behind: Iterable[str]) -> Verdict:
+        ahead, behind = list(ahead), list(behind)
+        by = {what: wins_more(claim, found.of(ahead, what), found.of(behind, what)) for what in ("", *MEASURES)}
+        return by.pop("").with_counts(by)
+
+    def alone(claim: str, ahead: list[str], behind: list[str]) -> Verdict:
+        wins = {what: found.shared(SINGLE, what) for what in ("", *MEASURES)}
+        by = {what: wins_more(claim, {o: of[o] for o in ahead if o in of}, {o: of[o] for o in behind if o in of})
+              for what, of in wins.items()}
+        return by.pop("").with_counts(by)
+
+    with_u3 = [order for order in found.orders if "3" in order]
+    return [
+        more("the order 1234 has the most shared wins", [BEST], [order for order in found.orders if order != BEST]),
+        more("u1, u2 and u4 alone are the worst: every order with u3 has more shared wins", with_u3, ["1", "2", "4"]),
+        alone("the best bound alone is u3: it has more shared wins among the four", ["3"], ["1", "2", "4"]),
+        share_near("with m = 1e3 some order solves 75.3 % of the pairs", len(found.solved), len(found.scenes), SOLVED, WITHIN),
+    ]
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    found = Orders(results)
+    word = clock_word(results)
+    table = tables.Table(
+        "Shared wins of the orders of u1 to u4: pairs on which an order takes at most 105 % of the least, of those that some order "
+        f"solves ({len(found.solved)} of {len(found.scenes)}); A is a mesh, B the same meshed again, as in Fig. 10 of Sacht and "
+        "Jacobson 2024.",
+        ["order", "solves, %", "m spent", "at the limit", f"wins in {word}, %", *[f"in {what}, %" for what in MEASURES],
+         "in the paper"])
+    ranked = sorted(found.orders, key=lambda order: (-found.count(order), -found.count(order, list(MEASURES)[-1])))
+    for order in ranked:
+        ended = sum(found.ends(order, scene) for scene in found.solved)
+        table.rows.append([order, tables.number(100 * ended / len(found.solved)) if found.solved else tables.NOTHING,
+                           str(found.stopped(order, "budget")), str(found.stopped(order, "timeout")),
+                           *[tables.number(found.percent(order, what)) for what in ("", *MEASURES)], place(order)])
+    limits = sorted({float(x) for x in results.cases.case_seconds_limit})
+    table.notes = [*[verdict.line() for verdict in verdicts(found)],
+                   f"{len(found.orders)} of 64 orders were run; the paper draws 19. Each may make 1000 pieces for each triangle of A, and has "
+                   f"{' or '.join(f'{x:g}' for x in limits)} s; the gap is 1e-8 of the diagonal of A.",
+                   "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's isotropic remeshing, with edges of "
+                   "1 % of the diagonal, for TetWild.",
+                   "Time is that of preparing and the first answer, one round (n = 1) for each case: times that differ by less than noise share "
+                   "or lose a win by chance, and counted work does not. " + clock_note(results),
+                   *lost_note(found), f"Here: {machine_line(results)}."]
+    records: list[tables.Record] = [
+        {"scene": scene, "order": order, "status": cell.status(), "n": cell.time.n, "seconds": cell.time.value,
+         **{f"wins: {what or 'time'}": int(found.wins[what][order][found.solved.index(scene)]) if scene in found.solved else 0
+            for what in ("", *MEASURES)}, **cell.counters}
+        for (order, scene), cell in found.cells.items()]
+    records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
+    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+
+
+def place(order: str) -> str:
+    """Where the paper has it: it prints a picture, and names these."""
+    if order not in DRAWN:
+        return tables.NOTHING
+    at = DRAWN.index(order)
+    return "among the 7 worst" if at < 7 else "in between" if at < 9 else "best" if order == BEST else "among the 10 best"
+
+
+def lost_note(found: Orders) -> list[str]:
+    if not found.lost:
+        return []
+    scene, why = next(iter(found.lost.items()))
+    return [f"{len(found.lost)} pairs have no rows with an answer ({scene}: {why})."]
+
+
+def draw(found: Orders) -> Any:
+    """Bars as in the paper, of the orders that it draws and the best one here: shared wins in time, and in counted work."""
+    work = list(MEASURES)[-1]
+    drawn = [order for order in DRAWN if order in found.orders]
+    for what in ("", work):
+        most = max((found.count(order, what) for order in drawn), default=-1)
+        best = max(found.orders, key=lambda order: found.count(order, what), default="")
+        if best and best not in drawn and found.count(best, what) > most:
+            drawn.append(best)
+    figure, axes = plt.subplots(2, 1, sharex=True, sharey=True, figsize=(style.DOUBLE_COLUMN, 3.4))
+    x = np.arange(len(drawn))
+    colours = ["#E69F00" if "3" in order else "#999999" for order in drawn]
+    ended = [100 * sum(found.ends(order, scene) for scene in found.solved) / max(1, len(found.solved)) for order in drawn]
+    for ax, what, name in zip(axes, ("", work), (clock_word(found.results), work)):
+        ax.bar(x, ended, width=0.78, facecolor="none", edgecolor=style.GREY, linewidth=0.6)
+        ax.bar(x, [found.percent(order, what) if found.solved else 0.0 for order in drawn], width=0.78, color=colours, zorder=2)
+        for i, order in enumerate(drawn):
+            ax.text(i, (found.percent(order, what) if found.solved else 0.0) + 1.5, tables.number(found.percent(order, what), 2), ha="center",
+                    fontsize=6, color="#333333", zorder=3)
+        ax.set_ylim(0, 108)
+        ax.set_ylabel("pairs (%)")
+        ax.set_title(f"shared wins in {name}", fontsize=8)
+        ax.grid(False, axis="x")
+        for edge in (7, 9, len(DRAWN)):  # the paper's worst, those in between, its best, ours
+            if edge < len(drawn) and drawn[:len(DRAWN)] == list(DRAWN):
+                ax.axvline(edge - 0.5, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    axes[1].set_xticks(x, drawn)
+    axes[1].tick_params(axis="x", length=0)
+    axes[1].set_xlim(-0.6, len(drawn) - 0.4)
+    more = len(drawn) - sum(order in DRAWN for order in drawn)
+    axes[1].set_xlabel("order of the bounds, from the paper's worst (left) to its best" + "; then the best here" * (more > 0))
+    patch = plt.Rectangle
+    entries = [patch((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),
+               patch((0, 0), 1, 1, color="#999999", label="wins, one without u3"),
+               patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
+    style.legend_above(figure, entries, columns=3)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

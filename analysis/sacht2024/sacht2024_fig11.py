@@ -1,0 +1,127 @@
+"""Fig. 11 of Sacht and Jacobson 2024: the upper bound that was computed last for each triangle of A, on the mesh."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Patch
+
+from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
+
+STEM = "sacht2024_fig11"
+NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
+THIN: Final = 0.1
+COLOURS: Final = ("#999999", "#0072B2", "#56B4E9", "#E69F00", "#D55E00")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One pair with fields."""
+
+    scene: str
+    case: int
+    last: Any  # of each triangle of A, an index into NAMES
+
+    @property
+    def counts(self) -> list[int]:
+        return [int((self.last == k).sum()) for k in range(len(NAMES))]
+
+    @property
+    def shares(self) -> list[float]:
+        return [count / max(1, len(self.last)) for count in self.counts]
+
+
+def collect(results: Results) -> list[Shown]:
+    cases, found = results.cases, list[Shown]()
+    for case in range(len(cases)):
+        fields = results.fields_of(case)
+        if cases.solver[case] == "sacht" and results.is_bounded(case) and "bound" in fields:
+            found.append(Shown(str(cases.scene[case]), case, fields["bound"].astype(np.int64)))
+    if not found:
+        raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {STEM}'")
+    return found
+
+
+def verdicts(pairs: list[Shown]) -> list[Verdict]:
+    """Of each pair. These are counts, so there is nothing to test."""
+    found = []
+    for pair in pairs:
+        counts, n = pair.counts, len(pair.last)
+        said = ", ".join(f"{name} {tables.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares))
+        unused = [name for name, count in zip(NAMES, counts) if not count]
+        used = all_of(f"{pair.scene}: all bounds are used", len(unused), len(NAMES), len(NAMES), f"bounds, of {n:,} triangles")
+        # The exact case and u1 are the two least where each settles less than every other.
+        more = [name for name, count in zip(NAMES[2:], counts[2:]) if count <= max(counts[:2])]
+        least = all_of(f"{pair.scene}: the exact case and u1 settle the fewest triangles", len(more), 3, 3, f"other bounds: {said}")
+        found += [used, least]
+    return found
+
+
+def thin(pair: Shown, a: mesh_picture.Mesh) -> Verdict:
+    """The bound that most of the thinnest triangles of A end with: of those whose height is below THIN of their longest edge."""
+    sides = a.corners[a.triangles]
+    edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
+    chosen = pair.last[area < THIN * edges * edges]  # twice the area is height times edge
+    claim = f"{pair.scene}: u4 is the most used on very thin triangles"
+    if not len(chosen):
+        return Verdict(claim, UNTESTED, "no thin triangles")
+    counts = [int((chosen == k).sum()) for k in range(len(NAMES))]
+    said = ", ".join(f"{name} {count}" for name, count in zip(NAMES, counts))
+    return Verdict(claim, HOLDS if counts[4] > max(counts[:4]) else FAILS, f"of {len(chosen)} triangles of a height below {THIN:g} of their "
+                   f"longest edge: {said}")
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    pairs, cases = collect(results), results.cases
+    table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
+                         "Fig. 11 of Sacht and Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
+    for pair in pairs:
+        low, high = results.reference_of(pair.case)
+        table.rows.append([pair.scene, f"{cases.source_elements[pair.case]:,} / {cases.target_elements[pair.case]:,}",
+                           tables.number(50 * (low + high) / float(cases.source_diagonal[pair.case])),
+                           f"{cases.counters['subdivisions'][pair.case]:,}", *[tables.number(100 * share) for share in pair.shares]])
+    records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
+                                    for name, count, share in zip(NAMES, pair.counts, pair.shares)]
+    table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
+                   *[thin(pair, mesh_picture.mesh(str(cases.source[pair.case]))).line() for pair in pairs],
+                   "Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed where "
+                   "those before it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints "
+                   "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles.",
+                   *[f"{pair.scene}: {cases.scene_note[pair.case]}." for pair in pairs],
+                   f"Tolerance {cases.tolerance[pairs[0].case]:g} of the diagonal of A. Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, pairs), out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(results: Results, pairs: list[Shown]) -> Any:
+    """A coloured, B beside it."""
+    figure, axes = plt.subplots(len(pairs), 2, figsize=(style.DOUBLE_COLUMN, 0.5 + 2.7 * len(pairs)), squeeze=False)
+    palette = np.array([to_rgba(colour) for colour in COLOURS])
+    for (left, right), pair in zip(axes, pairs):
+        source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
+        eye, a = mesh_picture.view_of(source), mesh_picture.mesh(source)
+        mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed)
+        b = mesh_picture.mesh(target)
+        mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
+        witness = eye.seen(results.cases.witness_source[pair.case])
+        left.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
+        left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles\n"
+                       + ", ".join(f"{name} {tables.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares)))
+        right.set_title(f"B: {results.cases.target_elements[pair.case]:,} triangles")
+    entries = [*[Patch(facecolor=colour, label=name) for name, colour in zip(NAMES, COLOURS)],
+               plt.Line2D([], [], linestyle="none", marker="o", markersize=6, markerfacecolor="none", markeredgecolor="black",
+                          label="the farthest point found")]
+    style.legend_above(figure, entries, columns=6)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

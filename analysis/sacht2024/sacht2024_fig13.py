@@ -1,0 +1,229 @@
+"""Fig. 13 of Sacht and Jacobson 2024: time to reach each tolerance, averaged over four near-zero pairs of meshes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import MEASURES, clock_note, clock_title
+from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.verdicts import Verdict, everywhere
+
+STEM = "sacht2024_fig13"
+TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # of the diagonal of A
+RIVALS = ("kang", "zheng")
+
+
+@dataclass(frozen=True)
+class Reach:
+    """When one solver, on one pair, first proved a gap within the tolerance. NaN: never, within the limits."""
+
+    seconds: float
+    read_from: str  # "trace", "case", or why it was not reached
+    by_round: dict[int, float] = field(default_factory=dict)  # one round where it was read off a trace
+    work: dict[str, int] = field(default_factory=dict)  # by MEASURES; not of a trace
+
+
+def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
+    """From the trace of the finest run; where the solver offers none, from the run that asked for this tolerance."""
+    cases = results.cases
+    rows = [int(r) for r in results.rows(scene=scene, label=label)
+            if cases.status[r] != "unsound" and cases.tolerance_of[r] == "diagonal"]
+    traced = [r for r in rows if cases.trace_end[r] > cases.trace_begin[r]]
+    if traced:
+        finest = min(traced, key=lambda r: float(cases.tolerance[r]))
+        trace = results.trace_of(finest)
+        hits = np.flatnonzero(trace.upper - trace.lower <= tolerance * cases.source_diagonal[finest])
+        if len(hits):
+            seconds = results.prepare_seconds(finest) + float(trace.seconds[hits[0]])
+            return Reach(seconds, "trace", {0: seconds})
+        return Reach(np.nan, str(cases.status[finest]) if cases.status[finest] != "ok" else "not asked")
+    asked = [r for r in rows if np.isclose(cases.tolerance[r], tolerance, rtol=1e-9, atol=0)]
+    if not asked:
+        return Reach(np.nan, "not asked" if rows or not len(results.rows(scene=scene, label=label)) else "unsound")
+    if cases.status[asked[0]] != "ok":
+        return Reach(np.nan, str(cases.status[asked[0]]))
+    times = results.total_by_round(asked[0])
+    work = {what: sum(int(cases.counters[name][asked[0]]) for name in names if name in cases.counters)
+            for what, names in MEASURES.items()}
+    return Reach(float(np.median(list(times.values()))), "case", times, work)
+
+
+Found = dict[tuple[str, str, float], Reach]  # by label, scene, tolerance
+
+
+def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dict[int, float]:
+    """The mean over all pairs, by round; empty where a pair was not reached, for a mean is never over fewer pairs than there are."""
+    each = [found[label, scene, t].by_round for scene in scenes if (label, scene, t) in found]
+    if len(each) < len(scenes) or not all(each):
+        return {}
+    return {number: float(np.mean([times[number] for times in each])) for number in each[0]
+            if all(number in times for times in each)}
+
+
+def work_of(found: Found, label: str, scenes: list[str], t: float, what: str) -> float:
+    """The sum over all pairs; NaN where one is missing or counts nothing."""
+    counts = [found[label, scene, t].work.get(what, 0) for scene in scenes if (label, scene, t) in found]
+    return float(sum(counts)) if len(counts) == len(scenes) and all(counts) else np.nan
+
+
+def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
+    """Over the tolerances: the ratio of means over the pairs, by round."""
+    def over(claim: str, ratio: Callable[[float], Estimate]) -> Verdict:
+        return everywhere(claim, [ratio(t) for t in stages], "tolerances")
+
+    stages = [t for t in TOLERANCES if any(reach.read_from != "not asked" for (label, _, asked), reach in found.items()
+                                           if label in ("sacht", *RIVALS) and asked == t)]
+    lines = []
+    for rival in RIVALS:
+        def timed(t: float, rival: str = rival) -> Estimate:
+            slow, fast = (mean_of_rounds(found, label, scenes, t) for label in (rival, "sacht"))
+            return ratio_by_round(slow, fast) if slow and fast else NO_DATA
+
+        def counted(what: str, rival: str = rival) -> Callable[[float], Estimate]:
+            return lambda t: exact(work_of(found, rival, scenes, t, what) / work_of(found, "sacht", scenes, t, what))
+
+        claim = f"Sacht reaches every tolerance in less time than {style.look(rival).title}"
+        lines.append(over(claim, timed).with_counts({what: over(claim, counted(what)) for what in MEASURES}))
+    return lines
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, printed = results.cases, paper_numbers("sacht2024_table2")
+    scenes = results.in_order("scene")
+    labels = style.order(zip(cases.solver, cases.label))
+    found = {(label, scene, t): reach(results, scene, label, t)
+             for _, label in labels for scene in scenes for t in TOLERANCES}
+
+    average = {(label, t): median(list(mean_of_rounds(found, label, scenes, t).values())) for _, label in labels for t in TOLERANCES}
+    reached = {(label, t): sum(np.isfinite(found[label, scene, t].seconds) for scene in scenes)
+               for _, label in labels for t in TOLERANCES}
+    asked = {(label, t) for _, label in labels for t in TOLERANCES
+             if any(found[label, scene, t].read_from != "not asked" for scene in scenes)}
+    paper = {name: float(np.mean([row[name] for row in printed["row"]])) / 1e3 for name in ("kang", "zheng", "sacht")}
+
+    traced = any(reach.read_from == "trace" for reach in found.values())
+    table = tables.Table(
+        f"{'Wall time' if traced else clock_title(results)} in ms (preparation included) until the gap is within a tolerance, relative to "
+        f"the diagonal of A; mean over {len(scenes)} pairs of meshes, as in Fig. 13 of Sacht and Jacobson 2024.",
+        ["solver", *[f"1e-{k}" for k in range(1, 9)], "paper, 1e-8"])
+    for solver, label in labels:
+        row = [tables.NOTHING if (label, t) not in asked else tables.estimate(average[label, t], 1e3) if average[label, t].n
+               else f"{reached[label, t]} of {len(scenes)}" for t in TOLERANCES]
+        table.rows.append([style.look(solver, label).title, *row, tables.number(paper.get(label, np.nan) * 1e3)])
+    table.notes = [
+        *[verdict.line() for verdict in verdicts(found, scenes)],
+        "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
+        + unreached(labels, scenes, found),
+        ("Read from one traced run a pair: the first sample whose gap is within the tolerance, plus the preparation of that run. "
+         "Solvers that offer no trace: the median of the rounds that asked for the tolerance. " + tracing_cost(results)) if traced else
+        ("Each tolerance is asked for on its own. " + tables.coverage_note(average.values()) + " Of each round the mean over the pairs. "
+         + clock_note(results)),
+        "The paper's times include the construction of the BVH. A dash: not asked for.",
+        *[f"{style.scene_title(scene)}: {note}" for scene in scenes
+          if (note := cases.scene_note[results.rows(scene=scene)[0]])],
+        "Paper: means of its Table 2 at 1e-8; Fig. 13 itself prints no numbers. Its pairs: "
+        + ", ".join(row["scene"] for row in printed["row"]) + f"; {printed['machine']}.",
+        f"Here: {machine_line(results)}."]
+    records: list[tables.Record] = [
+        {"solver": solver, "label": label, "scene": scene, "tolerance": t, "seconds": found[label, scene, t].seconds,
+         "read_from": found[label, scene, t].read_from, "pairs_reached": reached[label, t],
+         "mean_seconds": average[label, t].value, "mean_low": average[label, t].low, "mean_high": average[label, t].high,
+         **found[label, scene, t].work,
+         "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
+        for solver, label in labels for scene in scenes for t in TOLERANCES]
+    figure = draw(labels, len(scenes), average, reached, asked, paper)
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+
+
+def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
+    """Why pairs are missing: 'CGAL: crown timeout (1e-7, 1e-8).'"""
+    parts = []
+    for solver, label in labels:
+        why: dict[str, list[str]] = {}
+        for scene in scenes:
+            for k, t in enumerate(TOLERANCES, start=1):
+                reached = found[label, scene, t]
+                if np.isnan(reached.seconds) and reached.read_from != "not asked":
+                    word = style.STATUS_WORDS.get(reached.read_from, reached.read_from)
+                    why.setdefault(f"{scene} {word}", []).append(f"1e-{k}")
+        if why:
+            each = "; ".join(f"{what} ({', '.join(where)})" for what, where in why.items())
+            parts.append(f"{style.look(solver, label).title}: {each}.")
+    return " ".join(parts)
+
+
+def tracing_cost(results: Results) -> str:
+    """How long traced runs took beside timed ones: the trace's last sample over the median solve."""
+    cases, ratios = results.cases, []
+    for case in np.flatnonzero((cases.trace_end > cases.trace_begin) & (cases.status == "ok")):
+        time = median(results.wall_seconds(int(case)))
+        if len(results.repeats_of(int(case))) and time.value > 0:
+            ratios.append(float(results.trace_of(int(case)).seconds[-1]) / time.value)
+    if not ratios:
+        return "What tracing costs is not known from this file."
+    return (f"Traced runs took {tables.number(float(np.median(ratios)))} times as long as timed ones "
+            f"(median of {len(ratios)}; {tables.number(min(ratios))} to {tables.number(max(ratios))}).")
+
+
+def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, float], Estimate],
+         reached: dict[tuple[str, float], int], asked: set[tuple[str, float]], paper: dict[str, float]) -> Any:
+    """Lines where all pairs were reached; above the frame's break, how many were where not all."""
+    missing = [pair for pair in labels if any(reached[pair[1], t] < pairs for t in TOLERANCES if (pair[1], t) in asked)]
+    strip = 0.14 * len(missing)
+    figure, (top, ax) = plt.subplots(2, 1, sharex=True, figsize=(style.SINGLE_COLUMN, 2.75 + strip + 0.05),
+                                     gridspec_kw={"height_ratios": [max(strip, 0.01), 2.3], "hspace": 0.0})
+    for solver, label in labels:
+        looks = style.look(solver, label)
+        drawn = [t for t in TOLERANCES if average[label, t].n]
+        for t in drawn:
+            if average[label, t].has_interval:
+                ax.plot([t, t], [average[label, t].low * 1e3, average[label, t].high * 1e3], color=looks.colour, linewidth=1.2)
+        ax.plot(drawn, [average[label, t].value * 1e3 for t in drawn], zorder=3,
+                **(style.filled_marker(looks) | {"linestyle": looks.line}))
+        if label in paper:
+            ax.plot([TOLERANCES[-1] / 10], [paper[label] * 1e3], **style.open_marker(looks))
+    for row, (solver, label) in enumerate(missing):
+        looks = style.look(solver, label)
+        for t in (t for t in TOLERANCES if reached[label, t] < pairs and (label, t) in asked):
+            top.plot([t * 1.25], [row], **style.open_marker(looks))
+            top.text(t / 1.35, row, f"{reached[label, t]}/{pairs}", fontsize=6, color="#333333", va="center")
+    top.set_ylim(max(len(missing), 1) - 0.5, -0.5)
+    top.set_yticks([(len(missing) - 1) / 2] if missing else [], ["pairs\nreached"] if missing else [])
+    top.tick_params(axis="both", which="both", length=0, labelbottom=False)
+    top.grid(False)
+    top.spines["left"].set_visible(False)
+    top.spines["bottom"].set_visible(False)
+    top.set_facecolor("#F5F5F5" if missing else "none")
+    top.minorticks_off()
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.minorticks_off()
+    if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
+        ax.set_ylim(1, 1e4)
+    ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
+    style.log_ticks(ax.yaxis)
+    powers = [f"$10^{{-{k}}}$" for k in range(1, 9)]
+    if any(label in paper for _, label in labels):
+        ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper"])
+        ax.axvline(TOLERANCES[-1] / 3.2, color=style.GREY, linewidth=0.5, linestyle=(0, (2, 2)))
+    else:
+        ax.set_xticks(TOLERANCES, powers)
+        ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 3.5)
+    ax.set_xlabel("tolerance of the gap / diagonal of A")
+    ax.set_ylabel(f"prepare + solve, mean of {pairs} pairs (ms)")
+    style.legend_above(figure, style.handles(labels))
+    figure.get_layout_engine().set(h_pad=0.02, hspace=0.0)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,132 @@
+"""Fig. 15 of Sacht and Jacobson 2024: a pair of meshes that is nearly the same, on which branch and bound takes long."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
+from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.shared.verdicts import Verdict
+
+STEM: Final = "sacht2024_fig15"
+NEAR: Final = "fandisk"  # the scene that is nearly the same, but has other triangles
+COARSE, FINE = 1e-6, 1e-8
+PAPER_SECONDS: Final = 180.0  # what the paper's program takes longer than, at FINE
+PAPER_LOWER: Final = 8.7054e-8  # l / dA of its pair
+PAPER_UPPER: Final = 1.087053e-6  # u / dA at COARSE
+Rows = dict[tuple[str, str, float], int]
+
+
+def rows_of(results: Results) -> Rows:
+    cases = results.cases
+    return {(str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])): row for row in range(len(cases))}
+
+
+def find(results: Results, rows: Rows, scene: str, label: str, tolerance: float) -> Row | None:
+    return row_of(results, rows[scene, label, tolerance]) if (scene, label, tolerance) in rows else None
+
+
+def verdicts(results: Results, rows: Rows) -> list[Verdict]:
+    fine, coarse = (find(results, rows, NEAR, "sacht", t) for t in (FINE, COARSE))
+    kang = find(results, rows, NEAR, "kang", FINE)
+    zheng = find(results, rows, NEAR, "zheng", FINE)
+
+    def both(claim: str, slow: Row | None, fast: Row | None) -> Verdict:
+        return above(claim, time_ratio(slow, fast), 1).with_counts({what: above(claim, work_ratio(slow, fast, what), 1)
+                                                                    for what in MEASURES})
+
+    long = Bounded() if fine is None else time_ratio(fine, Row("ok", dict.fromkeys(fine.times or {0: 0.0}, PAPER_SECONDS), 0.0, {}))
+    return [above("Sacht takes more than three minutes (the ratio is to these) at 1e-8 on a pair that is nearly the same", long, 1),
+            both("nearly the same: Sacht takes more time at 1e-8 than at 1e-6", fine, coarse),
+            both("nearly the same: Sacht takes less time than Zheng", zheng, fine),
+            both("nearly the same: Sacht takes less time than Kang", kang, fine)]
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, rows = results.cases, rows_of(results)
+    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    tolerances = sorted(results.in_order("tolerance"), reverse=True)
+    table = tables.Table(f"{clock_title(results)} to prepare and solve, ms, on pairs that are nearly the same, and the bounds that were "
+                         "reached (Fig. 15 of Sacht and Jacobson 2024).",
+                         ["pair", "solver", "tolerance", "l / dA", "u / dA", "time", "distances, bounds and nodes", "subdivisions",
+                          "time: 1e-8 / 1e-6"], left=2)
+    records: list[tables.Record] = []
+    for scene in scenes:
+        table.rules.add(len(table.rows))
+        for solver, label in labels:
+            ratio = time_ratio(*[find(results, rows, scene, label, t) for t in (FINE, COARSE)])
+            for t in (t for t in tolerances if (scene, label, t) in rows):
+                row = rows[scene, label, t]
+                found, diagonal = row_of(results, row), float(cases.source_diagonal[row])
+                low, high = float(cases.lower[row]) / diagonal, float(cases.upper[row]) / diagonal
+                work = found.work["distances, bounds and nodes"]
+                table.rows.append([scene, style.look(solver, label).title, f"{t:g}", tables.number(low, 5), tables.number(high, 5),
+                                   found.text(1e3), f"{work:,.0f}" if work else tables.NOTHING,
+                                   f"{cases.counters['subdivisions'][row]:,}" if work else tables.NOTHING,
+                                   ratio.text() if t == FINE else ""])
+                records.append({"scene": scene, "label": label, "tolerance": t, "status": found.status, "lower": low, "upper": high,
+                                "seconds": found.time.value, "low_seconds": found.time.low, "high_seconds": found.time.high,
+                                "stopped_seconds": found.limit, "work": work})
+    table.rows.append(["paper", "Sacht 2024", f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", "Sacht 2024", f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
+    table.notes = [*[verdict.line() for verdict in verdicts(results, rows)], *scene_notes(results),
+                   "Neither pair is the paper's (model 104606 of Thingi10K and its half): they are as near to each other as that, by design.",
+                   "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
+                   + tables.coverage_note(row_of(results, row).time for row in rows.values()) + " " + clock_note(results),
+                   f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]
+    figure = draw(results, rows, labels, tolerances, clock_word(results))
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
+    """A frame for each pair, a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
+    leads on from where a solver was stopped: how far, nobody knows.
+    """
+    scenes = results.in_order("scene")
+    figure, axes = plt.subplots(1, len(scenes), figsize=(style.DOUBLE_COLUMN, 0.9 + 0.28 * len(labels)), sharey=True, squeeze=False)
+    for ax, scene in zip(axes[0], scenes):
+        for y, (solver, label) in enumerate(labels):
+            looks = style.look(solver, label)
+            for k, t in enumerate(tolerances):
+                found = find(results, rows, scene, label, t)
+                if found is None:
+                    continue
+                at = y + 0.24 * (k - 0.5 * (len(tolerances) - 1))
+                marker = style.filled_marker(looks) if t == min(tolerances) else style.open_marker(looks)
+                if found.time.n:
+                    if found.time.has_interval:
+                        ax.plot([1e3 * found.time.low, 1e3 * found.time.high], [at, at], color=looks.colour, linewidth=1.4)
+                    ax.plot(1e3 * found.time.value, at, **marker)
+                elif found.limit:
+                    ax.plot(1e3 * found.limit, at, **(marker | {"marker": ">"}))
+                    ax.annotate("", (0.99, at), (1e3 * found.limit, at), xycoords=("axes fraction", "data"), textcoords="data",
+                                arrowprops={"arrowstyle": "->", "color": looks.colour, "linewidth": 0.7, "linestyle": (0, (1, 2)), "shrinkA": 4})
+                    ax.annotate("stopped", (1e3 * found.limit, at), xytext=(-5, -2), textcoords="offset points", fontsize=6, ha="right",
+                                color="#333333")
+                else:
+                    ax.text(0.98, at, f"{style.STATUS_WORDS.get(found.status, found.status)}, {t:g}", fontsize=6, ha="right", va="center",
+                            transform=ax.get_yaxis_transform(), color="#333333")
+        low, high = results.reference(scene)
+        share = 0.5 * (low + high) / float(results.cases.source_diagonal[results.rows(scene=scene)[0]])
+        ax.set_title(f"{scene}: h / dA = {tables.number(share, 2)}")
+        ax.set_xscale("log")
+        style.log_ticks(ax.xaxis)
+        ax.set_xlabel(f"{clock} to prepare and solve (ms)")
+        ax.tick_params(axis="y", length=0)
+    axes[0][0].set_yticks(range(len(labels)), [style.look(*label).title for label in labels])
+    axes[0][0].set_ylim(len(labels) - 0.5, -0.5)
+    grey = style.Look("", style.GREY, "o")
+    style.legend_above(figure, [plt.Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
+                                                                               else style.open_marker(grey))) for t in tolerances])
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,215 @@
+"""Fig. 2 of Sacht and Jacobson 2024: how many times as fast as Zheng's method theirs is, a mesh against its half."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
+from analysis.shared.statistics import Estimate
+from analysis.shared.verdicts import Verdict
+
+STEM = "sacht2024_fig2"
+FAST, SLOW = "sacht", "zheng"
+PAPER = 16.0  # times as fast, on average
+SIZES = ((0, 1_000), (1_000, 5_000), (5_000, 20_000), (20_000, 10**12))  # triangles of A
+NEVER_RAN = ("skipped", "failed", "not_built")
+
+
+@dataclass(frozen=True)
+class Pair:
+    scene: str
+    triangles: int
+    cells: dict[str, Cell]  # of both solvers
+    limit: float
+
+    def seconds(self, solver: str) -> float:
+        return self.cells[solver].time.value
+
+    def over(self, solver: str) -> bool:
+        """It did not come to the tolerance: it was stopped at the limit, or failed."""
+        return bool(self.cells[solver].failures)
+
+    def late(self, solver: str) -> bool:
+        return bool(self.cells[solver].failures["timeout"])
+
+    @property
+    def both(self) -> bool:
+        return not self.over(FAST) and not self.over(SLOW)
+
+    def ratio(self, what: str = "") -> float:
+        """Of Zheng to Sacht: of times, or of what is named in MEASURES. NaN where one of them has none."""
+        if not self.both:
+            return np.nan
+        pair = self.cells[SLOW], self.cells[FAST]
+        return (compare_work(*pair, MEASURES[what]) if what else compare(*pair)).value
+
+
+class Pairs:
+    def __init__(self, results: Results) -> None:
+        self.results = results
+        self.pairs: list[Pair] = []
+        self.lost: dict[str, str] = {}  # pairs without an answer of both, and why: a model that is not there
+        cases = results.cases
+        for scene in results.in_order("scene"):
+            rows = {solver: [int(r) for r in results.rows(scene=scene, label=solver)] for solver in (FAST, SLOW)}
+            absent = [str(cases.reason[r]) or str(cases.status[r]) for of in rows.values() for r in of
+                      if cases.status[r] in NEVER_RAN]
+            if absent or not all(rows.values()):
+                self.lost[str(scene)] = absent[0] if absent else "one solver was not run"
+                continue
+            first = rows[FAST][0]
+            self.pairs.append(Pair(str(scene), int(cases.source_elements[first]),
+                                   {solver: Cell(results, of) for solver, of in rows.items()},
+                                   float(cases.case_seconds_limit[first])))
+
+    def ratios(self, what: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
+        known = (pair.ratio(what) for pair in (self.pairs if pairs is None else pairs))
+        return [ratio for ratio in known if np.isfinite(ratio) and ratio > 0]
+
+    def over(self, solver: str, pairs: Sequence[Pair] | None = None) -> int:
+        return sum(pair.over(solver) for pair in (self.pairs if pairs is None else pairs))
+
+
+def verdicts(found: Pairs) -> list[Verdict]:
+    """Each in time and in counted work."""
+    def means(claim: str, mean: Any, bar: float, what: str) -> Verdict:
+        by = {measure: mean_at_least(claim, mean(found.ratios(measure)), bar, what) for measure in ("", *MEASURES)}
+        return by.pop("").with_counts(by)
+
+    done = {solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool) for solver in (FAST, SLOW)}
+    return [
+        means("Sacht is faster than Zheng in geometric mean", geometric_mean, 1.0, "geometric mean"),
+        means("Sacht is 16 times as fast as Zheng in geometric mean", geometric_mean, PAPER, "geometric mean"),
+        means("Sacht is 16 times as fast as Zheng in arithmetic mean", arithmetic_mean, PAPER, "arithmetic mean"),
+        wins_more("Sacht ends within the limit on more pairs than Zheng", {"Sacht": done[FAST]}, {"Zheng": done[SLOW]},
+                  "ends on"),
+    ]
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    found = Pairs(results)
+    word = clock_word(results)
+    table = tables.Table(
+        f"{word[0].upper()}{word[1:]} of Zheng over that of Sacht to a gap of 1e-8 of the diagonal of A, by the number of triangles of A; "
+        "A is a mesh, B the same with half of its triangles, as in Fig. 2 of Sacht and Jacobson 2024.",
+        ["triangles of A", "pairs", "not ended: Zheng", "Sacht", "geometric mean", "arithmetic mean", "least",
+         "greatest", "Sacht faster, %", *[f"{what}: geometric mean" for what in MEASURES]])
+    for low, high in (*SIZES, (0, 10**12)):
+        part = [pair for pair in found.pairs if low <= pair.triangles < high]
+        if not part:
+            continue
+        table.rules |= {len(table.rows)} if (low, high) == (0, 10**12) else set()
+        table.rows.append([size_text(low, high), str(len(part)), str(found.over(SLOW, part)), str(found.over(FAST, part)),
+                           *numbers_of(found.ratios("", part)),
+                           *[tables.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES]])
+    table.rows.append(["paper", "9,971", "38", "1", tables.NOTHING, "16 (of which kind it does not say)",
+                       *[tables.NOTHING] * (3 + len(MEASURES))])
+    table.notes = [*[verdict.line() for verdict in verdicts(found)], *notes(found),
+                   "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's "
+                   "decimation. Both solvers are ours, after the papers, with the same kernels and trees: the paper compares two programs.",
+                   "Time is that of preparing and the first answer, the median of " + rounds_text(found) + "; ratios are paired by round. " +
+                   clock_note(results),
+                   f"Here: {machine_line(results)}."]
+    records: list[tables.Record] = [
+        {"scene": pair.scene, "triangles": pair.triangles, "solver": solver, "status": cell.status(), "n": cell.time.n,
+         "seconds": cell.time.value, "ratio": pair.ratio(), **{f"ratio: {what}": pair.ratio(what) for what in MEASURES},
+         **cell.counters}
+        for pair in found.pairs for solver, cell in pair.cells.items()]
+    records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
+    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+
+
+def rounds_text(found: Pairs) -> str:
+    counts = sorted({cell.time.n for pair in found.pairs for cell in pair.cells.values() if cell.time.n})
+    return "no rounds" if not counts else f"n = {' or '.join(map(str, counts))} rounds (fresh processes)"
+
+
+def size_text(low: int, high: int) -> str:
+    return "all" if (low, high) == (0, 10**12) else f"from {low:,}" if high == 10**12 else f"{low:,} to {high:,}"
+
+
+def numbers_of(ratios: Sequence[float]) -> list[str]:
+    if not ratios:
+        return [tables.NOTHING] * 5
+    return [tables.estimate(geometric_mean(ratios)), tables.estimate(arithmetic_mean(ratios)), tables.number(min(ratios)),
+            tables.number(max(ratios)), tables.number(100 * sum(x > 1 for x in ratios) / len(ratios))]
+
+
+def notes(found: Pairs) -> list[str]:
+    """What is left out of the means, and the ends of the range."""
+    limits = sorted({pair.limit for pair in found.pairs})
+    left = [pair for pair in found.pairs if not pair.both]
+    text = (f"Means are over pairs that both ended within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. "
+            "Brackets: Student's interval over pairs, of logarithms for the geometric mean. ")
+    if left:
+        shown = [f"{pair.scene} ({', '.join(f'{s} {pair.cells[s].failure_text()}' for s in (SLOW, FAST) if pair.over(s))})"
+                 for pair in left[:8]]
+        text += f"Left out: {', '.join(shown)}" + (f" and {len(left) - 8} more" if len(left) > 8 else "") + "."
+    ranked = sorted((pair for pair in found.pairs if pair.both and pair.ratio() > 0), key=Pair.ratio)
+    ends = [f"{pair.scene} {tables.number(pair.ratio())} ({tables.number(1e3 * pair.seconds(SLOW))} against "
+            f"{tables.number(1e3 * pair.seconds(FAST))} ms)" for pair in [*ranked[-3:][::-1], *ranked[:1]]]
+    lines = [text.strip(), *([f"The three greatest ratios and the least: {'; '.join(ends)}."] if len(ranked) > 3 else [])]
+    if found.lost:
+        some = "; ".join(f"{scene}: {why}" for scene, why in list(found.lost.items())[:3])
+        lines.append(f"{len(found.lost)} pairs have no rows with an answer ({some}).")
+    return lines
+
+
+def draw(found: Pairs) -> Any:
+    """A point a pair; left of times, right of counted work."""
+    figure, axes = plt.subplots(1, 2, sharey=True, figsize=(style.DOUBLE_COLUMN, 2.7))
+    looks, work = style.look(FAST), list(MEASURES)[-1]
+    many = len(found.pairs) > 60
+    for ax, what in zip(axes, ("", work)):
+        known = [(pair.triangles, pair.ratio(what)) for pair in found.pairs if pair.both and pair.ratio(what) > 0]
+        ax.plot([x for x, _ in known], [y for _, y in known], "o", color=looks.colour, markersize=2.6 if many else 4.0,
+                markeredgecolor="white", markeredgewidth=0.25, zorder=3)
+        mean: Estimate = geometric_mean([y for _, y in known])
+        ax.axhline(1, color="black", linewidth=0.6, zorder=1)
+        ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), zorder=1)
+        if mean.n:
+            ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), zorder=2)
+            if mean.has_interval:
+                ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
+        ax.set(xscale="log", yscale="log", xlabel="triangles of A",
+               title=f"counted {work}" if what else f"{clock_word(found.results)} to prepare and solve")
+    for pair in found.pairs:  # at the limit: the ratio is beyond this
+        late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
+        if len(late) == 1 and pair.late(late[0]):
+            seconds = [pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)]
+            axes[0].plot(pair.triangles, seconds[0] / seconds[1], "^" if late == [SLOW] else "v", color=looks.colour,
+                         markerfacecolor="white", markersize=4.2, markeredgewidth=0.8, zorder=3)
+    axes[0].set_ylabel("Zheng / Sacht")
+    low, high = axes[0].get_ylim()
+    axes[0].set_ylim(min(low, 0.5), max(high, 30))
+    narrow = axes[0].get_ylim()[1] / axes[0].get_ylim()[0] < 300
+    sizes = [pair.triangles for pair in found.pairs] or [1000]
+    for ax in axes:
+        ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
+        style.log_ticks(ax.xaxis)
+        ax.yaxis.set_minor_locator(plt.NullLocator())
+        ax.yaxis.set_major_locator(plt.FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
+        ax.yaxis.set_major_formatter(plt.FuncFormatter(lambda y, _: f"{y:,g}"))
+    entries = [plt.Line2D([], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair")]
+    for slow, other, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
+        if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
+            entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
+                                      markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
+    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), label="geometric mean, 95 %"),
+                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), label="16, the paper's average")]
+    style.legend_above(figure, entries, columns=len(entries))
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

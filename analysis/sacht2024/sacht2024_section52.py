@@ -1,0 +1,140 @@
+"""Section 5.2 of Sacht and Jacobson 2024: what its program fails on, built again; each solver ends with bounds that hold, or does not."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
+
+STEM: Final = "sacht2024_section52"
+PIECES: Final = "too many pieces"
+# What the published program does, as the paper tells, or as it was seen where that is said.
+THEIRS: Final = {
+    "unreferenced vertex": "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
+    "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
+    "far from the origin": "not in the paper; the program was seen to give an interval of width 0 that misses h",
+    "nearly the same": "more than three minutes at 1e-8 (mesh 104606, Fig. 15)",
+    "the same": "not in the paper; the memory of the program was seen to grow without end",
+    PIECES: "m = 1e7 is exceeded at 1e-8 for seven pairs, all of which end at 1e-5"}
+
+
+def problem(results: Results, row: int) -> str:
+    """How the row fails; empty where it has bounds that hold and says truly how it ended."""
+    cases, status = results.cases, str(results.cases.status[row])
+    low, high = float(cases.lower[row]), float(cases.upper[row])
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return f"no bounds ({style.STATUS_WORDS.get(status, status)})"
+    if status == "unsound" or "unsound" in (cases.lower_check[row], cases.upper_check[row]):
+        return "unsound"
+    if low > high:
+        return "lower above upper"
+    exact = float(cases.exact[row])
+    if np.isfinite(exact) and not low <= exact <= high:
+        return "misses h"
+    if status == "ok" and cases.certified[row] == 1 and high - low > float(cases.tolerance_absolute[row]):
+        return "gap above the tolerance"
+    return ""
+
+
+def text(results: Results, row: int) -> str:
+    if found := problem(results, row):
+        return found
+    cases, status = results.cases, str(results.cases.status[row])
+    gap = results.gap(row) / float(cases.source_diagonal[row])
+    return f"{'ends' if status == 'ok' else style.STATUS_WORDS.get(status, status)}, gap {tables.number(gap, 2)}"
+
+
+def certified(results: Results, scene: str) -> list[int]:
+    return [int(row) for row in results.rows(scene=scene) if results.cases.certified[row] == 1]
+
+
+def verdicts(results: Results) -> list[Verdict]:
+    """Each row is deterministic, so a count says all."""
+    found = []
+    for scene in results.in_order("scene"):
+        rows = certified(results, scene)
+        bad = [row for row in rows if problem(results, row)]
+        found.append(all_of(f"{scene}: the bounds of every certified solver hold", len(bad), len(rows), len(rows), "rows"))
+    return [*found, reached(results)]
+
+
+def reached(results: Results) -> Verdict:
+    """Of the rows of sacht with a max_factor of their own: whether only the coarser tolerance is reached."""
+    cases, claim = results.cases, "with too few pieces allowed, Sacht ends at 1e-5 and not at 1e-8"
+    status = {float(cases.tolerance[row]): str(cases.status[row]) for row in results.rows(scene=PIECES, solver="sacht")
+              if cases.label[row] != "sacht"}
+    if not {1e-5, 1e-8} <= status.keys():
+        return Verdict(claim, UNTESTED, "no such rows")
+    said = ", ".join(f"{t:g}: {style.STATUS_WORDS.get(status[t], status[t])}" for t in (1e-5, 1e-8))
+    return Verdict(claim, HOLDS if (status[1e-5], status[1e-8]) == ("ok", "budget") else FAILS, said)
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases = results.cases
+    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    table = tables.Table("The failures of section 5.2 of Sacht and Jacobson 2024, built again: how each solver ends here, and the gap between "
+                         "its bounds over the diagonal of A.",
+                         ["scene", "the paper's program", "tolerance", "h / dA", *[style.look(*label).title for label in labels]], left=2)
+    for scene in scenes:
+        first = results.rows(scene=scene)[0]
+        low, high = (x / float(cases.source_diagonal[first]) for x in results.reference(scene))
+        for t in sorted({float(cases.tolerance[row]) for row in results.rows(scene=scene)}):
+            cells = [text(results, int(rows[0])) if len(rows := results.rows(scene=scene, label=label, tolerance=t)) else tables.NOTHING
+                     for _, label in labels]
+            table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", f"[{tables.number(low, 4)}, {tables.number(high, 4)}]",
+                               *cells])
+    table.notes = [*[verdict.line() for verdict in verdicts(results)], *scene_notes(results),
+                   "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', "
+                   "'budget spent': stopped, and the bounds are those until then. h / dA: proven by all certified solvers together. The "
+                   "lower bounds were checked by code that shares nothing with the solvers.",
+                   f"Here: {machine_line(results)}."]
+    records: list[tables.Record] = [
+        {"scene": cases.scene[row], "label": cases.label[row], "tolerance": cases.tolerance[row], "status": cases.status[row],
+         "lower": cases.lower[row], "upper": cases.upper[row], "diagonal": cases.source_diagonal[row], "exact": cases.exact[row],
+         "problem": problem(results, row), "lower_check": results.check_of(row),
+         "subdivisions": int(cases.counters["subdivisions"][row])} for row in range(len(cases))]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes, labels), out, STEM, table.caption,
+                                                               unchecked_line(results))
+
+
+def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
+    """The gap of each solver: filled where it ends within its tolerance, open where it was stopped, a cross where it fails."""
+    cases = results.cases
+    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
+    gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]
+    axis = style.LogAxis(ax, [*gaps, 1e-8])
+    for k, (solver, label) in enumerate(labels):
+        looks = style.look(solver, label)
+        for row in results.rows(label=label):
+            x = scenes.index(cases.scene[row]) + 0.11 * (k - 0.5 * (len(labels) - 1))
+            if not results.is_bounded(int(row)):
+                ax.annotate(style.STATUS_LETTERS.get(str(cases.status[row]), "F"), (x, 0.97), xycoords=("data", "axes fraction"),
+                            fontsize=6.5, color=looks.colour, ha="center", va="top")
+                continue
+            y = float(axis.place(results.gap(int(row)) / float(cases.source_diagonal[row])))
+            ax.plot(x, y, **(style.filled_marker(looks) if cases.status[row] == "ok" else style.open_marker(looks)))
+            if problem(results, int(row)):
+                ax.plot(x, y, "x", color="black", markersize=8)
+    ax.axhline(1e-8, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    ax.set_xlim(-0.5, len(scenes) - 0.5)
+    ax.set_xticks(range(len(scenes)), [scene.replace(" ", "\n", 1) for scene in scenes])
+    ax.tick_params(axis="x", length=0)
+    ax.grid(False, axis="x")
+    ax.set_ylabel("gap / diagonal of A")
+    grey = style.Look("", style.GREY, "o")
+    style.legend_above(figure, [*style.handles(labels, lines=False), plt.Line2D([], [], label="ends", **style.filled_marker(grey)),
+                                plt.Line2D([], [], label="stopped, the bounds hold", **style.open_marker(grey)),
+                                plt.Line2D([], [], linestyle="none", label="T: stopped, no bounds")], columns=5)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,91 @@
+"""Table 1 of Sacht and Jacobson 2024: the near-zero pairs of meshes, theirs and what stands in for them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared.load import ResultError, Results, machine_line, paper_numbers, unchecked_line
+from analysis.sacht2024.sacht_pairs import percent, scene_notes
+
+STEM: Final = "sacht2024_table1"
+
+
+def topology(model: str) -> str:
+    """'closed', 'open', and whether it is a manifold; a dash where the model is not there."""
+    try:
+        found = mesh_picture.mesh(model)
+    except ResultError:
+        return tables.NOTHING
+    return ("closed" if found.closed else "open") + ("" if found.manifold else ", not a manifold")
+
+
+def share(results: Results, scene: str, quantity: str) -> float:
+    """The distance over the diagonal of A, from its certified interval."""
+    rows = results.rows(scene=scene, quantity=quantity)
+    if not len(rows):
+        return float("nan")
+    low, high = results.reference_of(int(rows[0]))
+    return 0.5 * (low + high) / float(results.cases.source_diagonal[rows[0]])
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, printed = results.cases, paper_numbers("sacht2024_table2")
+    papers = {row["scene"]: row for row in printed["row"]}
+    table = tables.Table("Near-zero pairs of meshes: numbers of triangles here and as printed in Table 1 of Sacht and Jacobson 2024, and how "
+                         "far apart they are here, in percent of the diagonal of A.",
+                         ["pair", "A", "B", "A is", "B is", "|A|", "|B|", "paper: |A|", "paper: |B|", "diagonal of A", "h(A, B), %",
+                          "H(A, B), %"], left=5)
+    records: list[tables.Record] = []
+    for scene in results.in_order("scene"):
+        row, paper = int(results.rows(scene=scene)[0]), papers.get(scene, {})
+        models = [str(column[row]) for column in (cases.source, cases.target)]
+        shapes = [topology(model) for model in models]
+        sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
+        counted = [int(paper[key]) if key in paper else -1 for key in ("source_elements", "target_elements")]
+        distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]
+        table.rows.append([scene, *models, *shapes, *[f"{n:,}" for n in sizes],
+                           *[f"{n:,}" if n >= 0 else tables.NOTHING for n in counted],
+                           tables.number(float(cases.source_diagonal[row])), *map(percent, distances)])
+        records.append({"scene": scene, "source": models[0], "target": models[1], "source_is": shapes[0], "target_is": shapes[1],
+                        "source_elements": sizes[0], "target_elements": sizes[1], "paper_source_elements": counted[0],
+                        "paper_target_elements": counted[1], "source_diagonal": float(cases.source_diagonal[row]),
+                        "directed_share": distances[0], "symmetric_share": distances[1]})
+    table.notes = ["None of the models is the paper's: all stand in, or are derived, as the pairs' notes say. The paper prints neither "
+                   "diagonals nor distances.",
+                   "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
+                   *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, papers), out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
+    """How far apart each pair is, against its triangles; the line is at 0.1 %."""
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
+    cases = results.cases
+    for scene in results.in_order("scene"):
+        row = int(results.rows(scene=scene)[0])
+        x = float(cases.source_elements[row] + cases.target_elements[row])
+        looks = style.look("sacht" if scene in papers else "zheng")
+        for quantity, fill in (("symmetric", style.open_marker), ("directed", style.filled_marker)):
+            value = share(results, scene, quantity)
+            if value > 0:
+                ax.plot(x, 100 * value, **(fill(looks) | ({"markersize": 7.5} if quantity == "symmetric" else {})))
+        if (least := share(results, scene, "directed")) > 0:
+            ax.annotate(scene, (x, 100 * least), xytext=(4, -6), textcoords="offset points", fontsize=6)
+    ax.axhline(0.1, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    ax.set(xscale="log", yscale="log", xlabel="triangles, |A| + |B|", ylabel="distance, % of the diagonal of A")
+    ax.margins(x=0.25, y=0.15)
+    entries = [plt.Line2D([], [], label="stands in", **style.filled_marker(style.look("sacht"))),
+               plt.Line2D([], [], label="derived", **style.filled_marker(style.look("zheng"))),
+               plt.Line2D([], [], label="filled: h(A, B)", **style.filled_marker(style.Look("", style.GREY, "o"))),
+               plt.Line2D([], [], label="open: H(A, B)", **style.open_marker(style.Look("", style.GREY, "o")))]
+    style.legend_above(figure, entries, columns=2)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

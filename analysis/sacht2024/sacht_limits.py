@@ -1,0 +1,103 @@
+"""Rows that may have been stopped at their limit of time or of subdivisions: what is known then is that they take longer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.load import Results
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few
+
+ENDED: Final = ("ok", "floor")  # a row that ended by itself
+STOPPED: Final = ("timeout", "budget")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: its times by round, or the time at which it was stopped."""
+
+    status: str
+    times: dict[int, float]
+    limit: float  # seconds by the same clock until it was stopped; 0 where it was not, or where that is not known
+    work: dict[str, float]  # by MEASURES, until the end or the limit
+
+    @property
+    def ended(self) -> bool:
+        return self.status in ENDED
+
+    @property
+    def time(self) -> Estimate:
+        return median(list(self.times.values())) if self.ended else NO_DATA
+
+    def text(self, scale: float) -> str:
+        if self.ended:
+            return tables.estimate(self.time, scale)
+        return f"> {tables.number(self.limit * scale)}" if self.limit else style.STATUS_WORDS.get(self.status, self.status)
+
+
+def row_of(results: Results, row: int) -> Row:
+    cases, status = results.cases, str(results.cases.status[row])
+    work = {what: float(sum(int(cases.counters[name][row]) for name in names if name in cases.counters))
+            for what, names in MEASURES.items()}
+    times = results.total_by_round(row)
+    # A solver that was killed says nothing of its time; the limit itself is wall time, of which it may have had less.
+    stopped = min(times.values(), default=0.0) if status in STOPPED else 0.0
+    return Row(status, times if status in ENDED else {}, stopped, work)
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A ratio: an estimate, or that it is at least (or at most) so much, because one of the two was stopped."""
+
+    estimate: Estimate = NO_DATA
+    at_least: float = 0.0
+    at_most: float = float("inf")
+
+    def text(self) -> str:
+        if self.estimate.n:
+            return tables.ratio(self.estimate)
+        if self.at_least:
+            return f"> {tables.number(self.at_least)}"
+        return f"< {tables.number(self.at_most)}" if self.at_most < float("inf") else tables.NOTHING
+
+
+def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
+    """Of times. Against a limit stands the upper end of the other's interval, which errs on the safe side."""
+    if slow is None or fast is None:
+        return Bounded()
+    if slow.ended and fast.ended:
+        return Bounded(ratio_by_round(slow.times, fast.times))
+    if slow.limit and fast.ended and fast.time.n:
+        return Bounded(at_least=slow.limit / (fast.time.high if fast.time.has_interval else fast.time.value))
+    if fast.limit and slow.ended and slow.time.n:
+        return Bounded(at_most=(slow.time.high if slow.time.has_interval else slow.time.value) / fast.limit)
+    return Bounded()
+
+
+def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
+    """Of counted work. What was counted until a limit is the least that there was to do, and differs from run to run."""
+    if slow is None or fast is None or min(slow.work[what], fast.work[what]) <= 0:
+        return Bounded()
+    ratio = slow.work[what] / fast.work[what]
+    if slow.ended and fast.ended:
+        return Bounded(exact(ratio))
+    return Bounded(at_least=ratio) if fast.ended else Bounded(at_most=ratio) if slow.ended else Bounded()
+
+
+def above(claim: str, ratio: Bounded, times: float) -> Verdict:
+    """A claim that a ratio is above `times`."""
+    x, against = ratio.estimate, f", against {times:,g}" if times != 1 else ""
+    if x.n:
+        scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)
+        outcome = OPEN if not scaled.separated else HOLDS if scaled.low > 1 else FAILS
+        return Verdict(claim, outcome, f"ratio {tables.estimate(x)}{few([x])}{against}")
+    if ratio.at_least:
+        return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
+                       f"ratio above {tables.number(ratio.at_least)}, for the slower was stopped{against}")
+    if ratio.at_most < float("inf"):
+        return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
+                       f"ratio below {tables.number(ratio.at_most)}, for the faster was stopped{against}")
+    return Verdict(claim, UNTESTED, "no ratio")

@@ -1,0 +1,152 @@
+"""Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
+
+A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
+file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to the first answer of
+the process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is
+the round, a fresh process. Of several seeds it is the seed, which has processes of its own, by the median of its rounds:
+rounds alone would show how times vary, but not how seeds do.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.load import ResultError, Results
+from analysis.shared.statistics import (
+    NO_DATA,
+    Estimate,
+    median,
+    ratio_by_round,
+    ratio_of_counts,
+    ratio_of_medians,
+)
+
+DISTANCES: Final = ("point_distances", "point_triangle_distances")
+WORK: Final = (*DISTANCES, "bound_tests", "node_visits")
+MEASURES: Final = {"distances": DISTANCES, "distances, bounds and nodes": WORK}
+
+
+def takes_seed(results: Results, row: int) -> bool:
+    """The solver leaves something to chance: its counts are of the seed that it was given."""
+    return "seed" in results.options(row)
+
+
+class Cell:
+    """All rows of one label on one scene, pooled over seeds."""
+
+    def __init__(self, results: Results, rows: Sequence[int]) -> None:
+        cases, first = results.cases, rows[0]
+        asked = {(json.dumps({k: v for k, v in results.options(r).items() if k != "seed"}, sort_keys=True),
+                  cases.pose_index[r], cases.tolerance[r], cases.source[r], cases.target[r]) for r in rows}
+        if len(asked) > 1:
+            raise ResultError(f"{results.path}: rows '{cases.label[first]}' of scene '{cases.scene[first]}' differ in "
+                              "more than their seed: give each variant a label of its own in the experiment")
+        self.results, self.cases, self.rows = results, rows, len(rows)
+        self.seeded = takes_seed(results, first)
+        self.failures = Counter(str(cases.status[r]) for r in rows if cases.status[r] != "ok")
+        # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
+        ok = not self.failures
+        self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
+        self.time: Estimate = median(list(self.times.values()))
+        self.wall = median(list(self._by_unit([results.total_by_round(r, "wall") for r in rows]).values())) if ok else NO_DATA
+        self.prepare = float(np.median([results.prepare_seconds(r) for r in rows])) if ok else np.nan
+        self.interval = results.reference_of(first)
+        self.counters = {name: int(np.median(column[rows])) for name, column in cases.counters.items()} if ok else {}
+        self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
+
+    def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
+        """Of one row its rounds, of several seeds their medians."""
+        if len(runs) == 1:
+            return runs[0]
+        return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
+
+    def _seeds(self) -> list[int]:
+        return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
+
+    def share_preparation(self, other: Cell) -> None:
+        """Where both are prepared with one structure: both get the shorter of its two times, round by round."""
+        before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
+        for cell in (self, other):
+            solve = self.results.first_by_round(cell.cases[0])
+            usual = min(self.prepare, other.prepare)
+            cell.times = {number: seconds + min((found[number] for found in before if number in found), default=usual)
+                          for number, seconds in solve.items()}
+            cell.time = median(list(cell.times.values()))
+        self.prepare = other.prepare = min(self.prepare, other.prepare)
+
+    def counted(self, names: Sequence[str]) -> dict[int, float]:
+        """Work by seed, or the one count of a solver without seeds; empty where a row failed or nothing is counted."""
+        counters = self.results.cases.counters
+        if self.failures or not any(name in counters for name in names):
+            return {}
+        return {seed: float(sum(int(counters[name][row]) for name in names if name in counters))
+                for seed, row in zip(self._seeds(), self.cases)}
+
+    def count(self, names: Sequence[str]) -> float:
+        """The median over seeds; NaN where nothing is counted."""
+        found = list(self.counted(names).values())
+        return float(np.median(found)) if found and min(found) > 0 else np.nan
+
+    def text(self, scale: float) -> str:
+        return self.failure_text() if self.failures else tables.estimate(self.time, scale)
+
+    def failure_text(self) -> str:
+        status, count = self.failures.most_common(1)[0]
+        word = style.STATUS_WORDS.get(status, status)
+        return word if count == self.rows else f"{word} ({count} of {self.rows})"
+
+    def status(self) -> str:
+        return ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items()) or "ok"
+
+
+def compare(slow: Cell, fast: Cell) -> Estimate:
+    """The ratio of times: paired by round, or by seed where both have several; of times measured apart otherwise."""
+    if slow.failures or fast.failures:
+        return NO_DATA
+    if (slow.rows > 1) == (fast.rows > 1) and slow.times.keys() & fast.times.keys():
+        return ratio_by_round(slow.times, fast.times)
+    return ratio_of_medians(list(slow.times.values()), list(fast.times.values()))
+
+
+def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
+    """The ratio of counted work: exact of solvers that take no seed; one seed is one draw."""
+    return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
+
+
+def clocks(results: Results) -> dict[str, list[str]]:
+    """Labels by the clock of their rows with answers."""
+    found: dict[str, list[str]] = {}
+    for row in range(len(results.cases)):
+        if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
+            titles = found.setdefault(results.clock_of(row), [])
+            title = style.look(str(results.cases.solver[row]), str(results.cases.label[row])).title
+            if title not in titles:
+                titles.append(title)
+    return found
+
+
+def clock_word(results: Results) -> str:
+    """For captions and axes: 'CPU time', 'wall time', or 'time' where a table shows both."""
+    found = clocks(results)
+    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
+
+
+def clock_title(results: Results) -> str:
+    """The same, to begin a sentence."""
+    word = clock_word(results)
+    return word[0].upper() + word[1:]
+
+
+def clock_note(results: Results) -> str:
+    found = clocks(results)
+    cpu = "process CPU time, children included"
+    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
+            "was read off a trace" if len(found) > 1 else
+            "Times are wall time" if "wall" in found else f"Times are {cpu}")
+    return f"{what}; preparing is wall time."

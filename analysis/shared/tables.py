@@ -1,0 +1,145 @@
+"""Tables: every number in full in CSV; as printed, in Markdown and in LaTeX (booktabs)."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from analysis.shared.statistics import CONFIDENCE, Estimate
+
+NOTHING = "—"  # this number was not measured, or is unknown
+Record = dict[str, object]
+
+_TEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+        "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}", "<": r"\textless{}",
+        ">": r"\textgreater{}", "—": "---", "–": "--", "×": r"$\times$", "≤": r"$\le$", "≥": r"$\ge$",
+        "→": r"$\to$", "α": r"$\alpha$", "λ": r"$\lambda$", "µ": r"\textmu{}", "†": r"$\dagger$"}
+
+
+@dataclass
+class Table:
+    """A printed table: texts only. `rules` are the rows before which a thin line is drawn."""
+
+    caption: str
+    header: Sequence[str]
+    rows: list[list[str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    left: int = 1  # the number of columns with texts, aligned left; the others hold numbers
+    rules: set[int] = field(default_factory=set)
+
+
+def number(x: float, digits: int = 3) -> str:
+    """Rounds to `digits` significant digits, but never to fewer than all digits before the point. '—' for NaN."""
+    if math.isnan(x):
+        return NOTHING
+    if math.isinf(x):
+        return "inf" if x > 0 else "-inf"
+    if x == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(x)))
+    if exponent < -4 or exponent > 9:
+        mantissa, power = f"{x:.{digits - 1}e}".split("e")
+        return f"{mantissa}e{int(power)}"
+    decimals = max(0, digits - 1 - exponent)
+    text = f"{x:.{decimals}f}"
+    return f"{float(text):.{max(0, decimals - 1)}f}" if abs(float(text)) >= 10.0 ** (exponent + 1) else text
+
+
+def estimate(x: Estimate, scale: float = 1.0) -> str:
+    """'2.10 [2.05, 2.31]'; without the interval if there is only one repeat."""
+    if x.n == 0:
+        return NOTHING
+    if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
+        return number(x.value * scale)
+    return f"{number(x.value * scale)} [{number(x.low * scale)}, {number(x.high * scale)}]"
+
+
+def ratio(x: Estimate) -> str:
+    """A ratio of times: as above, marked where its interval contains 1, or n is too small for one of 95 %."""
+    if x.n == 0:
+        return NOTHING
+    few = f", n = {x.n}" if x.coverage < CONFIDENCE else ""
+    return estimate(x) if x.separated else f"{estimate(x)} (not separated{few})"
+
+
+def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
+    """The unit of a table and its factor: ('ms', 1000) if the median of the times is below 0.1 s, else ('s', 1)."""
+    known = sorted(x for x in seconds if math.isfinite(x))
+    return ("ms", 1000.0) if known and known[len(known) // 2] < 0.1 else ("s", 1.0)
+
+
+def coverage_note(estimates: Iterable[Estimate]) -> str:
+    """What the brackets mean, and how many rounds stand behind them."""
+    known = [x for x in estimates if x.n]
+    if not known:
+        return "No times."
+    counts, least = sorted({x.n for x in known}), min((x.coverage for x in known if x.has_interval), default=0.0)
+    n = f"n = {counts[0]}" if len(counts) == 1 else f"n = {counts[0]} to {counts[-1]}"
+    if counts[-1] == 1:
+        return f"Single times ({n}): no interval."
+    percent = "95 %" if least >= 0.95 else f"95 % where n allows, at least {math.floor(least * 100)} %"
+    return (f"Medians of {n} rounds (fresh processes; repeats within one count once), "
+            f"with order-statistic intervals in brackets ({percent}).")
+
+
+def tex_escape(text: str) -> str:
+    return "".join(_TEX.get(c, c) for c in text)
+
+
+def markdown(table: Table) -> str:
+    def line(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+    marks = ["---" if i < table.left else "---:" for i in range(len(table.header))]
+    parts = [f"**{table.caption}**", "", line(table.header), "|" + "|".join(marks) + "|", *map(line, table.rows), ""]
+    return "\n".join(parts + [f"- {note}" for note in table.notes]) + "\n"
+
+
+def latex(table: Table, stem: str) -> str:
+    """A table* for a paper that loads booktabs and adjustbox (which shrinks a table too wide for the page)."""
+    columns = "l" * table.left + "r" * (len(table.header) - table.left)
+    lines = [r"% needs \usepackage{booktabs,adjustbox}", r"\begin{table*}", r"\centering\small",
+             rf"\caption{{{tex_escape(table.caption)}}}", rf"\label{{tab:{stem}}}",
+             r"\begin{adjustbox}{max width=\linewidth}", rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"\toprule",
+             " & ".join(map(tex_escape, table.header)) + r" \\", r"\midrule"]
+    for i, row in enumerate(table.rows):
+        if i in table.rules and i > 0:
+            lines.append(r"\addlinespace")
+        # LaTeX would read a '[' at the start of a row as an argument of the \\ before it.
+        cells = ["{" + cell + "}" if cell.startswith("[") else cell for cell in map(tex_escape, row)]
+        lines.append(" & ".join(cells) + r" \\")
+    lines += [r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
+    if table.notes:
+        notes = r" \\ ".join(map(tex_escape, table.notes))
+        lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {notes}}}"]
+    return "\n".join(lines + [r"\end{table*}", ""])
+
+
+def comma_separated(records: Sequence[Record]) -> str:
+    """One line for each record; doubles with all digits, NaN as an empty field."""
+    def cell(value: object) -> object:
+        return "" if isinstance(value, float) and math.isnan(value) else value
+
+    fields = list(dict.fromkeys(key for record in records for key in record))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fields, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: cell(value) for key, value in record.items()} for record in records)
+    return text.getvalue()
+
+
+def save(table: Table, records: Sequence[Record], out: Path, stem: str) -> list[Path]:
+    """Writes <out>/tables/<stem>.csv, .md and .tex."""
+    folder = out / "tables"
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {"csv": comma_separated(records), "md": markdown(table), "tex": latex(table, stem)}
+    paths = []
+    for suffix, text in texts.items():
+        path = folder / f"{stem}.{suffix}"
+        path.write_text(text, encoding="utf-8")
+        paths.append(path)
+    return paths

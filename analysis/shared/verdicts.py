@@ -1,0 +1,205 @@
+"""What the data say of a paper's claims: 'holds', 'does not hold', 'not separated'. Worked out, never written by hand.
+
+'Not separated' is what few or noisy times give: both answers remain possible. Every verdict errs with at most 5 %; where a
+verdict looks at many ratios, its docstring says how that is kept. Each claim about time is looked at in counted work as
+well: counts are the same on every machine, and a present machine does not make the same of them as the paper's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+import scipy.stats
+
+from analysis.shared import tables
+from analysis.shared.statistics import Estimate, median, simes
+
+HOLDS: Final = "holds"
+FAILS: Final = "does not hold"
+OPEN: Final = "not separated"
+NOT_REFUTED: Final = "not refuted"  # of what no number of cases can prove
+UNTESTED: Final = "not tested"  # the experiment, or what became of it, left no data
+
+ERROR: Final = 0.05
+RARE: Final = 0.1  # a rate that cases without a failure must rule out before a claim counts as not refuted
+
+
+@dataclass(frozen=True)
+class Verdict:
+    claim: str
+    outcome: str
+    evidence: str
+    counted: dict[str, Verdict] = field(default_factory=dict)  # by what was counted
+
+    def with_counts(self, counted: dict[str, Verdict]) -> Verdict:
+        return replace(self, counted=counted)
+
+    def line(self) -> str:
+        here = "Here it" if self.outcome in (HOLDS, FAILS) else "Here:"
+        text = f"Claim: {self.claim}. {here} {self.outcome} ({self.evidence})."
+        if self.counted:
+            text += " Counted in " + "; in ".join(
+                f"{what} it {'' if verdict.outcome in (HOLDS, FAILS) else 'is '}{verdict.outcome} ({verdict.evidence})"
+                for what, verdict in self.counted.items()) + "."
+        return text
+
+
+def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
+    """A claim that every one of the ratios is above 1.
+
+    It holds where each ratio is known and separated from 1. That needs no correction (an intersection-union test, Berger 1982): if one
+    ratio is truly not above 1, all must be separated, that one among them, which happens with at most 5 %. It does not
+    hold where some ratio is below 1. There every ratio is a chance to err, so the one-sided sign tests of all of them are
+    joined by Simes' test of "none is below 1", whose error is 5 % altogether.
+    """
+    known = [x for x in ratios if x.n]
+    if not known:
+        return Verdict(claim, UNTESTED, "no ratios")
+    above = sum(x.separated and x.low > 1 for x in known)
+    below = sum(x.separated and x.high < 1 for x in known)
+    outcome = HOLDS if above == len(ratios) else FAILS if simes(x.p_below for x in known) <= ERROR else OPEN
+    least, most = min(x.value for x in known), max(x.value for x in known)
+    rest, lost = len(known) - above - below, len(ratios) - len(known)
+    parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
+        + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}"] * bool(lost) \
+        + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
+    return Verdict(claim, outcome, ", ".join(part for part in parts if part))
+
+
+def power_of(ratios: Sequence[Estimate], what: str) -> str:
+    """What `everywhere` can refute with so many rounds, whatever the data say; empty where one ratio below 1 is enough."""
+    chances, n, of = sorted(x.p_least for x in ratios), min(x.n for x in ratios), len(ratios)
+    needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
+    if needed == 1:
+        return ""
+    return (f"n = {n} cannot refute it for {of} {what}" if needed > of else
+            f"n = {n} refutes it only where at least {needed} of {of} {what} are below 1")
+
+
+def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
+    """A claim that one ratio is above 1."""
+    if not ratio.n:
+        return Verdict(claim, UNTESTED, "no ratio")
+    outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
+    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}")
+
+
+def few(ratios: Sequence[Estimate]) -> str:
+    """Says so where some of them are of too few rounds (or of one seed) to be separated."""
+    n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
+    return f", n = {n}" if n else ""
+
+
+def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
+          against: str = "") -> Verdict:
+    """A claim that something never happens. One case refutes it, and no number of cases proves it: without a case, the
+    evidence is the greatest rate that `independent` trials (all of them, if not given) leave possible at 95 % (Clopper
+    and Pearson 1934). Where that is not below `bar`, there were too few. `against` says what the bar is, if not RARE: such
+    as the rate at which a variant goes wrong on the same trials.
+    """
+    if not of:
+        return Verdict(claim, UNTESTED, f"no {what}")
+    if wrong:
+        return Verdict(claim, FAILS, f"{wrong} of {of:,} {what}")
+    trials = of if independent is None else independent
+    rate = scipy.stats.binomtest(0, trials, alternative="less").proportion_ci(1 - ERROR, method="exact").high
+    return Verdict(claim, NOT_REFUTED if rate < bar else OPEN,
+                   f"0 of {of:,} {what}; the rate is below {tables.number(100 * rate, 2)} % at 95 %"
+                   + (f", from {trials} independent trials" if trials != of else "")
+                   + (f", against {tables.number(100 * bar, 2)} % {against}" if against else ""))
+
+
+def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict:
+    """A claim about each of a known number of things, all of which can be looked at: no test, a count."""
+    if not seen:
+        return Verdict(claim, UNTESTED, f"no {what}")
+    outcome = FAILS if unlike else HOLDS if seen >= total else OPEN
+    return Verdict(claim, outcome, f"not so for {unlike} of {seen} {what}" + (f" out of {total}" if seen < total else ""))
+
+
+def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
+    """A claim that y grows with x, over independent pairs: Kendall's tau."""
+    if len(x) < 2:
+        return Verdict(claim, UNTESTED, "fewer than two sizes")
+    tau, chance = scipy.stats.kendalltau(x, y)
+    if math.isnan(tau):  # all x or all y are equal
+        tau, chance = 0.0, 1.0
+    outcome = OPEN if chance > ERROR else HOLDS if tau > 0 else FAILS
+    return Verdict(claim, outcome, f"Kendall's tau {tau:.2f} over {len(x)}, p = {tables.number(chance, 2)}")
+
+
+def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[float]]]) -> Verdict:
+    """A claim that y grows with x, where neighbouring x are alike: each independent run (a seed) gives one Kendall's tau,
+    and the interval is over runs.
+    """
+    taus = [float(np.nan_to_num(scipy.stats.kendalltau(x, y)[0])) for x, y in runs if len(x) > 1]
+    if not taus:
+        return Verdict(claim, UNTESTED, "fewer than two sizes")
+    tau = median(taus)
+    known = tau.has_interval and tau.coverage >= 1 - ERROR
+    outcome = HOLDS if known and tau.low > 0 else FAILS if known and tau.high < 0 else OPEN
+    return Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau)}, over {tau.n} independent runs")
+
+
+def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
+    """A claim that a positive quantity, measured by independent runs at each of several places, is one constant: that its
+    medians differ by at most the factor `within`. The intervals of all places hold together (Bonferroni), and so
+    does the interval of the factor that follows from them.
+    """
+    found = [median(values, 1 - ERROR / len(places)) for values in places]
+    known = [x for x in found if x.has_interval]
+    if len(places) < 3 or not known:
+        return Verdict(claim, UNTESTED, "fewer than three places")
+    factor = max(x.value for x in known) / min(x.value for x in known)
+    least = max(1.0, max(x.low for x in known) / min(x.high for x in known))
+    most = max(x.high for x in known) / min(x.low for x in known)
+    sure = sum(1 - x.coverage for x in found) <= ERROR
+    outcome = OPEN if not sure else HOLDS if most <= within else FAILS if least > within else OPEN
+    return Verdict(claim, outcome, f"from {tables.number(min(x.value for x in known))} to "
+                   f"{tables.number(max(x.value for x in known))}, a factor of {tables.number(factor)}"
+                   + (f" [{tables.number(least)}, {tables.number(most)}]" if sure else "")
+                   + f"; constant means within {within:g}")
+
+
+def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
+    """A claim that a quantity is greatest at one place. `ratios` are of its value there to that at every other place.
+
+    It holds where all of them are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not hold
+    where `rival`, the ratio to one place that was chosen without looking at what is compared, is separated below 1: one
+    ratio, so nothing to correct.
+    """
+    known = [x for x in ratios if x.n]
+    if not known:
+        return Verdict(claim, UNTESTED, what)
+    outcome = (HOLDS if all(x.n and x.separated and x.low > 1 for x in ratios) else
+               FAILS if rival.n and rival.separated and rival.high < 1 else OPEN)
+    return Verdict(claim, outcome, what + few(known))
+
+
+def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:
+    """A claim that the least time is at one of the settings `among`. `best` is where it is here. Each rival comes with its
+    ratios to all of `among`, above 1 where the rival is slower.
+
+    It holds where all rivals are separated from one and the same of `among` (an intersection-union test for each of
+    them, one-sided at 2.5 %, so two settings keep 5 %; for more the level of each is divided). It does not hold where a
+    rival is faster than all of `among`. Rivals are compared with the same times and so depend on each other: their
+    one-sided p-values, of each the greatest over `among`, are multiplied by their number (Bonferroni).
+    """
+    if not rivals:
+        return Verdict(claim, UNTESTED, "no times")
+    allowed = min(ERROR / 2, ERROR / len(among))
+    clear = [all(x[i].separated and x[i].p_above <= allowed for _, x in rivals) for i in range(len(among))]
+    faster = [name for name, x in rivals if max(y.p_below for y in x) * len(rivals) <= ERROR]
+    below = [name for name, x in rivals if name not in faster and all(y.separated and y.high < 1 for y in x)]
+    level = [name for name, x in rivals if name not in faster + below and not any(y.separated and y.low > 1 for y in x)]
+    outcome = HOLDS if any(clear) else FAILS if faster else OPEN
+    blind = all(max(y.p_least for y in x) * len(rivals) > ERROR for _, x in rivals)
+    parts = [f"least at {best}"] + [f"faster than {' and '.join(among)}: {', '.join(faster)}"] * bool(faster) \
+        + [f"less time, but no less than one of {len(rivals)} may take by chance: {', '.join(below)}"] * bool(below) \
+        + [f"not separated from it: {', '.join(level)}"] * bool(level) \
+        + [f"n = {min(y.n for _, x in rivals for y in x)} cannot refute it for {len(rivals)} rivals"] * (blind and outcome == OPEN)
+    return Verdict(claim, outcome, "; ".join(parts))

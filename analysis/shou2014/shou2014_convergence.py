@@ -1,0 +1,159 @@
+"""Width, work and time of the interval of Shou et al. 2014 against voxel size, and of this project's enclosure."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import command, style, tables
+from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shou2014.shou2014_example import Joined, join
+
+STEM = "shou2014_convergence"
+FORMS = ("natural", "centred", "affine", "modified_affine")
+MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"}
+
+
+def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[float, Joined]]:
+    """The published method by label, form and depth; ours by tolerance. Only where both directions have an answer."""
+    cases = results.cases
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for row in range(len(cases)):
+        if cases.status[row] != "ok":
+            continue
+        key: tuple[Any, ...] = (float(cases.tolerance[row]),)
+        if cases.solver[row] == "interval_subdivision":
+            options = results.options(row)
+            key = (str(cases.label[row]), str(options["form"]), int(options["depth"]))
+        groups.setdefault(key, []).append(row)
+    both = {key: join(results, rows) for key, rows in groups.items() if len(rows) == 2}
+    return ({(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},
+            {float(k[0]): v for k, v in both.items() if len(k) == 1})
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    published, ours = collect(results)
+    exact = float(paper_numbers("shou2014_example")["exact"])
+    depths = sorted({depth for _, _, depth in published})
+    table = tables.Table(
+        "Interval of H of the cones of Shou et al. 2014 against voxels an axis; subdivision and distances apart, both "
+        "directions together.",
+        ["voxels / tolerance", "lower", "upper", "width", "holds H", *[f"polynomial bounds, {f.replace('_', ' ')}"
+                                                                       for f in FORMS],
+         "subdivision, s", "pruned pairs, s", "box distances", "all pairs, s", "box distances, all"])
+    records: list[tables.Record] = []
+    for (label, form, depth), one in sorted(published.items()):
+        records.append({"method": label, "form": form, "voxels": 2**depth, "lower": one.lower, "upper": one.upper,
+                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
+                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations})
+    for depth in depths:
+        if ("pruned pairs", "modified_affine", depth) not in published:
+            continue
+        one = published["pruned pairs", "modified_affine", depth]
+        every = published.get(("all pairs", "modified_affine", depth))
+        forms = [published.get(("pruned pairs", form, depth)) for form in FORMS]
+        table.rows.append([f"{2**depth}^3", f"{one.lower:.8f}", f"{one.upper:.8f}", tables.number(one.upper - one.lower),
+                           "yes" if one.lower <= exact <= one.upper else "no",
+                           *[f"{f.evaluations:,}" if f else tables.NOTHING for f in forms],
+                           tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
+                           tables.number(every.solve) if every else tables.NOTHING,
+                           f"{every.distances:,}" if every else tables.NOTHING])
+    rule = len(table.rows)
+    for tolerance in sorted(ours, reverse=True):
+        one = ours[tolerance]
+        table.rows.append([f"ours, {tolerance:g}", f"{one.lower:.10f}", f"{one.upper:.10f}",
+                           tables.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
+                           *3 * [tables.NOTHING], f"{one.evaluations:,}", tables.number(one.prepare),
+                           tables.number(one.solve), f"{one.distances:,}", tables.NOTHING, tables.NOTHING])
+        records.append({"method": "surface_enclosure", "tolerance": tolerance, "lower": one.lower, "upper": one.upper,
+                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
+                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations})
+    table.rules = {rule}
+    different = sorted({depth for depth in depths
+                        if len({(o.lower, o.upper) for (label, _, d), o in published.items()
+                                if d == depth and label == "pruned pairs"}) > 1})
+    table.notes = [
+        f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). Of the published method's intervals, "
+        f"{holding(published.values(), exact)} hold it, which the method itself does not prove. Of the proven ones ('ours'), "
+        f"{holding(ours.values(), exact)} hold it.",
+        "All four forms give the same interval at every size." if not different else
+        "The forms give different intervals at " + ", ".join(f"{2**d}^3" for d in different) + "; shown: modified affine.",
+        f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(published, ours, exact, depths), out, STEM,
+                                                               table.caption, unchecked_line(results))
+
+
+def holding(intervals: Iterable[Joined], exact: float) -> str:
+    """'3 of 4'."""
+    held = [one.lower <= exact <= one.upper for one in intervals]
+    return f"{sum(held)} of {len(held)}"
+
+
+def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float,
+         depths: list[int]) -> Any:
+    figure, ((interval, bounds), (seconds, widths)) = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 4.3))
+    plain, enclosure = style.look("interval_subdivision"), style.look("surface_enclosure")
+    at = [2.0**d for d in depths]
+
+    def of(label: str, form: str = "modified_affine") -> list[tuple[float, Joined]]:
+        return [(2.0**d, published[label, form, d]) for d in depths if (label, form, d) in published]
+
+    pruned, every = of("pruned pairs"), of("all pairs")
+    interval.fill_between([x for x, _ in pruned], [r.lower for _, r in pruned], [r.upper for _, r in pruned],
+                          color=plain.colour, alpha=0.15, linewidth=0)
+    for end in ("lower", "upper"):
+        interval.plot([x for x, _ in pruned], [getattr(r, end) for _, r in pruned], color=plain.colour,
+                      marker=plain.marker, markersize=3.5)
+    interval.axhline(exact, color=enclosure.colour, linewidth=0.9, linestyle=(0, (3, 2)))
+    interval.annotate(r"$H = \sqrt{43}/3 - 4/3$", (at[0] if at else 1, exact), xytext=(4, -3),
+                      textcoords="offset points", ha="left", va="top", fontsize=7)
+    interval.set_ylabel("interval of H")
+    natural = dict(of("pruned pairs", "natural"))
+    for form in FORMS:
+        rows = [(x, r) for x, r in of("pruned pairs", form) if x in natural]
+        bounds.plot([x for x, _ in rows], [r.evaluations / natural[x].evaluations for x, r in rows],
+                    marker=MARKERS[form], markersize=3.5, linewidth=0.8, label=form.replace("_", " "),
+                    color=str(0.65 - 0.2 * FORMS.index(form)))
+        rows = of("pruned pairs", form)
+        seconds.plot([x for x, _ in rows], [r.prepare for _, r in rows], marker=MARKERS[form], markersize=3.5,
+                     linewidth=0.8, label=f"subdivision, {form.replace('_', ' ')}",
+                     color=str(0.65 - 0.2 * FORMS.index(form)))
+    bounds.set_ylabel("polynomial bounds, natural = 1")
+    for rows, name, face in ((pruned, "pruned pairs", plain.colour), (every, "all pairs", "white")):
+        seconds.plot([x for x, _ in rows], [r.solve for _, r in rows], color=plain.colour, marker="o", markersize=3.5,
+                     linestyle=(0, (3, 1.5)), markerfacecolor=face, markeredgecolor=plain.colour, label=f"distances, {name}")
+    seconds.set_yscale("log")
+    seconds.set_ylabel("time, s")
+    for ax in (interval, bounds, seconds):
+        ax.set_xscale("log", base=2)
+        ax.set_xticks(at, [f"{int(a)}" for a in at])
+        ax.minorticks_off()
+        ax.set_xlabel("voxels an axis")
+
+    def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
+        points = sorted(((m.upper - m.lower, m.prepare + m.solve) for m in members), reverse=True)
+        widths.plot([p[1] for p in points], [p[0] for p in points],
+                    **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name)
+
+    line([r for _, r in every], plain, "all pairs", markerfacecolor="white", markeredgecolor=plain.colour)
+    line([r for _, r in pruned], plain, "pruned pairs")
+    line(list(ours.values()), enclosure, "ours")
+    widths.set_xscale("log")
+    widths.set_yscale("log")
+    widths.minorticks_off()
+    widths.set_xlabel("time, s (subdivision included)")
+    widths.set_ylabel("width of the interval")
+    seconds.set_ylim(top=seconds.get_ylim()[1] * 30)  # room for the legend
+    seconds.legend(fontsize=6, frameon=False, ncols=2, loc="upper left")
+    for ax in (bounds, widths):
+        ax.legend(fontsize=6, frameon=False)
+    figure.tight_layout(w_pad=1.5)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,126 @@
+"""What each part of the algorithm of Tang et al. 2009 is worth: Voronoi subdivision, group traversal, Lemma 4, a warm start, the tolerance."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
+from analysis.tang2009.tang_motion import Run
+from analysis.shared.verdicts import Verdict, everywhere
+
+STEM = "tang2009_ablation"
+FINEST: Final = 1e-4
+PLAIN: Final = "tang"
+CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
+COUNTED: Final = {**CUTS, **MEASURES}
+CLAIMS: Final = (("tang, midpoint", "Voronoi subdivision takes less than cutting at midpoints"),
+                 ("tang, corners alone", "sending three corners through B together takes less than sending each alone"),
+                 ("tang, warm", ""), ("tang, Lemma 4", ""))
+
+
+class Variants:
+    """A Run for each scene, label and tolerance."""
+
+    def __init__(self, results: Results) -> None:
+        cases = results.cases
+        self.results, self.scenes, self.labels = results, results.in_order("scene"), results.in_order("label")
+        self.tolerances = sorted({float(x) for x in cases.tolerance}, reverse=True)
+        self.runs = {(scene, label, tolerance): Run(results, [int(row) for row in rows])
+                     for scene in self.scenes for label in self.labels for tolerance in self.tolerances
+                     if len(rows := results.rows(scene=scene, label=label, tolerance=tolerance))}
+
+    def run(self, scene: str, label: str, tolerance: float = FINEST) -> Run | None:
+        run = self.runs.get((scene, label, tolerance))
+        return run if run and run.complete else None
+
+    def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
+        """Of all poses together: of times one number a round, of counted work one number that is exact."""
+        above, below = self.run(scene, slow), self.run(scene, fast)
+        if not above or not below:
+            return NO_DATA
+        if what:
+            total = [float(run.counted(COUNTED[what]).sum()) for run in (above, below)]
+            return exact(total[0] / total[1]) if min(total) > 0 else NO_DATA
+        shared = sorted(above.by_round.keys() & below.by_round.keys())
+        return paired_ratio([above.by_round[i].sum() for i in shared], [below.by_round[i].sum() for i in shared])
+
+
+def verdicts(variants: Variants) -> list[Verdict]:
+    found = []
+    for label, claim in CLAIMS:
+        if not claim:
+            continue
+        ratios = {what: everywhere(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]) for what in ("", *COUNTED)}
+        found.append(ratios.pop("").with_counts(ratios))
+    return found
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    variants = Variants(results)
+    rows = [(label, tolerance) for label in variants.labels for tolerance in variants.tolerances
+            if any((scene, label, tolerance) in variants.runs for scene in variants.scenes)]
+    table = tables.Table(f"{clock_title(results)} and counted work of all poses of a motion, two-sided: the algorithm of Tang et al. 2009 with one part changed.",
+                         ["pair", "", "tolerance", "time, ms", "subdivisions", "distances", "deepest", "time / plain", *[f"{what} / plain" for what in COUNTED]], left=2)
+    records: list[tables.Record] = []
+    for scene in variants.scenes:
+        table.rules.add(len(table.rows))
+        for i, (label, tolerance) in enumerate(rows):
+            run, solver = variants.run(scene, label, tolerance), str(results.cases.solver[results.rows(label=label)[0]])
+            compared = tolerance == FINEST and label != PLAIN
+            cells = [tables.NOTHING] * 4
+            if run:
+                cells = [tables.number(1e3 * float(run.per_pose.sum())), *[f"{run.counted(COUNTED[what]).sum():,.0f}" for what in ("subdivisions", "distances")],
+                         f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else tables.NOTHING]
+                records.append({"scene": scene, "label": label, "tolerance": tolerance, "poses": len(run.rows), "seconds": float(run.per_pose.sum()), "rounds": len(run.by_round),
+                                **{name: int(counts[run.rows].sum()) for name, counts in results.cases.counters.items()}})
+            table.rows.append([style.scene_title(scene) if i == 0 else "", style.look(solver, label).title, f"{tolerance:g}", *cells,
+                               *[tables.ratio(variants.ratio(scene, label, PLAIN, what)) if compared else tables.NOTHING for what in ("", *COUNTED)]])
+    table.notes = [*[verdict.line() for verdict in verdicts(variants)],
+                   "Plain: as in the paper, tolerance 1e-4 of A's longest side; Lemma 4, which the paper offers for closed models, is off. Time is the sum over the poses of their "
+                   "medians over rounds; ratios are paired by round. Distances are those of points to triangles. Deepest: subdivisions one in another. " + clock_note(results),
+                   "Warm: each pose starts from what the one before has left. Corners alone: the three corners of a triangle of A are closest point queries of their own.",
+                   f"Here: {machine_line(results)}."]
+    figure = draw(variants, rows, clock_word(results))
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
+    """Left: each change against the plain algorithm. Right: the tolerance against subdivisions and time."""
+    changed = [label for label, tolerance in rows if tolerance == FINEST and label != PLAIN]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.9), width_ratios=(1.3, 1))
+    colours = plt.get_cmap("viridis")(np.linspace(0.1, 0.85, len(variants.scenes)))
+    height = 0.8 / len(variants.scenes)
+    for k, (scene, colour) in enumerate(zip(variants.scenes, colours)):
+        for i, label in enumerate(changed):
+            y = i + (k - (len(variants.scenes) - 1) / 2) * height
+            ratio = variants.ratio(scene, label, PLAIN)
+            if not ratio.n:
+                continue
+            left.barh(y, ratio.value - 1, height * 0.9, left=1, color=colour)
+            if math.isfinite(ratio.low):
+                left.plot([ratio.low, ratio.high], [y, y], color="black", linewidth=0.7)
+        swept = [(tolerance, run) for tolerance in variants.tolerances if (run := variants.run(scene, PLAIN, tolerance))]
+        right.plot([tolerance for tolerance, _ in swept], [1e3 * float(run.per_pose.sum()) for _, run in swept], "o-", markersize=3.5, linewidth=0.9, color=colour)
+    left.axvline(1, color="black", linewidth=0.7)
+    left.set_yticks(range(len(changed)), [style.look("cover" if label == "cover" else "tang", label).title for label in changed])
+    left.invert_yaxis()
+    left.set(xscale="log", xlabel=f"{clock}, against the plain algorithm")
+    right.set(xscale="log", yscale="log", xlabel="tolerance, of A's longest side", ylabel=f"{clock} of all poses (ms)")
+    right.invert_xaxis()
+    for axis in (left.xaxis, right.xaxis, right.yaxis):
+        style.log_ticks(axis)
+    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=style.scene_title(scene)) for scene, colour in zip(variants.scenes, colours)], columns=3)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

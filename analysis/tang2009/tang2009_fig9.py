@@ -1,0 +1,74 @@
+"""Figure 9 of Tang et al. 2009: the time of each stage and the two-sided distance by frame."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.tang2009 import tang_motion
+from analysis.shared.cells import clock_note, clock_word
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.tang2009.tang_motion import Motion
+
+STEM = "tang2009_fig9"
+STAGES: Final = {"cull on A": "#56B4E9", "cull on B": "#E69F00", "subdivide": "#009E73"}
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    found = tang_motion.motions(results)
+    table = tables.Table("The time of each stage of Tang's algorithm, two-sided, as a share of all poses and of the tenth of them that are nearest "
+                         "(Fig. 9 of Tang et al. 2009).",
+                         ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", "cover (ours), mean, ms"], left=1)
+    records: list[tables.Record] = []
+    for motion in found:
+        table.rules.add(len(table.rows))
+        tang, cover = motion.runs["tang"], motion.runs.get("cover")
+        order = np.argsort(tang.distance)
+        for what, chosen in (("all poses", order), ("nearest tenth", order[:max(1, len(order) // 10)])):
+            spent = {stage: float(tang.stage(stage)[chosen].sum()) for stage in STAGES}
+            total = sum(spent.values())
+            table.rows.append([f"{motion.scene}, {what}", motion.sizes, str(len(chosen)),
+                               f"{tables.number(100 * float(tang.distance[chosen].min()))} to {tables.number(100 * float(tang.distance[chosen].max()))}",
+                               *[tables.number(100 * seconds / total) if total > 0 else tables.NOTHING for seconds in spent.values()],
+                               *[tables.number(1e3 * float(run.per_pose[chosen].mean())) if run and len(run.per_pose) else tables.NOTHING for run in (tang, cover)]])
+        for i, row in enumerate(tang.rows):
+            records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": str(results.cases.status[row]),
+                            "distance_of_longest": float(tang.distance[i]), **{stage.replace(" ", "_"): float(tang.stage(stage)[i]) for stage in STAGES},
+                            "seconds": float(tang.per_pose[i]) if len(tang.per_pose) else float("nan"), "rounds": len(tang.by_round),
+                            **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
+    table.notes = [tang_motion.rising(found, "tang").line(),
+                   "Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, medians over "
+                   f"{max(len(motion.runs['tang'].by_round) for motion in found)} rounds. Finding the lists of Lemma 3 counts as culling on B. " + clock_note(results),
+                   "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
+                   f"Here: {machine_line(results)}."]
+    figure = draw(found, clock_word(results))
+    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(found: list[Motion], clock: str) -> Any:
+    """A column a pair: stages stacked above, H below."""
+    figure, axes = plt.subplots(2, len(found), figsize=(style.DOUBLE_COLUMN, 3.9), sharex="col", squeeze=False, height_ratios=(2.2, 1))
+    for (upper, lower), motion in zip(axes.T, found):
+        tang = motion.runs["tang"]
+        frames = [int(tang.results.cases.pose_index[row]) for row in tang.rows]
+        upper.stackplot(frames, *[1e3 * tang.stage(stage) for stage in STAGES], colors=list(STAGES.values()), linewidth=0)
+        if (cover := motion.runs.get("cover")) and len(cover.per_pose):
+            upper.plot(frames, 1e3 * cover.per_pose, color=style.look("cover").colour, linewidth=0.9)
+        upper.set(title=f"{motion.scene}, {motion.sizes}", ylim=(0, None), xlim=(frames[0], frames[-1]))
+        lower.plot(frames, 100 * tang.distance, color="black", linewidth=0.9)
+        lower.set(xlabel="frame", ylim=(0, None))
+    axes[0][0].set_ylabel(f"{clock} (ms)")
+    axes[1][0].set_ylabel("H(A, B), % of\nA's longest side")
+    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"Tang 2009: {stage}") for stage, colour in STAGES.items()]
+    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label="cover (ours), in all")]
+    style.legend_above(figure, entries, columns=4)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,116 @@
+"""Figure 11 of Tang et al. 2009 and its two dynamic scenes: the penetration depth, and what it costs a frame."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.tang2009 import tang_depth, tang_pictures
+from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.mesh_picture import view
+from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
+from analysis.shared.verdicts import Verdict, all_of
+
+STEM = "tang2009_pd"
+LABELS: Final = ["tang", "cover"]
+FIGURE: Final = "Fig. 11"
+VIEW: Final = view((0.35, 0.25, 1))
+
+
+def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
+    result = [faster(f"Measuring the depths of a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+                     mean_over_frames(scene.per_frame(MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
+    result += [faster(f"With CGAL's cutting a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+                      mean_over_frames(scene.per_frame(CUT, MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
+    rows = [row for scene in found for row in scene.rows]
+    answered = sum(len(scene.answered) for scene in found)
+    return [*result, all_of("Every pair that overlaps has a depth", len(rows) - answered, len(rows), len(rows), "rows"), agreement(found)]
+
+
+def agreement(found: list[Scene]) -> Verdict:
+    """The intervals that two solvers give one pair have a number in common, but for a billionth of the longest side, which is more than cutting rounds."""
+    bounds: dict[tuple[str, int, bytes], list[tuple[float, float]]] = {}
+    for scene in found:
+        cases = scene.results.cases
+        for row in scene.answered:
+            where = np.concatenate([cases.pose[row], cases.target_pose[row]]).tobytes()
+            bounds.setdefault((scene.name, int(cases.frame[row]), where), []).append(
+                (float(cases.lower[row] / cases.source_longest[row]) - 5e-10, float(cases.upper[row] / cases.source_longest[row]) + 5e-10))
+    several = [each for each in bounds.values() if len(each) > 1]
+    apart = sum(max(low for low, _ in each) > min(high for _, high in each) for each in several)
+    return all_of("The intervals of all solvers have a number in common", apart, len(several), len(bounds), "pairs")
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    printed = paper_numbers(STEM)
+    papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
+    found = tang_depth.recorded(results, LABELS)
+    table = tables.Table("The penetration depth in dynamic scenes, and what it costs a frame: the mean over the frames in which objects overlap (Tang et al. 2009, section 7.3).",
+                         ["scene", "", "frames", "pairs a frame", "parts", "depth, %", "largest", "triangles", "cutting, ms", "measuring, ms", "both, ms"], left=2)
+    records: list[tables.Record] = []
+    for name in dict.fromkeys(scene.name for scene in found):
+        table.rules.add(len(table.rows))
+        for i, scene in enumerate(scene for scene in found if scene.name == name):
+            table.rows.append([name if i == 0 else "", style.look(scene.label).title, *cells(scene)])
+            records += [record(scene, row) for row in scene.rows]
+        if name in papers:
+            table.rows.append(["", "paper", *[tables.NOTHING] * 8, f"{papers[name]:g}"])
+    table.notes = [*[verdict.line() for verdict in verdicts(found, papers)],
+                   "Depths are in percent of the first object's longest side (median and largest over the pairs); parts of the common volume, and triangles on both sides of "
+                   "them, are means over the pairs. Tolerance 1e-4 of the longest side.",
+                   "The paper's scenes are not public: ours were simulated with Bullet. Contacts are rigid, as in the paper's engine; in the soft scenes they are springs, so that objects "
+                   "overlap far deeper. Cutting is CGAL's corefinement of both whole meshes; the paper finds the triangles inside by flood fill, and does not say whether its times have it.",
+                   "Times are of one run of each pair, in the order of the frames; the interval is Student's, from ten runs of consecutive frames.",
+                   f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
+    rows = [int(row) for row in results.rows(scene=FIGURE, label="each part")]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, rows[0] if rows else None, found, papers), out, STEM, table.caption, unchecked_line(results))
+
+
+def cells(scene: Scene) -> list[str]:
+    if len(scene.answered) < len(scene.rows):
+        return [str(len(scene.frames)), f"{len(scene.rows) - len(scene.answered)} of {len(scene.rows)} pairs failed", *[tables.NOTHING] * 7]
+    return [str(len(scene.frames)), tables.number(len(scene.rows) / len(scene.frames)), tables.number(float(scene.told("parts").mean())),
+            tables.number(100 * float(np.median(scene.depths))), tables.number(100 * float(scene.depths.max())), tables.number(float(scene.told("triangles measured").mean())),
+            *[tables.estimate(mean_over_frames(scene.per_frame(*stages)), 1e3) for stages in ((CUT,), (MEASURE,), (CUT, MEASURE))]]
+
+
+def record(scene: Scene, row: int) -> tables.Record:
+    cases, extras = scene.results.cases, scene.results.extras(row)
+    return {"scene": scene.name, "label": scene.label, "frame": int(cases.frame[row]), "source": str(cases.source[row]), "target": str(cases.target[row]),
+            "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row]),
+            "cut_seconds": extras.get(CUT, float("nan")), "measure_seconds": extras.get(MEASURE, float("nan")), "parts": extras.get("parts", float("nan"))}
+
+
+def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[str, float]) -> Any:
+    """Above Fig. 11: the volume that two solids have in common, and the deepest pair of each part. Below the time of measuring by frame."""
+    names = list(dict.fromkeys(scene.name for scene in found))
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 5.4))
+    upper, lower = figure.subfigures(2, 1, height_ratios=(1.5, 1))
+    for ax, close in zip(upper.subplots(1, 2, width_ratios=(1.7, 1)), (False, True)):
+        if shown is None:
+            ax.set_visible(False)
+            continue
+        tang_pictures.draw_common_volume(ax, results, shown, VIEW, close)
+        ax.set_title("(b) the deepest pair of each part" if close else "(a) what lies in the other solid", y=-0.08)
+    for ax, name in zip(np.atleast_1d(lower.subplots(1, max(1, len(names)))), names):
+        for scene in (scene for scene in found if scene.name == name):
+            looks = style.look(scene.label)
+            ax.plot(scene.frames, 1e3 * scene.per_frame(MEASURE), color=looks.colour, linestyle=looks.line, linewidth=0.9)
+        if name in papers:
+            ax.axhline(papers[name], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+        ax.set(title=name, xlabel="frame", yscale="log")
+        style.log_ticks(ax.yaxis)
+    if names:
+        lower.axes[0].set_ylabel("measuring (ms a frame)")
+    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.look(label).title) for label in LABELS]
+    style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), label="the paper's mean, in all")], columns=3)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

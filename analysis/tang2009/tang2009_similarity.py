@@ -1,0 +1,146 @@
+"""Shape similarity, the other application of Tang et al. 2009: which shape is nearest to which, their distance matrix and a dendrogram."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+import numpy.typing as npt
+import scipy.cluster.hierarchy as hierarchy
+import scipy.spatial.distance
+import scipy.stats
+
+from analysis.shared import command, style, tables
+from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
+
+Floats = npt.NDArray[np.float64]
+STEM = "tang2009_similarity"
+SUFFIX: Final = "_centred"
+SOLVER: Final = "cover"
+# What shows the same thing, by our judgement.
+FAMILIES: Final = {"bunnies": ("bunny_cgal", "bunny_open", "bunny_small", "tang_bunny1"), "dragons": ("dragon_res4", "dragon_res3", "chinese_dragon"),
+                   "chess pieces": ("king", "queen"), "fruit": ("orange", "apple"), "asteroids": ("asteroid_low", "asteroid_high"),
+                   "dinosaurs": ("dino", "diplodocus", "triceratops"), "bears": ("bear", "bear_bis"), "elephants": ("elephant", "refined_elephant"),
+                   "anchors": ("anchor", "anchor_dense"), "cattle": ("cow", "bull"), "busts": ("snowden_lo", "snowden_hi"), "gears": ("pinion", "gearwheel")}
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Row i, column j: the interval of H(shape i, shape j), in diagonals of shape i, which is 1 of all of them but for rounding. NaN: no answer."""
+
+    names: list[str]
+    lower: Floats
+    upper: Floats
+
+    @property
+    def middle(self) -> Floats:
+        """Of both orders of a pair."""
+        whole = 0.25 * (self.lower + self.upper + self.lower.T + self.upper.T)
+        np.fill_diagonal(whole, 0.0)
+        return np.asarray(whole)
+
+    @property
+    def complete(self) -> bool:
+        return bool(np.isfinite(self.lower).all() and np.isfinite(self.upper).all())
+
+
+def matrix_of(results: Results, solver: str) -> Matrix:
+    cases = results.cases
+    rows = [int(row) for row in results.rows(solver=solver)]
+    models = list(dict.fromkeys(str(cases.source[row]) for row in rows))
+    place = {model: i for i, model in enumerate(models)}
+    lower, upper = (np.full((len(models), len(models)), np.nan) for _ in range(2))
+    for row in rows:
+        if results.is_bounded(row):
+            at = place[str(cases.source[row])], place[str(cases.target[row])]
+            lower[at], upper[at] = float(cases.lower[row]), float(cases.upper[row])
+    return Matrix([model.removesuffix(SUFFIX) for model in models], lower, upper)
+
+
+def family(name: str) -> str:
+    return next((title for title, members in FAMILIES.items() if name in members), name)
+
+
+def nearest(matrix: Matrix) -> list[list[int]]:
+    """Of each shape all others, the nearest first."""
+    return [[int(j) for j in np.argsort(row, kind="stable") if j != i] for i, row in enumerate(matrix.middle)]
+
+
+def verdicts(matrix: Matrix) -> list[Verdict]:
+    n = len(matrix.names)
+    pairs = [(i, j) for i in range(n) for j in range(i)]
+    known = [(i, j) for i, j in pairs if np.isfinite([matrix.upper[i, j], matrix.upper[j, i]]).all()]
+    apart = sum(matrix.lower[i, j] > matrix.upper[j, i] or matrix.lower[j, i] > matrix.upper[i, j] for i, j in known)
+    found = [all_of("The intervals of H(A, B) and of H(B, A), two runs of their own, have a number in common", apart, len(known), len(pairs), "pairs")]
+    low, high = np.fmin(matrix.lower, matrix.lower.T), np.fmax(matrix.upper, matrix.upper.T)
+    triples = [(i, j, k) for i, j in pairs for k in range(n) if k not in (i, j)]
+    seen = [(i, j, k) for i, j, k in triples if np.isfinite([low[i, j], high[i, k], high[k, j]]).all()]
+    found.append(all_of("The triangle inequality holds, as far as the intervals tell", sum(bool(low[i, j] > high[i, k] + high[k, j]) for i, j, k in seen),
+                        len(seen), len(triples), "triples"))
+    return [*found, retrieval(matrix)]
+
+
+def retrieval(matrix: Matrix) -> Verdict:
+    """Whether the nearest other shape is of the same family. Shapes of one family depend on each other, so families are the trials: one counts if more than
+    half of its members find another one of it. A sign test of 'more families than not'."""
+    claim = "The nearest other shape is one of the same family, for most families"
+    if not matrix.complete or len(matrix.names) < 3:
+        return Verdict(claim, UNTESTED, "distances are missing")
+    kinds = [family(name) for name in matrix.names]
+    hits = [kinds[i] == kinds[others[0]] for i, others in enumerate(nearest(matrix))]
+    groups = [[i for i, kind in enumerate(kinds) if kind == group] for group in dict.fromkeys(kinds)]
+    groups = [group for group in groups if len(group) > 1]
+    if not groups:
+        return Verdict(claim, UNTESTED, "no families")
+    found = sum(2 * sum(hits[i] for i in group) > len(group) for group in groups)
+    more, fewer = (scipy.stats.binomtest(found, len(groups), alternative=side).pvalue for side in ("greater", "less"))
+    guess = max(len(group) - 1 for group in groups) / (len(kinds) - 1)
+    return Verdict(claim, HOLDS if more <= ERROR else FAILS if fewer <= ERROR else OPEN,
+                   f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.number(100 * guess, 2)} % of the shapes")
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    matrix = matrix_of(results, SOLVER)
+    if len(matrix.names) < 2:
+        raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {STEM}'")
+    table = tables.Table("Shapes by their two-sided distance, all of one size and centred, none turned; in percent of the diagonal.",
+                         ["shape", "family", "nearest", "H", "second", "H", "third", "H", "same family"], left=3)
+    middle, records = matrix.middle, list[tables.Record]()
+    for i, (name, others) in enumerate(zip(matrix.names, nearest(matrix))):
+        cells = [cell for j in others[:3] for cell in (matrix.names[j], tables.number(100 * middle[i, j]))]
+        table.rows.append([name, family(name), *cells, *[tables.NOTHING] * (6 - len(cells)), "yes" if family(matrix.names[others[0]]) == family(name) else "no"])
+        records += [{"source": name, "target": matrix.names[j], "lower": float(matrix.lower[i, j]), "upper": float(matrix.upper[i, j])} for j in range(len(matrix.names))]
+    table.notes = [*[verdict.line() for verdict in verdicts(matrix)],
+                   f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
+                   "shapes are not turned to fit each other, so that two of one family that stand differently are far apart.",
+                   f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(matrix), out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(matrix: Matrix) -> Any:
+    """The dendrogram (average linkage) on the left, the matrix in its order on the right."""
+    distances = np.nan_to_num(matrix.middle, nan=float(np.nanmax(matrix.middle)))
+    tree = hierarchy.linkage(scipy.spatial.distance.squareform(100 * distances, checks=False), "average")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 0.17 * len(matrix.names) + 1.6), width_ratios=(1, 1.9))
+    drawn = hierarchy.dendrogram(tree, ax=left, orientation="left", labels=matrix.names, color_threshold=0, above_threshold_color="black")
+    order: Sequence[int] = drawn["leaves"]
+    left.set(xlabel="mean H of the merged groups, %")
+    left.tick_params(axis="y", labelsize=6.5)
+    left.spines[["left", "right", "top"]].set_visible(False)
+    left.grid(False)
+    image = right.imshow(100 * distances[np.ix_(order, order)], origin="lower", aspect="auto", cmap="viridis_r", interpolation="nearest")
+    right.set_yticks([])
+    right.set_xticks(range(len(order)), [matrix.names[i] for i in order], rotation=90, fontsize=6.5)
+    right.grid(False)
+    figure.colorbar(image, ax=right, pad=0.02).set_label("H(A, B), % of the diagonal")
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,92 @@
+"""The penetration depth in recorded scenes: of each frame the pairs of objects that overlap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+import scipy.stats
+
+from analysis.shared.load import Results
+from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+
+Floats = npt.NDArray[np.float64]
+BATCHES: Final = 10
+CUT: Final = "seconds: cut"
+MEASURE: Final = "seconds: measure"
+
+
+def mean_over_frames(values: Floats) -> Estimate:
+    """Of frames in their order, which depend on those before them: Student's interval from the means of ten runs of consecutive frames."""
+    if not len(values) or not np.isfinite(values).all():
+        return NO_DATA
+    middle = float(values.mean())
+    if len(values) < 2 * BATCHES:
+        return Estimate(middle, np.nan, np.nan, len(values), 0.0)
+    means = np.array([part.mean() for part in np.array_split(values, BATCHES)])
+    half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, BATCHES - 1)) * float(means.std(ddof=1)) / BATCHES**0.5
+    return Estimate(middle, middle - half, middle + half, BATCHES, CONFIDENCE)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What one solver made of a recorded scene."""
+
+    results: Results
+    name: str
+    label: str
+    rows: list[int]
+
+    @property
+    def frames(self) -> list[int]:
+        """Those in which objects overlap."""
+        return sorted({int(self.results.cases.frame[row]) for row in self.rows})
+
+    @property
+    def answered(self) -> list[int]:
+        return [row for row in self.rows if self.results.cases.status[row] == "ok"]
+
+    def told(self, name: str) -> Floats:
+        """Of each answered row."""
+        return np.array([self.results.extras(row).get(name, np.nan) for row in self.answered])
+
+    @cached_property
+    def depths(self) -> Floats:
+        """The middles of the intervals, in longest sides of the first object."""
+        cases, rows = self.results.cases, self.answered
+        return np.array([0.5 * (cases.lower[row] + cases.upper[row]) / cases.source_longest[row] for row in rows])
+
+    def per_frame(self, *stages: str) -> Floats:
+        """Seconds of these stages, all pairs of the frame together. NaN where a pair has no answer."""
+        place = {frame: i for i, frame in enumerate(self.frames)}
+        sums = np.zeros(len(place))
+        for row in self.rows:
+            extras = self.results.extras(row)
+            sums[place[int(self.results.cases.frame[row])]] += sum(extras.get(stage, np.nan) for stage in stages)
+        return sums
+
+
+def recorded(results: Results, labels: list[str]) -> list[Scene]:
+    """The recorded scenes, by the name of their [[scene]], each with the solvers that it was given to."""
+    cases = results.cases
+    names: dict[str, dict[str, list[int]]] = {}
+    for row in range(len(cases)):
+        if int(cases.frame[row]) >= 0 and str(cases.label[row]) in labels:
+            name = str(cases.scene[row]).partition(": ")[0]
+            names.setdefault(name, {}).setdefault(str(cases.label[row]), []).append(row)
+    return [Scene(results, name, label, rows) for name, solvers in names.items() for label, rows in solvers.items()]
+
+
+def faster(claim: str, spent: Estimate, printed: float) -> Verdict:
+    """That the mean over the frames, in milliseconds, is below a printed one."""
+    if not spent.n:
+        return Verdict(claim, UNTESTED, "times are missing")
+    value = f"{1e3 * spent.value:.3g} ms"
+    if not spent.has_interval:
+        return Verdict(claim, OPEN, f"{value} against {printed:g} ms, of too few frames for an interval")
+    low, high = 1e3 * spent.low, 1e3 * spent.high
+    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} [{low:.3g}, {high:.3g}] against {printed:g} ms")

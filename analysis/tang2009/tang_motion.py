@@ -1,0 +1,161 @@
+"""Motions of Tang et al. 2009: one model is translated towards another, and H is measured at each pose, by each solver.
+
+One process answers all poses of a round, and neighbouring poses are alike: the unit of an interval of times is the round. Counted work
+is the same in all rounds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.load import Results
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, rising_by_run
+
+Floats = npt.NDArray[np.float64]
+BACK: Final = " (B to A)"
+QUERIES: Final = ("closest_point_queries",)
+AIM_OF_CULLING: Final = 0.97
+AIM_OF_DEPTH: Final = 10
+AIM_OF_WARM: Final = 0.67
+
+
+class Run:
+    """One label on one scene: its rows in the order of the poses."""
+
+    def __init__(self, results: Results, rows: Sequence[int]) -> None:
+        self.results, self.rows = results, sorted(rows, key=lambda row: int(results.cases.pose_index[row]))
+
+    @property
+    def complete(self) -> bool:
+        return bool(self.rows) and all(self.results.cases.status[row] == "ok" for row in self.rows)
+
+    @cached_property
+    def by_round(self) -> dict[int, Floats]:
+        """Seconds of each pose, of the rounds that have all poses. Empty where a pose has no answer."""
+        if not self.complete:
+            return {}
+        found = [self.results.solve_by_round(row) for row in self.rows]
+        return {number: np.array([times[number] for times in found])
+                for number in sorted(set.intersection(*[set(times) for times in found]))}
+
+    @property
+    def mean(self) -> Estimate:
+        """Of the mean time of a pose: one number a round."""
+        return median([float(times.mean()) for times in self.by_round.values()])
+
+    @property
+    def per_pose(self) -> Floats:
+        """The median over the rounds."""
+        return np.asarray(np.median(list(self.by_round.values()), axis=0)) if self.by_round else np.empty(0)
+
+    @cached_property
+    def distance(self) -> Floats:
+        """H as a share of A's longest side, the middle of what is proven."""
+        cases = self.results.cases
+        return np.array([float(np.mean(self.results.reference_of(row))) / float(cases.source_longest[row]) for row in self.rows])
+
+    def counted(self, names: Sequence[str]) -> Floats:
+        counters = self.results.cases.counters
+        return np.array([float(sum(int(counters[name][row]) for name in names if name in counters)) for row in self.rows])
+
+    def told(self, name: str) -> Floats:
+        """What the solver reports of itself at each pose, over both directions: two numbers a pose; NaN where it tells nothing."""
+        extras = [self.results.extras(row) for row in self.rows]
+        return np.array([[one.get(name, math.nan), one.get(name + BACK, math.nan)] for one in extras])
+
+    @cached_property
+    def deepest(self) -> Floats:
+        """Subdivisions one in another at each pose, of both directions the larger; NaN where the solver tells nothing."""
+        return np.asarray(np.fmax(*self.told("depth").T))
+
+    def stage(self, name: str) -> Floats:
+        """Seconds of one stage at each pose, of both directions together."""
+        return np.asarray(np.nansum(self.told(f"seconds: {name}"), axis=1))
+
+    def mean_told(self, name: str) -> float:
+        known = self.told(name)
+        return float(np.nanmean(known)) if np.isfinite(known).any() else math.nan
+
+
+class Motion:
+    """One scene, and a Run for each label."""
+
+    def __init__(self, results: Results, scene: str) -> None:
+        cases, self.scene = results.cases, scene
+        rows = [int(row) for row in results.rows(scene=scene)]
+        self.first = rows[0]
+        self.labels = style.order((cases.solver[row], cases.label[row]) for row in rows)
+        self.runs = {label: Run(results, [row for row in rows if cases.label[row] == label]) for _, label in self.labels}
+        self.sizes = f"{cases.source_elements[self.first]:,} / {cases.target_elements[self.first]:,}"
+        self.note = str(cases.scene_note[self.first])
+
+    def work_ratio(self, slow: str, fast: str, names: Sequence[str]) -> Estimate:
+        """The median over the poses but the first, at which nothing was carried along, of the ratio of counted work."""
+        if not all(label in self.runs and self.runs[label].complete for label in (slow, fast)):
+            return NO_DATA
+        above, below = (self.runs[label].counted(names)[1:] for label in (slow, fast))
+        known = (above > 0) & (below > 0)
+        return exact(float(np.median(above[known] / below[known]))) if known.any() else NO_DATA
+
+
+def motions(results: Results) -> list[Motion]:
+    return [Motion(results, str(scene)) for scene in results.in_order("scene")]
+
+
+def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
+    return style.order(pair for motion in found for pair in motion.labels)
+
+
+def each(claim: str, values: Sequence[float], most: float, what: str, scale: float = 1.0) -> Verdict:
+    """A claim that each of some numbers, which are known exactly, is at most `most`."""
+    if not values or not all(map(math.isfinite, values)):
+        return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing of {len(values)} {what}")
+    over = sum(value > most for value in values)
+    return Verdict(claim, FAILS if over else HOLDS, f"{tables.number(scale * min(values))} to {tables.number(scale * max(values))} on {len(values)} {what}"
+                   + (f", more on {over}" if over else ""))
+
+
+def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
+    """The paper's rates, of each pair the mean over poses and directions."""
+    verdicts = []
+    for side in ("A", "B"):
+        lost = [1 - motion.runs[label].mean_told(f"culled on {side}") for motion in found if label in motion.runs]
+        verdict = each(f"Culling leaves out 97 % of {side} or more", lost, 1 - AIM_OF_CULLING, "pairs", 100)
+        verdicts.append(Verdict(verdict.claim, verdict.outcome, f"{verdict.evidence}; percent that is left"))
+    return verdicts
+
+
+def depth(found: Sequence[Motion], label: str) -> Verdict:
+    """The paper: 'the maximum number of Voronoi subdivision is typically less than ten'."""
+    deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
+    deep = [float((np.nan_to_num(one, nan=math.inf) >= AIM_OF_DEPTH).mean()) for one in deepest]
+    claim = "A triangle is subdivided fewer than ten times, one in another, at 95 % of the poses of each pair"
+    verdict = each(claim, deep, 0.05, "pairs", 100)
+    known = np.concatenate(deepest) if deepest else np.empty(0)
+    most = f"; at most {tables.number(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
+    return Verdict(claim, verdict.outcome, f"percent of poses where it is more often: {verdict.evidence}{most}")
+
+
+def rising(found: Sequence[Motion], label: str) -> Verdict:
+    """Time and work against how near the models are, each pair a run of its own: how they compare says nothing of other poses."""
+    runs = [motion.runs[label] for motion in found if label in motion.runs and motion.runs[label].complete]
+    claim = "The nearer the models, the more time it takes"
+    counted = {what: rising_by_run(claim, [((-run.distance).tolist(), run.counted(names).tolist()) for run in runs]) for what, names in MEASURES.items()}
+    return rising_by_run(claim, [((-run.distance).tolist(), run.per_pose.tolist()) for run in runs]).with_counts(counted)
+
+
+def warm_pays(found: Sequence[Motion], cold: str, warm: str) -> Verdict:
+    title = style.look(cold).title
+    ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in found]
+    known = [ratio.value for ratio in ratios if ratio.n]
+    claim = f"{title}, warm, looks for at most 0.67 as many closest points as cold, at half of the poses"
+    return each(claim, known if len(known) == len(ratios) else [], AIM_OF_WARM, "pairs")

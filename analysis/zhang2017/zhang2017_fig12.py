@@ -1,0 +1,136 @@
+"""Figure 12 of Zhang et al. 2017: the six pairs of Table 3, and the two points between which the distance is."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.points import points_of, posed
+from analysis.shared.verdicts import all_of
+
+STEM = "zhang2017_fig12"
+SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
+MOST = 6000  # points drawn of a set
+
+
+def row_of(results: Results, scene: str) -> int:
+    """A row with a witness if there is one."""
+    rows = [int(row) for row in results.rows(scene=scene)]
+    return next((row for row in rows if results.is_bounded(row)
+                 and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    cases, printed = results.cases, paper_numbers("zhang2017_table3")
+    papers = {row["scene"]: row for row in printed["row"]}
+    scenes = [str(scene) for scene in results.in_order("scene")]
+    table = tables.Table("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12), and where their distance is.",
+                         ["pair", "stands in", "|A| / |B|", "paper: |A| / |B|", "h(A, B)", "h / diagonal of A", "α",
+                          "chosen", "witness on A", "witness on B"], left=2)
+    records: list[tables.Record] = []
+    unlike = 0
+    for scene in scenes:
+        row, paper = row_of(results, scene), papers.get(scene, {})
+        told, low = results.extras(row), float(cases.lower[row])
+        sizes = (int(cases.source_elements[row]), int(cases.target_elements[row]))
+        theirs = (paper.get("source_elements", 0), paper.get("target_elements", 0))
+        unlike += sizes != theirs
+        known = results.is_bounded(row)
+        status = str(cases.status[row])
+        table.rows.append([
+            style.scene_title(scene), str(cases.scene_note[row]), f"{sizes[0]:,} / {sizes[1]:,}",
+            f"{theirs[0]:,} / {theirs[1]:,}",
+            f"{low:.9g}" if known else style.STATUS_WORDS.get(status, status),
+            tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
+            tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
+            *[str(column[row]) if known else ""
+              for column in (cases.witness_source_element, cases.witness_target_element)]])
+        records.append({"scene": scene, "status": status, "source_elements": sizes[0], "target_elements": sizes[1],
+                        "lower": low, "upper": float(cases.upper[row]),
+                        **{f"witness_{side}_{axis}": float(points[row][i]) for side, points in
+                           (("source", cases.witness_source), ("target", cases.witness_target))
+                           for i, axis in enumerate("xyz")},
+                        **told, **results.facts(row)})
+    table.notes = [all_of("the pairs have as many points as the paper's", unlike, len(scenes), len(papers), "pairs").line(),
+                   "α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. "
+                   "Witnesses: number of the point. In the picture: the source A, the target B, and the line between "
+                   f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
+                   "set are drawn.",
+                   f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+
+
+def view(points: Floats, along: Floats) -> Floats:
+    """3 x 2: a plane that holds `along` and the longest direction of the points across it, turned so that the points
+    are widest to the right.
+    """
+    centred = points - points.mean(axis=0)
+    length = float(np.linalg.norm(along))
+    if length > 0:
+        first = along / length
+        across = centred - np.outer(centred @ first, first)
+        basis = np.stack([first, np.linalg.svd(across, full_matrices=False)[2][0]], axis=1)
+    else:
+        basis = np.linalg.svd(centred, full_matrices=False)[2][:2].T
+    turn = np.linalg.svd(centred @ basis, full_matrices=False)[2].T
+    return np.asarray(basis @ turn)
+
+
+def thinned(points: Floats) -> Floats:
+    return points[:: max(1, -(-len(points) // MOST))]
+
+
+def draw(results: Results, scenes: list[str]) -> Any:
+    cases, columns = results.cases, 3
+    rows = -(-len(scenes) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 1.75 * rows + 0.2), squeeze=False)
+    for ax in axes.ravel():
+        ax.set_axis_off()
+    for ax, scene in zip(axes.ravel(), scenes):
+        row = row_of(results, scene)
+        p, q = cases.witness_source[row], cases.witness_target[row]
+        shown = np.isfinite(p).all() and np.isfinite(q).all()
+        a = points_of(str(cases.source[row]), int(cases.source_elements[row]))
+        b = points_of(str(cases.target[row]), int(cases.target_elements[row]))
+        drawn: list[tuple[Floats, str]] = []
+        if b is not None:
+            drawn.append((thinned(b), TARGET))
+        if a is not None:
+            drawn.append((thinned(posed(a, cases.pose[row])), SOURCE))
+        everything = np.vstack([points for points, _ in drawn] or [np.stack([p, q]) if shown else np.zeros((2, 3))])
+        plane = view(everything, q - p if shown else np.zeros(3))
+        for points, colour in drawn:
+            ax.scatter(*(points @ plane).T, s=0.5, c=colour, alpha=0.55, linewidths=0, rasterized=True)
+        if shown:
+            ends = np.stack([p, q]) @ plane
+            ax.plot(*ends.T, color="white", linewidth=3.2, solid_capstyle="round", zorder=3)
+            ax.plot(*ends.T, color=WITNESS, linewidth=1.3, zorder=4)
+            for end, colour in zip(ends, (SOURCE, TARGET)):
+                ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
+                        markeredgewidth=0.7,                        zorder=5)
+        status = str(cases.status[row])
+        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.STATUS_WORDS.get(status, status)
+        if not drawn:
+            value += " (points not available)"
+        ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "
+                     f"points, {value}",
+                     fontsize=7, pad=2)
+        ax.set_aspect("equal", adjustable="datalim")
+    entries = [plt.Line2D([], [], label=label, marker="o", markersize=4, linestyle="none", color=colour)
+               for label, colour in (("source A", SOURCE), ("target B", TARGET))]
+    entries.append(plt.Line2D([], [], label="from the witness on A to its nearest point of B", color=WITNESS,
+                              linewidth=1.3))
+    style.legend_above(figure, entries, columns=3)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

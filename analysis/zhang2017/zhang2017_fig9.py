@@ -1,0 +1,51 @@
+"""Figure 9 of Zhang et al. 2017: the time of OHD against lambda, the size of its first sample."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from analysis.shared import command
+from analysis.zhang2017 import zhang_sweep
+from analysis.shared.cells import Cell
+from analysis.shared.load import Results
+from analysis.shared.verdicts import Verdict
+
+STEM = "zhang2017_fig9"
+BEST = 1 / 80  # "the high efficiency is obtained when lambda is set as 1/80"
+RECOMMENDED = 0.01
+
+
+def text_of(value: float) -> str:
+    return f"1/{1 / value:.0f}"
+
+
+def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
+    found = [sweep.least(f"{scene} points: OHD is fastest at lambda = 1/80", scene, [BEST]) for scene in sweep.scenes]
+    for claim, value in (("a much larger lambda makes OHD slower", max(sweep.values, default=math.nan)),
+                         ("a much smaller lambda makes OHD slower", min(sweep.values, default=math.nan))):
+        found.append(sweep.everywhere(f"{claim} ({text_of(value)} against 1/80)", value, BEST))
+    return found
+
+
+def culled(results: Results, cell: Cell) -> float:
+    shares = [100 * results.extras(row)["culled"] / results.cases.source_elements[row] for row in cell.cases
+              if "culled" in results.extras(row)]
+    return float(np.median(shares)) if shares else math.nan
+
+
+SPEC = zhang_sweep.Spec(
+    STEM, "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
+    "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, (("culled, %", culled),),
+    "Each n is a seed of the sample, by its median. The line marks the 1/100 that the paper recommends.")
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    return zhang_sweep.make(SPEC, results, out)
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

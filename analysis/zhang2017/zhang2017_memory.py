@@ -1,0 +1,174 @@
+"""Peak memory of exact solvers of point sets against the number of points: INC's queues beside trees and scans."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.cells import Cell
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+
+STEM = "zhang2017_memory"
+POINT: Final = 24  # bytes: three doubles
+LEAST: Final = 2**20  # bytes; below it pages and what loading left free decide, not the solver
+ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less: how the allocator rounds up and gives back
+
+
+@dataclass(frozen=True)
+class Spot:
+    workload: str
+    size: str
+    points: int  # |A| + |B|
+    cells: dict[str, Cell]  # by label
+
+
+def collect(results: Results) -> list[Spot]:
+    """A scene is named 'workload, size'."""
+    found = []
+    for scene in results.in_order("scene"):
+        rows = results.rows(scene=scene)
+        workload, _, size = str(scene).partition(", ")
+        labels = dict.fromkeys(str(label) for label in results.cases.label[rows])
+        first = int(rows[0])
+        found.append(Spot(workload, size, int(results.cases.source_elements[first]
+                                              + results.cases.target_elements[first]),
+                          {label: Cell(results, [int(r) for r in results.rows(scene=scene, label=label)])
+                           for label in labels}))
+    return found
+
+
+def slope(points: list[int], peaks: list[float]) -> float:
+    """The exponent of memory = constant n^exponent, by least squares of logarithms; NaN for fewer than two peaks that
+    are large enough to tell.
+    """
+    known = [(n, peak) for n, peak in zip(points, peaks) if peak >= LEAST]
+    if len({n for n, _ in known}) < 2:
+        return math.nan
+    return float(np.polyfit(np.log([n for n, _ in known]), np.log([peak for _, peak in known]), 1)[0])
+
+
+def verdict(workload: str, spots: list[Spot]) -> Verdict:
+    """At the largest size at which INC ended, is there a solver that needs more? A peak is one number, not a sample: peaks
+    that differ by less than ALIKE of the larger, or by less than LEAST, are not told apart. A solver that ran out of memory
+    needs more than INC if the limit is above INC's peak: INC ended below the same limit, on the same points. What any other
+    failure would have needed is not known, so the claim cannot hold.
+    """
+    claim = f"{workload}: INC needs more memory than any other solver"
+    known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
+    if not known:
+        return Verdict(claim, UNTESTED, "no memory known of INC")
+    largest = max(known, key=lambda spot: spot.points)
+    own, rivals = largest.cells["inc"].peak, {label: cell for label, cell in largest.cells.items() if label != "inc"}
+    others = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
+    outcomes, parts = [], [f"INC {tables.number(own / 2**20)} MiB"]
+    if others:
+        most = max(others, key=lambda label: others[label])
+        outcomes.append(compared(own, others[most]))
+        parts.append(f"next {style.look(most).title} {tables.number(others[most] / 2**20)} MiB")
+    for label, cell in rivals.items():
+        if label not in others:
+            limit = memory_limit(cell)
+            outcomes.append(FAILS if compared(own, limit) == FAILS else OPEN)
+            parts.append(f"{style.look(label).title} {cell.failure_text() if cell.failures else 'of unknown memory'}"
+                         + (f" at {tables.number(limit / 2**20)} MiB" if limit > 0 else ""))
+    if not outcomes:
+        return Verdict(claim, UNTESTED, "no other solver")
+    outcome = FAILS if FAILS in outcomes else HOLDS if set(outcomes) == {HOLDS} else OPEN
+    return Verdict(claim, outcome, f"{largest.size} points each: {', '.join(parts)}")
+
+
+def compared(own: float, other: float) -> str:
+    """What one other peak says of the claim that INC's is greater."""
+    alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
+    return OPEN if alike else HOLDS if own > other else FAILS
+
+
+def memory_limit(cell: Cell) -> float:
+    """What a solver that ran out of memory needs more than; 0 for all others."""
+    return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    spots = collect(results)
+    labels = [label for _, label in style.order(zip(results.cases.solver, results.cases.label))]
+    workloads = list(dict.fromkeys(spot.workload for spot in spots))
+    table = tables.Table("Peak memory to prepare and solve, MiB, of exact directed distances between point sets.",
+                         ["workload", "|A| + |B|", "the points themselves",
+                          *[style.look(label).title for label in labels],
+                          "INC, bytes a point", "INC's queues, MiB"], left=1)
+    records: list[tables.Record] = []
+    for workload in workloads:
+        table.rules.add(len(table.rows))
+        own = [spot for spot in spots if spot.workload == workload]
+        for spot in own:
+            inc = spot.cells.get("inc")
+            queues = results.extras(inc.cases[0]).get("queue_bytes", math.nan) if inc and not inc.failures else math.nan
+            table.rows.append([
+                workload, f"{spot.points:,}", tables.number(POINT * spot.points / 2**20),
+                *[tables.NOTHING if label not in spot.cells else spot.cells[label].failure_text()
+                  if spot.cells[label].failures else tables.number(spot.cells[label].peak / 2**20) for label in labels],
+                tables.number(inc.peak / spot.points) if inc else tables.NOTHING, tables.number(queues / 2**20)])
+            records += [{"workload": workload, "size": spot.size, "points": spot.points, "label": label,
+                         "status": cell.status(),
+                         "peak_bytes": cell.peak, "median_seconds": cell.time.value,
+                         "prepare_bytes": int(results.cases.prepare_bytes[cell.cases[0]]),
+                         "queue_bytes": results.extras(cell.cases[0]).get("queue_bytes", math.nan)}
+                        for label, cell in spot.cells.items()]
+        grown = [slope([spot.points for spot in own if label in spot.cells],
+                       [spot.cells[label].peak for spot in own if label in spot.cells]) for label in labels]
+        table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
+    notes = {str(scene).partition(", ")[0]: str(note)
+             for scene, note in zip(results.cases.scene, results.cases.scene_note)}
+    table.notes = [*[verdict(workload, [s for s in spots if s.workload == workload]).line() for workload in workloads],
+                   "Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
+                   "of 4 KiB, and 0 where what loading left free was enough: below 1 MiB (grey) it says little. The "
+                   "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
+                   "no memory: the claim is what INC's queue for every entry of its heap suggests.",
+                   *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption, unchecked_line(results))
+
+
+def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
+    figure, axes = plt.subplots(1, max(1, len(workloads)), figsize=(style.DOUBLE_COLUMN, 2.5), sharey=True,
+                                squeeze=False)
+    for ax, workload in zip(axes[0], workloads):
+        own = [spot for spot in spots if spot.workload == workload]
+        ends = [min(s.points for s in own), max(s.points for s in own)]
+        ax.plot(ends, [POINT * n / 2**20 for n in ends], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+        ax.axhspan(1e-9, LEAST / 2**20, color="#EFEFEF", linewidth=0, zorder=0)
+        marks = []
+        for label in labels:
+            looks = style.look(label)
+            known = [(spot.points, spot.cells[label].peak / 2**20) for spot in own
+                     if label in spot.cells and spot.cells[label].peak > 0]
+            if known:
+                ax.plot(*np.array(known).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
+                ax.plot(*np.array(known).T, **style.filled_marker(looks))
+            failed = {status for spot in own if label in spot.cells for status in spot.cells[label].failures}
+            marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
+        style.margin_marks(ax, marks, 90)
+        ax.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", title=workload)
+        style.log_ticks(ax.xaxis)
+        style.log_ticks(ax.yaxis)
+    peaks = [cell.peak / 2**20 for spot in spots for cell in spot.cells.values() if cell.peak > 0] or [1.0]
+    axes[0][0].set_ylim(min(peaks) / 2, max(peaks) * 2)
+    axes[0][0].set_ylabel("peak memory (MiB)")
+    entries = [plt.Line2D([], [], label=style.look(label).title, linewidth=0.7,
+                          **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
+               for label in labels]
+    entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
+                              linestyle=(0, (1, 1))))
+    style.legend_above(figure, entries)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

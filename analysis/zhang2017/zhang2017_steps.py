@@ -1,0 +1,162 @@
+"""The inner steps that Eqs. 4 to 7 of Zhang et al. 2017 expect of EARLYBREAK, beside those that it makes."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import command, style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.points import points_of, posed
+from analysis.shared.statistics import Estimate, median
+from analysis.shared.verdicts import Verdict, constant, rising_by_run
+
+STEM = "zhang2017_steps"
+MOST: Final = 4000  # points of A whose distances to all of B are looked at
+CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
+EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", (0, (4, 1.5)))
+BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", (0, (1, 1)))
+
+
+@dataclass(frozen=True)
+class Step:
+    scene: str
+    shift: float
+    distance: float
+    counted: Estimate  # inner steps for a point of A; over seeds
+    by_seed: dict[int, float]
+    expected: float  # 1/p with p averaged over all pairs
+    by_point: float  # the mean over the points of A of what each has to expect
+
+    @property
+    def c(self) -> float:
+        """What the paper calls a constant: counted = 1 / (c p)."""
+        return self.expected / self.counted.value if self.counted.n and self.counted.value > 0 else math.nan
+
+
+def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
+    """(1/p, mean of the draws that each point has to expect), if cmax were `distance` from the start. B is shuffled, so
+    steps are draws without replacement: (m + 1) / (k + 1) of them to the first of k points that are near enough, and
+    all m where there is none. O(|A| |B|).
+    """
+    m = len(b)
+    near = np.zeros(len(a))
+    squared = (b * b).sum(axis=1)
+    for begin in range(0, len(a), 100):
+        part = a[begin:begin + 100]
+        between = (part * part).sum(axis=1)[:, None] + squared - 2 * part @ b.T
+        near[begin:begin + 100] = (between < distance * distance * (1 - 1e-12)).sum(axis=1)
+    share = float(near.mean()) / m
+    draws = np.where(near > 0, (m + 1) / (near + 1), m)
+    return (1 / share if share > 0 else math.inf), float(draws.mean())
+
+
+def collect(results: Results) -> list[Step]:
+    cases, found = results.cases, []
+    models: dict[tuple[str, int], Floats | None] = {}
+
+    def points(name: str, count: int) -> Floats | None:
+        if (name, count) not in models:
+            models[name, count] = points_of(name, count)
+        return models[name, count]
+
+    for scene in results.in_order("scene"):
+        for pose in sorted({int(p) for p in cases.pose_index[results.rows(scene=scene)]}):
+            rows = [int(row) for row in results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")]
+            if not rows:
+                continue
+            first = rows[0]
+            n, m = int(cases.source_elements[first]), int(cases.target_elements[first])
+            by_seed = {int(results.options(row).get("seed", 0)): float(cases.counters["point_distances"][row]) / n
+                       for row in rows}
+            counted = median(list(by_seed.values()))
+            distance = float(np.mean(results.reference_of(first)))
+            a, b = points(str(cases.source[first]), n), points(str(cases.target[first]), m)
+            expected = by_point = math.nan
+            if a is not None and b is not None:
+                some = a[:: -(-n // MOST)]
+                expected, by_point = expectations(posed(some, cases.pose[first]), b, distance)
+            found.append(Step(str(scene), float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
+    return found
+
+
+def make(results: Results, out: Path) -> list[Path]:
+    steps = collect(results)
+    scenes = list(dict.fromkeys(step.scene for step in steps))
+    table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, "
+                         "and counted.", ["pair", "shift", "h(A, B)", "counted", "1/mean p (Eq. 7, c = 1)",
+                                      "counted / (1/mean p)",
+                                      "mean of 1/p", "counted / mean of 1/p"], left=1)
+    records: list[tables.Record] = []
+    for scene in scenes:
+        table.rules.add(len(table.rows))
+        for step in [step for step in steps if step.scene == scene]:
+            table.rows.append([scene, tables.number(step.shift), tables.number(step.distance, 4),
+                               tables.estimate(step.counted),
+                               tables.number(step.expected), tables.number(step.counted.value / step.expected),
+                               tables.number(step.by_point), tables.number(step.counted.value / step.by_point)])
+            records.append({"scene": scene, "shift": step.shift, "distance": step.distance, "n": step.counted.n,
+                            "counted": step.counted.value, "counted_low": step.counted.low,
+                            "counted_high": step.counted.high,
+                            "expected": step.expected, "by_point": step.by_point, "c": step.c})
+    claims = [verdict for scene in scenes for verdict in verdicts([step for step in steps if step.scene == scene])]
+    table.notes = [*[verdict.line() for verdict in claims],
+                   f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} "
+                   "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
+                   "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
+                   "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
+                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the program that "
+                   "writes out the points was not there.",
+                   f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption, unchecked_line(results))
+
+
+def verdicts(steps: list[Step]) -> list[Verdict]:
+    """Seeds are the independent runs; neighbouring poses are alike."""
+    scene = steps[0].scene
+    known = [step for step in steps if math.isfinite(step.expected)]
+    seeds = sorted(set.intersection(*[set(step.by_seed) for step in steps]))
+
+    def runs(of: list[Step], x: list[float]) -> list[tuple[list[float], list[float]]]:
+        return [(x, [step.by_seed[seed] for step in of]) for seed in seeds]
+
+    return [rising_by_run(f"{scene}: the smaller h(A, B), the more inner steps", runs(steps, [-s.distance for s in steps])),
+            rising_by_run(f"{scene}: the inner steps grow with 1/mean p (Eq. 7)", runs(known, [s.expected for s in known])),
+            constant(f"{scene}: c of Eq. 7 is a constant",
+                     [[step.expected / step.by_seed[seed] for seed in seeds] for step in known], CONSTANT)]
+
+
+def draw(steps: list[Step], scenes: list[str]) -> Any:
+    figure, axes = plt.subplots(1, max(1, len(scenes)), figsize=(style.DOUBLE_COLUMN, 2.5), squeeze=False)
+    counted = style.look("earlybreak")
+    for ax, scene in zip(axes[0], scenes):
+        own = sorted((step for step in steps if step.scene == scene), key=lambda step: step.shift)
+        x = [step.shift for step in own]
+        for looks, values in ((EXPECTED, [s.expected for s in own]), (BY_POINT, [s.by_point for s in own])):
+            if any(math.isfinite(v) for v in values):
+                ax.plot(x, values, color=looks.colour, linestyle=looks.line, linewidth=0.9)
+        ax.plot(x, [s.counted.value for s in own], color=counted.colour, linewidth=0.7)
+        for step in own:
+            if step.counted.has_interval:
+                ax.plot([step.shift] * 2, [step.counted.low, step.counted.high], color=counted.colour, linewidth=1.2)
+            ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
+        ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
+        style.log_ticks(ax.yaxis)
+    axes[0][0].set_ylabel("inner steps for a point of A")
+    entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
+                          **{**style.filled_marker(counted), "linestyle": "-"}),
+               *[plt.Line2D([], [], label=looks.title, color=looks.colour, linestyle=looks.line, linewidth=0.9)
+                 for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
+    style.legend_above(figure, entries)
+    return figure
+
+
+if __name__ == "__main__":
+    sys.exit(command.main(STEM, make))

@@ -1,0 +1,262 @@
+"""Figures 10 and 11 of Zhang et al. 2017 have one form: one model moves through another, and each pose is timed.
+
+Neighbouring poses are alike, and one process answers all poses of a round. So no test counts poses: each round gives one
+number (the median over the poses of a kind), and the interval is over rounds. It speaks of these poses, not of others.
+Of a solver with several seeds the times are those of the first; counted work has one number a seed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word, takes_seed
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
+from analysis.shared.verdicts import UNTESTED, Verdict, above_one, greatest
+
+WORK: Final = "distances, bounds and nodes"
+THETA: Final = 0.33
+REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
+SHADES: Final = {"apart": "#FFFFFF", "touching": "#F4F4F4", "overlapping": "#E6E6E6"}
+COMPARED: Final = (("apart", "earlybreak", "nohd", "where the boxes are apart, NOHD takes less time than EARLYBREAK"),
+                   ("touching", "ohd", "earlybreak", "where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD"),
+                   ("overlapping", "earlybreak", "ohd", "where α > 0.33, OHD takes less time than EARLYBREAK"))
+
+
+@dataclass(frozen=True)
+class Pose:
+    index: int
+    shift: float  # along x
+    rows: dict[str, int]  # by label; of several seeds the first
+    seeds: dict[str, list[int]]  # by label: all rows, by seed
+    regime: str
+    distance: float
+
+
+class Motion:
+    """One scene: its poses in order, and the time of solving at each, by round."""
+
+    def __init__(self, results: Results, scene: str) -> None:
+        cases = results.cases
+        self.results, self.scene = results, scene
+        by_pose: dict[int, dict[str, list[int]]] = {}
+        for row in sorted(map(int, results.rows(scene=scene)), key=lambda row: int(results.options(row).get("seed", 0))):
+            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(str(cases.label[row]), []).append(row)
+        self.poses = []
+        for index, seeds in sorted(by_pose.items()):
+            rows = {label: own[0] for label, own in seeds.items()}
+            first = next(iter(rows.values()))
+            self.poses.append(Pose(index, float(cases.pose[first][9]), rows, seeds, _regime(results, rows),
+                                   float(np.mean(results.reference_of(first)))))
+        first = int(results.rows(scene=scene)[0])
+        self.sizes = f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}"
+        self.labels = style.order((cases.solver[row], cases.label[row]) for row in results.rows(scene=scene))
+
+    def rounds(self, pose: Pose, label: str) -> dict[int, float]:
+        row = pose.rows.get(label)
+        return {} if row is None or self.results.cases.status[row] != "ok" else self.results.solve_by_round(row)
+
+    def time(self, pose: Pose, label: str) -> Estimate:
+        return median(list(self.rounds(pose, label).values()))
+
+    def work(self, pose: Pose, label: str, what: str) -> float:
+        """Of the first seed; NaN where there is no answer, or nothing is counted."""
+        return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
+
+    def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
+        """Empty where one of the seeds has no answer: to leave it out would leave out one that is slow."""
+        rows, counters = pose.seeds.get(label, []), self.results.cases.counters
+        if any(self.results.cases.status[row] != "ok" for row in rows):
+            return []
+        return [float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) for row in rows]
+
+    def work_ratio(self, poses: Sequence[tuple[Pose, Pose]], slow: str, fast: str, what: str, chosen: bool = False) -> Estimate:
+        """The median over these poses of the ratio of counted work: exact of solvers that take no seed, else one number a seed.
+        Where the poses were chosen by the counts of the first seed, that one is left out.
+        """
+        known = [(a, b) for p, q in poses
+                 if (a := self.work_by_seed(p, slow, what)) and (b := self.work_by_seed(q, fast, what)) and min(a + b) > 0]
+        if not known:
+            return NO_DATA
+        seeds = min((len(x) for pair in known for x in pair if len(x) > 1), default=1)
+        ratios = [float(np.median([a[i % len(a)] / b[i % len(b)] for a, b in known])) for i in range(seeds)]
+        alone = [p.rows[label] for pair in poses for p, label in zip(pair, (slow, fast)) if len(p.seeds.get(label, [])) == 1]
+        if any(takes_seed(self.results, row) for row in alone):
+            return one_draw(ratios[0])
+        used = ratios[1 if chosen else 0:]
+        return paired_ratio(used, [1.0] * len(used)) if seeds > 1 else exact(ratios[0])
+
+    def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
+        """Of each pose of the regime at which all of these were timed."""
+        return [tuple(self.time(p, label).value for label in labels) for p in self.poses
+                if p.regime == regime and all(self.time(p, label).n for label in labels)]
+
+    def ratio(self, regime: str, slow: str, fast: str, what: str = "") -> Estimate:
+        """The median over the poses of a regime of the ratio of times, one number a round; or of counted work, which is
+        the same in all rounds, but not with every seed.
+        """
+        poses = [pose for pose in self.poses if pose.regime == regime]
+        if what:
+            return self.work_ratio([(p, p) for p in poses], slow, fast, what)
+        pairs = [(self.rounds(p, slow), self.rounds(p, fast)) for p in poses]
+        pairs = [pair for pair in pairs if all(pair)]
+        shared = set.intersection(*[a.keys() & b.keys() for a, b in pairs]) if pairs else set[int]()
+        medians = [math.exp(float(np.median([math.log(a[i] / b[i]) for a, b in pairs]))) for i in sorted(shared)]
+        return paired_ratio(medians, [1.0] * len(medians))
+
+    def verdicts(self) -> list[Verdict]:
+        found = [self.peak(label) for label in ("earlybreak", "adaptive") if any(label in p.rows for p in self.poses)]
+        for regime, slow, fast, claim in COMPARED:
+            times = self.times(regime, slow, fast)
+            evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
+                        f"{tables.number(1000 * max((b for _, b in times), default=math.nan))} against "
+                        f"{tables.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
+                        f"{style.look(slow).title} / {style.look(fast).title}")
+            titles = f"median of {style.look(slow).title} / {style.look(fast).title}"
+            counted = {what: above_one(claim, self.ratio(regime, slow, fast, what), titles) for what in MEASURES}
+            found.append(above_one(f"{self.scene}: {claim}", self.ratio(regime, slow, fast), evidence)
+                         .with_counts(counted))
+        return found
+
+    def peak(self, label: str) -> Verdict:
+        """The time is greatest where the models overlap most, that is where the distance is least. Which pose there, and
+        which elsewhere refutes it, is chosen by counted work: to choose by the times that are compared would err too often. So
+        it would by the counts that are compared: of several seeds the first chooses, and the others are compared.
+        """
+        claim = f"{self.scene}: the time of {style.look(label).title} peaks where the models overlap most"
+        timed = [p for p in self.poses if self.time(p, label).n]
+        if len(timed) < 3 or not all(math.isfinite(p.distance) for p in timed):
+            return Verdict(claim, UNTESTED, "fewer than three poses")
+        nearest = min(timed, key=lambda p: p.distance)
+        least = [i for i, p in enumerate(timed) if p.distance <= nearest.distance]
+        # Neighbouring poses count as the same place: the motion is sampled.
+        near = [p for i, p in enumerate(timed) if min(abs(i - k) for k in least) <= 1]
+        far = [p for p in timed if p not in near]
+
+        def verdict(what: str) -> Verdict:
+            top = max(timed, key=lambda p: self.work(p, label, what) if what else self.time(p, label).value)
+            text = f"greatest at x = {top.shift:.3g}, least distance at x = {nearest.shift:.3g}"
+            here, rival = (max(poses, key=lambda p: self.work(p, label, what or WORK)) for poses in (near, far))
+            return greatest(claim, [ratio(here, p, what) for p in far], ratio(here, rival, what), text)
+
+        def ratio(a: Pose, b: Pose, what: str) -> Estimate:
+            if what:
+                return self.work_ratio([(a, b)], label, label, what, chosen=True)
+            return ratio_by_round(self.rounds(a, label), self.rounds(b, label))
+
+        if not far or not all(math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES):
+            return Verdict(claim, UNTESTED, "no pose far from there, or nothing counted")
+        return verdict("").with_counts({what: verdict(what) for what in MEASURES})
+
+    def reuse(self) -> list[str]:
+        """What the ledger says of structures, one text a solver."""
+        ledger, found = self.results.ledger, dict[str, str]()
+        for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
+            solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
+            if solver and what == "structures for each pose":
+                title = style.look(*solver).title
+                found.setdefault(title, f"{title}: {reason}, {tables.number(1000 * seconds)} ms saved")
+        return list(found.values())
+
+
+def _regime(results: Results, rows: dict[str, int]) -> str:
+    """By the overlap that the framework measured."""
+    told = results.extras(rows["adaptive"]) if "adaptive" in rows else {}
+    if "alpha" not in told:
+        return "unknown"
+    return "apart" if told["alpha"] < 0 else "touching" if told["alpha"] <= THETA else "overlapping"
+
+
+def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
+    motions = [Motion(results, str(scene)) for scene in results.in_order("scene")]
+    labels = style.order(pair for motion in motions for pair in motion.labels)
+    clock = clock_word(results)
+    table = tables.Table(f"{caption} {clock_title(results)} to solve a pose, µs: median over the poses of each kind.",
+                         ["models", "|A| / |B|", "poses", *[style.look(*pair).title for pair in labels],
+                          *[f"EARLYBREAK / {title}{what and ', '}{what}" for title in ("NOHD", "OHD")
+                            for what in ("", *MEASURES)]], left=2)
+    records: list[tables.Record] = []
+    for motion in motions:
+        table.rules.add(len(table.rows))
+        for regime, title in REGIMES:
+            poses = [pose for pose in motion.poses if pose.regime == regime]
+            if not poses:
+                continue
+            cells = []
+            for _, label in labels:
+                times = [motion.time(p, label) for p in poses if label in p.rows]
+                failed = sum(not t.n for t in times)
+                known = [t.value for t in times if t.n]
+                text = tables.number(1e6 * float(np.median(known))) if known else tables.NOTHING
+                cells.append(text + (f" ({failed} failed)" if failed else ""))
+            table.rows.append([f"{motion.scene}, {title}", motion.sizes, str(len(poses)), *cells,
+                               *[tables.ratio(motion.ratio(regime, "earlybreak", label, what))
+                                 for label in ("nohd", "ohd") for what in ("", *MEASURES)]])
+        for pose in motion.poses:
+            for _, label in labels:
+                if label in pose.rows:
+                    row, t = pose.rows[label], motion.time(pose, label)
+                    records.append({"scene": motion.scene, "pose": pose.index, "x": pose.shift, "regime": pose.regime,
+                                    "label": label, "status": str(results.cases.status[row]), "n": t.n,
+                                    "median_seconds": t.value, "low_seconds": t.low, "high_seconds": t.high,
+                                    "prepare_seconds": results.prepare_seconds(row), "distance": pose.distance,
+                                    **results.extras(row), **results.facts(row)})
+    reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
+    counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
+    table.notes = [*[verdict.line() for motion in motions for verdict in motion.verdicts()],
+                   "A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
+                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (95 % from six on). The band in the "
+                   "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others there is one "
+                   "number a seed, and one seed (n = 1) separates nothing. Times are of the first seed. Which poses stand for "
+                   "the peak is chosen by counted work, of the first seed. α is the overlap of the boxes, as a fraction of the smaller one. " + clock_note(results),
+                   "Structures are built once in A's frame and serve every pose; their building is not in these "
+                   "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
+                   f"Here: {machine_line(results)}."]
+    figure = draw(motions, labels, reused, clock)
+    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption, unchecked_line(results))
+
+
+def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
+    """A column a scene: times above, the distance below; grey where the boxes overlap."""
+    figure, axes = plt.subplots(2, len(motions), figsize=(style.DOUBLE_COLUMN, 3.7), sharex="col", squeeze=False,
+                                height_ratios=(2.4, 1))
+    for (upper, lower), motion in zip(axes.T, motions):
+        shifts = [pose.shift for pose in motion.poses]
+        edges = [shifts[0], *[(a + b) / 2 for a, b in zip(shifts, shifts[1:])], shifts[-1]]
+        for pose, left, right in zip(motion.poses, edges, edges[1:]):
+            for ax in (upper, lower):
+                ax.axvspan(left, right, color=SHADES.get(pose.regime, "#FFFFFF"), linewidth=0, zorder=0)
+        marks = []
+        for solver, label in labels:
+            looks = style.look(solver, label)
+            timed = [(pose.shift, motion.time(pose, label)) for pose in motion.poses if motion.time(pose, label).n]
+            if timed:
+                x = [shift for shift, _ in timed]
+                upper.plot(x, [t.value for _, t in timed], color=looks.colour, linestyle=looks.line, linewidth=0.7)
+                upper.fill_between(x, [t.low for _, t in timed], [t.high for _, t in timed], color=looks.colour,
+                                   alpha=0.25, linewidth=0)
+                upper.plot(x[::4], [t.value for _, t in timed][::4], **style.filled_marker(looks))
+            failed = {str(motion.results.cases.status[pose.rows[label]]) for pose in motion.poses
+                      if label in pose.rows and not motion.time(pose, label).n}
+            marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
+        style.margin_marks(upper, marks, 120)
+        upper.set(yscale="log", title=f"{motion.scene}, {motion.sizes} points")
+        style.log_ticks(upper.yaxis)
+        lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
+        lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
+    axes[0][0].set_ylabel(f"{clock} to solve a pose (s)")
+    axes[1][0].set_ylabel("h(A, B)")
+    entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
+                                                     linewidth=0.4, label=title) for regime, title in REGIMES]
+    style.legend_above(figure, entries, columns=4)
+    if reused:
+        figure.supxlabel("Structures: built once and used for all poses (ledger of the result).", fontsize=7)
+    return figure

@@ -1,0 +1,188 @@
+"""Tables 1 and 2 of Zhang et al. 2017 have one form: pairs of random clouds, a solver with and without a part of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES, WORK, Cell, clock_note, clock_word, compare, compare_work
+from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared.verdicts import Verdict, everywhere, rising
+
+
+@dataclass(frozen=True)
+class Spec:
+    stem: str
+    caption: str
+    without: str  # labels of the two variants
+    with_it: str
+    part: str  # what the one has and the other has not
+    gains: str  # the paper's claim
+    others: tuple[str, ...]  # more labels: a column each
+    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]]  # header, text, number for the CSV
+    notes: list[str] = field(default_factory=list)
+
+
+class Pair:
+    """One scene. Both variants are prepared with one structure, built once for each: both get the shorter time; where both
+    have several seeds, their medians even out what preparing takes by accident.
+    """
+
+    def __init__(self, results: Results, spec: Spec, scene: str) -> None:
+        cases = results.cases
+        self.scene, self.number = scene, int(scene.split()[-1])
+        labels = (spec.without, spec.with_it, *spec.others)
+        self.cells = {label: Cell(results, [int(r) for r in rows]) for label in labels
+                      if len(rows := results.rows(scene=scene, label=label))}
+        first = int(results.rows(scene=scene)[0])
+        self.n, self.m = int(cases.source_elements[first]), int(cases.target_elements[first])
+        slow, fast = self.cells.get(spec.without), self.cells.get(spec.with_it)
+        both = [cell for cell in (slow, fast) if cell and not cell.failures]
+        self.ratio = NO_DATA
+        self.counted = dict.fromkeys(MEASURES, NO_DATA)
+        if slow and fast and len(both) == 2:
+            if slow.rows == 1 and fast.rows == 1:
+                slow.share_preparation(fast)
+            self.ratio = compare(slow, fast)
+            self.counted = {what: compare_work(slow, fast, names) for what, names in MEASURES.items()}
+
+    def time(self, label: str) -> Estimate:
+        return self.cells[label].time if label in self.cells else NO_DATA
+
+    def text(self, label: str, scale: float) -> str:
+        return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
+
+
+def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+    printed = paper_numbers(spec.stem)
+    papers = {row["pair"]: row for row in printed["row"]}
+    pairs = [Pair(results, spec, str(scene)) for scene in results.in_order("scene")]
+    shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
+    unit, scale = tables.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
+    titles = [style.look(label).title if label in style.LOOKS else label.replace("_", " ") for label in shown]
+    extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
+    table = tables.Table(
+        spec.caption + f" Time to prepare and solve, {unit}, here ({clock_word(results)}) and as printed.",
+        ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
+         "here: ratio", *[f"{what}: ratio" for what in MEASURES], *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
+    records: list[tables.Record] = []
+    for pair, extra in zip(pairs, extras):
+        paper = papers.get(pair.number, {})
+        slow, fast = float(paper.get(spec.without, math.nan)), float(paper.get(spec.with_it, math.nan))
+        table.rows.append([str(pair.number), f"{pair.n:,} / {pair.m:,}",
+                           *[tables.NOTHING if math.isnan(x) else f"{x * scale:.6g}" for x in (slow, fast)],
+                           tables.number(slow / fast), pair.text(spec.without, scale), pair.text(spec.with_it, scale),
+                           tables.ratio(pair.ratio), *map(tables.ratio, pair.counted.values()),
+                           *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
+        for label, cell in pair.cells.items():
+            records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
+                            "status": cell.status(), "n": cell.time.n, "median_seconds": cell.time.value,
+                            "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+                            "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
+                            "paper_seconds": float(paper.get(label, math.nan)), "ratio": pair.ratio.value,
+                            "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
+                            **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
+                            **{header: value for header, _, value in extra}, **cell.counters})
+    verdicts = verdicts_of(spec, pairs)
+    table.notes = [*[verdict.line() for verdict in verdicts],
+                   f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. Distances, bounds and nodes are counted "
+                   "by the solver, and the same on every machine; of a solver with a seed they are of its seeds, and one "
+                   "seed is one draw.", what_it_saves(spec, pairs),
+                   tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
+                   + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
+                   clock_note(results), *spec.notes,
+                   f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
+    return tables.save(table, records, out, spec.stem) + style.save(
+        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption, unchecked_line(results))
+
+
+def has_seeds(pairs: list[Pair]) -> bool:
+    return any(cell.rows > 1 for pair in pairs for cell in pair.cells.values())
+
+
+def unit_of(pairs: list[Pair]) -> str:
+    if has_seeds(pairs):
+        return "seeds, of each the median of its rounds, in which the solvers took turns"
+    return ("rounds in which the solvers took turns. The structure that both are prepared with is the same, so both are given "
+            "the shorter of its two times in each round")
+
+
+def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
+    gains = everywhere(spec.gains, [pair.ratio for pair in pairs])
+    counted = {what: everywhere(spec.gains, [pair.counted[what] for pair in pairs]) for what in MEASURES}
+    claim = "time increases with the numbers of points"
+    timed = [pair for pair in pairs if pair.time(spec.with_it).n]
+    sizes = [float(pair.n + pair.m) for pair in timed]
+    grown = {what: rising(claim, sizes, [pair.cells[spec.with_it].count(names) for pair in timed])
+             for what, names in MEASURES.items()}
+    return [gains.with_counts(counted),
+            rising(claim, sizes, [pair.time(spec.with_it).value for pair in timed]).with_counts(grown)]
+
+
+def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
+    """Of the work, and of the time: medians over the pairs."""
+    known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
+    if not known:
+        return f"What {spec.part} saves in work is not known from these rows."
+    work, time = ([1 - 1 / x for x in values] for values in
+                  ([pair.counted["distances, bounds and nodes"].value for pair in known],
+                   [pair.ratio.value for pair in known]))
+    cost = [1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known]
+    return (f"Over these pairs, {spec.part} saves {tables.number(100 * float(np.median(work)), 2)} % of the distances, "
+            f"bounds and nodes, and this machine makes {tables.number(100 * float(np.median(time)), 2)} % less time of it "
+            f"(medians); one of them costs {tables.number(float(np.median(cost)), 2)} ns, preparation included.")
+
+
+def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:
+    """Times by size, and the ratio that the table is about; filled = here, open = the paper."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
+    solver = spec.with_it
+    own = style.look(solver)
+    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", (0, (1, 1))),
+             solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
+    looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
+    for label, looks_like in looks.items():
+        points = sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n)
+        if points:
+            left.plot([n for n, _ in points], [t.value for _, t in points], color=looks_like.colour,
+                      linestyle=looks_like.line, linewidth=0.7)
+        for n, t in points:
+            if t.has_interval:
+                left.plot([n, n], [t.low, t.high], color=looks_like.colour, linewidth=1.2)
+            left.plot(n, t.value, **style.filled_marker(looks_like))
+        sizes = [(pair.n + pair.m, papers[pair.number][label]) for pair in pairs
+                 if label in papers.get(pair.number, {})]
+        if sizes:
+            left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
+                      **{**style.open_marker(looks_like), "linestyle": "-"})
+    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} to prepare and solve (s)")
+    style.log_ticks(left.xaxis)
+    for pair in pairs:
+        if pair.ratio.n:
+            if pair.ratio.has_interval:
+                right.plot([pair.number] * 2, [pair.ratio.low, pair.ratio.high], color=own.colour, linewidth=1.2)
+            right.plot(pair.number, pair.ratio.value, **style.filled_marker(own))
+        elif pair.cells:
+            right.text(pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom")
+        paper = papers.get(pair.number, {})
+        if spec.without in paper and solver in paper:
+            right.plot(pair.number, paper[spec.without] / paper[solver], **style.open_marker(own))
+    right.axhline(1, color="#333333", linewidth=0.6)
+    right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
+    right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
+    right.set_xticks([pair.number for pair in pairs])
+    grey = style.Look("", style.GREY, "o")
+    entries = [plt.Line2D([], [], label=x.title, linestyle=x.line, linewidth=0.7,
+                          **{k: v for k, v in style.filled_marker(x).items() if k != "linestyle"})
+               for x in looks.values()]
+    style.legend_above(figure, [*entries, plt.Line2D([], [], label="filled: here", **style.filled_marker(grey)),
+                                plt.Line2D([], [], label="open: the paper", **style.open_marker(grey))], columns=5)
+    return figure

@@ -1,0 +1,158 @@
+"""Figures 8 and 9 of Zhang et al. 2017 have one form: the time of a solver against one of its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
+from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared.verdicts import Verdict, everywhere, least_among
+
+# Of pairs, from light to dark; markers tell them apart as well.
+PAIR_LOOKS = [("#56B4E9", "o"), ("#009E73", "^"), ("#D55E00", "s"), ("#882255", "D"), ("#000000", "v")]
+
+
+@dataclass(frozen=True)
+class Spec:
+    stem: str
+    caption: str
+    parameter: str
+    axis: str  # label
+    text_of: Callable[[float], str]
+    recommended: float  # by the paper; marked in the figure
+    verdicts: Callable[[Sweep], list[Verdict]]
+    columns: tuple[tuple[str, Callable[[Results, Cell], float]], ...]  # more of them: header, value
+    note: str
+
+
+class Sweep:
+    """Cells by scene and value of the parameter."""
+
+    def __init__(self, spec: Spec, results: Results) -> None:
+        self.spec, self.results = spec, results
+        self.scenes = [str(scene) for scene in results.in_order("scene")]
+        rows: dict[tuple[str, float], list[int]] = {}
+        for row in range(len(results.cases)):
+            value = results.options(row).get(spec.parameter)
+            if value is not None:
+                rows.setdefault((str(results.cases.scene[row]), float(value)), []).append(row)
+        self.cells = {key: Cell(results, of) for key, of in rows.items()}
+        self.values = sorted({value for _, value in rows})
+
+    def time(self, scene: str, value: float) -> Estimate:
+        cell = self.cells.get((scene, value))
+        return cell.time if cell else NO_DATA
+
+    def timed(self, scene: str, among: list[float] | None = None) -> list[float]:
+        return [v for v in (self.values if among is None else among) if self.time(scene, v).n]
+
+    def best(self, scene: str, among: list[float] | None = None) -> float:
+        """The value with the least median time; NaN where there is none."""
+        return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
+
+    def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
+        """Of times, or of what is named in MEASURES."""
+        if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
+            return NO_DATA
+        pair = self.cells[scene, slow], self.cells[scene, fast]
+        return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
+
+    def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
+        """A claim that one value is slower than another on every pair; in time, and in counted work."""
+        found = {what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes])
+                 for what in ("", *MEASURES)}
+        return found.pop("").with_counts(found)
+
+    def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
+        """A claim that the least time is at one of these values; in time, and in counted work."""
+        timed, found = self.timed(scene), dict[str, Verdict]()
+        among = [value for value in among if value in timed]
+        texts = [self.spec.text_of(value) for value in among]
+        for what in ("", *MEASURES):
+            rivals = [(self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
+                      for value in timed if value not in among]
+            known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
+            best = min(timed, key=lambda v: self.measure(scene, v, what), default=math.nan)
+            found[what] = least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
+        return found.pop("").with_counts(found)
+
+    def measure(self, scene: str, value: float, what: str) -> float:
+        cell = self.cells[scene, value]
+        return cell.count(MEASURES[what]) if what else cell.time.value
+
+
+def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+    sweep = Sweep(spec, results)
+    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"prepare and solve, {clock_word(results)}, ms",
+                                        "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
+    records: list[tables.Record] = []
+    for scene in sweep.scenes:
+        table.rules.add(len(table.rows))
+        best = sweep.best(scene)
+        for value in sweep.values:
+            cell = sweep.cells.get((scene, value))
+            if not cell:
+                continue
+            more = [cell.count(names) for names in MEASURES.values()]
+            more += [column(results, cell) if not cell.failures else math.nan for _, column in spec.columns]
+            least = sweep.time(scene, best).value if not math.isnan(best) else math.nan
+            table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
+                               tables.number(cell.time.value / least) + (" (least)" if value == best else ""),
+                               *map(tables.number, more)])
+            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), "n": cell.time.n,
+                            "median_seconds": cell.time.value, "low_seconds": cell.time.low,
+                            "high_seconds": cell.time.high, "prepare_seconds": cell.prepare,
+                            "peak_bytes": cell.peak, **cell.counters})
+    table.notes = [*[verdict.line() for verdict in spec.verdicts(sweep)],
+                   tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
+                   + " " + clock_note(results),
+                   f"Here: {machine_line(results)}."]
+    return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption, unchecked_line(results))
+
+
+def draw(sweep: Sweep) -> Any:
+    """Left the times, right in units of each pair's least."""
+    spec = sweep.spec
+    figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
+    place = {value: i for i, value in enumerate(sweep.values)}
+    lost = []
+    for i, scene in enumerate(sweep.scenes):
+        colour, marker = PAIR_LOOKS[i % len(PAIR_LOOKS)]
+        looks, best = style.Look(scene, colour, marker), sweep.best(scene)
+        for ax, unit in zip(axes, (1.0, sweep.time(scene, best).value if not math.isnan(best) else 1.0)):
+            timed = sweep.timed(scene)
+            ax.plot([place[v] for v in timed], [sweep.time(scene, v).value / unit for v in timed], color=colour,
+                    linewidth=0.8)
+            for value in timed:
+                t = sweep.time(scene, value)
+                if t.has_interval and ax is axes[0]:
+                    ax.plot([place[value]] * 2, [t.low / unit, t.high / unit], color=colour, linewidth=1.2)
+                ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
+        lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
+                 if of == scene and cell.failures]
+    for ax, label in zip(axes, (f"{clock_word(sweep.results)} to prepare and solve (s)", "time / least time of the pair")):
+        ax.set(xlabel=spec.axis, ylabel=label)
+        ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
+        if spec.recommended in place:
+            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), zorder=0.5)
+    axes[0].set_yscale("log")
+    style.log_ticks(axes[0].yaxis)
+    axes[1].set_ylim(bottom=0)
+    if lost:
+        axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
+    entries = [plt.Line2D([], [], label=scene, linewidth=0.8, color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],
+                          marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
+               for i, scene in enumerate(sweep.scenes)]
+    entries.append(plt.Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
+                              linestyle=(0, (1, 1))))
+    style.legend_above(figure, entries, columns=6)
+    return figure

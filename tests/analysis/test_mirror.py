@@ -1,0 +1,37 @@
+"""analysis/ has the folders of experiments/, so that who knows a stem's experiment knows its script."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis.shared.load import ResultError
+from analysis.shared.stems import ANALYSIS, module_of
+
+EXPERIMENTS = ANALYSIS.parent / "experiments"
+
+
+def test_scripts_lie_where_their_experiments_do() -> None:
+    experiments = {file.stem: file.parent.relative_to(EXPERIMENTS) for file in EXPERIMENTS.rglob("*.toml")}
+    scripts = {file.stem: file.parent.relative_to(ANALYSIS) for file in ANALYSIS.rglob("*.py") if file.stem in experiments}
+    assert scripts == {stem: experiments[stem] for stem in scripts}
+    assert set(experiments) - set(scripts) == {"smoke"}  # which draws nothing
+
+
+def test_no_two_scripts_have_one_name() -> None:
+    names = [file.stem for file in ANALYSIS.rglob("*.py")]
+    assert len(names) == len(set(names))
+
+
+def test_module_of_a_stem() -> None:
+    assert module_of("zhang2017_table3") == "analysis.zhang2017.zhang2017_table3" and module_of("overview") == "analysis.overview"
+    with pytest.raises(ResultError, match="no analysis/<folder>/nothing.py"):
+        module_of("nothing")
+
+
+def test_shared_code_knows_no_stem() -> None:
+    """What stems share imports nothing of a stem's folder."""
+    for file in (ANALYSIS / "shared").glob("*.py"):
+        imports = [line for line in file.read_text(encoding="utf-8").splitlines() if line.startswith(("from analysis", "import analysis"))]
+        assert all(line.startswith("from analysis.shared") for line in imports), file.name
