@@ -15,13 +15,13 @@ from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 Floats = npt.NDArray[np.float64]
-BATCHES: Final = 10
+BATCHES: Final = 8
 CUT: Final = "seconds: cut"
 MEASURE: Final = "seconds: measure"
 
 
 def mean_over_frames(values: Floats) -> Estimate:
-    """Of frames in their order, which depend on those before them: Student's interval from the means of ten runs of consecutive frames."""
+    """Of frames in their order, which depend on those before them: Student's interval from the means of eight runs of consecutive frames."""
     if not len(values) or not np.isfinite(values).all():
         return NO_DATA
     middle = float(values.mean())
