@@ -132,6 +132,13 @@ TEST(Penetration, TheDeepestOfSeveralParts) {
     EXPECT_NEAR(depths[2], 0.3, 2 * tolerance);
 }
 
+// The part with the largest box is measured first, and is not the deepest.
+TEST(Penetration, ASmallerPartMayBeDeeper) {
+    const TriangleMesh teeth = joined(box({0, 0, 0}, {3, 3, 1.1}), box({5, 0, 0}, {6, 1, 1.3}));
+    const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
+    for (const bool each : {false, true}) expect_depth(depth(teeth, slab, {{"each_part", each}}), 0.3);
+}
+
 // The poles of two caps are as far apart as the spheres overlap. A mesh lies inside of its sphere, by 1 - cos(half an edge's angle) at most; its poles are vertices.
 TEST(Penetration, Spheres) {
     const TriangleMesh ball = sphere(4);
