@@ -268,14 +268,7 @@ def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> 
     assert claim(make(synthetic_tang.nearest())[2], LESS).startswith(": not tested")
 
 
-@pytest.fixture()
-def overlapping(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every model is the tetrahedron with its right angle at the origin."""
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    monkeypatch.setattr(mesh_picture, "mesh", lambda name: Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])))
-
-
-@pytest.mark.usefixtures("overlapping")
+@pytest.mark.usefixtures("tetrahedra")
 def test_depths_cells(make: Make) -> None:
     records, rows, text = make(synthetic_tang.depths())
     assert rows["Alphabet Domino"][0][:7] == ["Tang 2009", "30", "2.00", "1.00", "1.00", "1.00", "20.0"]
@@ -286,7 +279,7 @@ def test_depths_cells(make: Make) -> None:
     assert claim(text, "Every pair that overlaps").startswith(" it holds") and claim(text, "have a number in common").startswith(" it holds")
 
 
-@pytest.mark.usefixtures("overlapping")
+@pytest.mark.usefixtures("tetrahedra")
 @pytest.mark.parametrize(("cover", "frames", "domino", "bunnies"), [
     (1e-4, 30, " it holds", " it holds"), (4.62e-4, 30, ": not separated", " it holds"), (1e-3, 30, " it does not hold", " it holds"),
     (4e-3, 30, " it does not hold", " it does not hold"), (1e-4, 15, ": not separated", ": not separated")])
@@ -297,7 +290,7 @@ def test_time_of_measuring_depths(make: Make, cover: float, frames: int, domino:
     assert claim(text, "With CGAL's cutting a frame of Alphabet Domino takes less than the paper's 0.97 ms on average, by cover").startswith(" it does not hold" if frames == 30 else ": not")
 
 
-@pytest.mark.usefixtures("overlapping")
+@pytest.mark.usefixtures("tetrahedra")
 def test_depths_that_failed_or_disagree(make: Make) -> None:
     _, rows, text = make(synthetic_tang.depths(failed=3))
     assert next(row for row in rows[""] if row[0] == "cover (ours)")[2] == "3 of 60 pairs failed"
@@ -307,7 +300,7 @@ def test_depths_that_failed_or_disagree(make: Make) -> None:
     assert claim(make(synthetic_tang.depths(tang_lower=0.011))[2], "have a number in common").startswith(" it does not hold (not so for 120 of 120")
 
 
-@pytest.mark.usefixtures("overlapping")
+@pytest.mark.usefixtures("tetrahedra")
 def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     records, rows, text = make(synthetic_tang.fig1())
     assert rows["Falling Bunnies"] == [["cover, depth", "depth, frame 24", "2 of 3", "10.00000", "10.00000"]]
@@ -315,12 +308,12 @@ def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     assert len(records) == 5 and "two stand in" in text
 
 
-def test_points_inside(overlapping: None) -> None:
+def test_points_inside(tetrahedra: None) -> None:
     points = np.array([[0.1, 0.1, 0.1], [0.4, 0.4, 0.4], [-0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [5, 5, 5]])
     assert list(tang_pictures.inside(mesh_picture.mesh("any"), points)) == [True, False, False, True, False]
 
 
-def test_pieces_make_up_the_triangles(overlapping: None) -> None:
+def test_pieces_make_up_the_triangles(tetrahedra: None) -> None:
     whole, cut = mesh_picture.mesh("any"), tang_pictures.pieces(mesh_picture.mesh("any"), 0.3)
     area = [np.linalg.norm(np.cross(m.corners[m.triangles[:, 1]] - m.corners[m.triangles[:, 0]], m.corners[m.triangles[:, 2]] - m.corners[m.triangles[:, 0]]), axis=1).sum()
             for m in (whole, cut)]
