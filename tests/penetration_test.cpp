@@ -139,6 +139,33 @@ TEST(Penetration, ASmallerPartMayBeDeeper) {
     for (const bool each : {false, true}) expect_depth(depth(teeth, slab, {{"each_part", each}}), 0.3);
 }
 
+TEST(Penetration, ThreadsChangeNothing) {
+    const TriangleMesh ball = sphere(4);
+    Query query = query_of();
+    query.target_pose.translation = {1.2, 0.3, 0.1};
+    const Result one = depth(ball, ball, {}, query);
+    query.threads = 2;
+    const Result two = depth(ball, ball, {}, query);
+    EXPECT_GT(one.bounds.lower, 0.5);
+    EXPECT_EQ(one.bounds.lower, two.bounds.lower);
+    EXPECT_EQ(one.bounds.upper, two.bounds.upper);
+    EXPECT_EQ(one.witness.source_point, two.witness.source_point);
+}
+
+// Of two parts that are equally deep the second is asked with a floor that is the cutoff, or is above it: the tolerance must end it all the same.
+TEST(Penetration, ACutoffAtTheDepthOfAPart) {
+    const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 1.25}), box({2, 0, 0}, {3, 1, 1.25}));
+    const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
+    for (const double cutoff : {0.2, 0.25, 0.3}) {
+        Query query = query_of();
+        query.cutoff = cutoff;
+        const Result result = depth(teeth, slab, {}, query);
+        EXPECT_EQ(result.status, cutoff < 0.25 ? Status::above_cutoff : Status::converged) << cutoff;
+        EXPECT_LE(result.bounds.lower, 0.25 + slack);
+        EXPECT_GE(result.bounds.upper, 0.25 - slack);
+    }
+}
+
 // The poles of two caps are as far apart as the spheres overlap. A mesh lies inside of its sphere, by 1 - cos(half an edge's angle) at most; its poles are vertices.
 TEST(Penetration, Spheres) {
     const TriangleMesh ball = sphere(4);

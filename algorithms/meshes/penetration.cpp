@@ -11,13 +11,13 @@
 // `each_part` bounds and witness of each part, where otherwise a part that cannot be the deepest is left early. Stages: "cut", "measure".
 // Budget: for each part, of the inner solver. Time: corefinement, O(n log n) and what crosses; then that of the inner solver. Cutting ignores the limit of time.
 #include "kernel/posed_box.h"
+#include "kernel/rounding.h"
 #include "registry.h"
 #include "search/common_volume.h"
 #include "session.h"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <optional>
 
@@ -40,16 +40,10 @@ public:
     void prepare(const Scene& scene, const Prepared&) override {
         source_.emplace(mesh_of(scene.source));
         target_.emplace(mesh_of(scene.target));
-        triangles_ = {mesh_of(scene.source), mesh_of(scene.target)};
+        scene_ = &scene;
     }
 
-    std::size_t prepared_bytes() const override {
-        std::size_t bytes = source_->bytes() + target_->bytes();
-        for (const TriangleMesh& mesh : triangles_)
-            bytes +=
-                std::size_t(mesh.vertices.size()) * sizeof(double) + std::size_t(mesh.triangles.size()) * sizeof(Index);
-        return bytes;
-    }
+    std::size_t prepared_bytes() const override { return source_->bytes() + target_->bytes(); }
 
     Result solve(const Query& query, State*, Trace&) const override {
         const auto begin = Clock::now();
@@ -65,6 +59,8 @@ public:
             Query asked = query;
             asked.time_limit = std::max(0.0, query.time_limit - seconds_since(begin));
             if (!each_part_) asked.floor = std::max(query.floor, result.bounds.lower);
+            // A floor that is the cutoff would ask a question that nobody asked.
+            if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
             const Result part = measure(common.parts[i], asked);
             if (each_part_) describe(part, i + 1, result.reported);
             measured +=
@@ -107,9 +103,10 @@ private:
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
             return TriangleMesh{posed(mesh.vertices, pose), mesh.triangles};
         };
-        Scene scene{in_source ? part.of_target : part.of_source, in_target   ? whole(triangles_[1], query.target_pose)
-                                                                 : in_source ? whole(triangles_[0], query.source_pose)
-                                                                             : part.of_target};
+        Scene scene{in_source ? part.of_target : part.of_source,
+                    in_target   ? whole(mesh_of(scene_->target), query.target_pose)
+                    : in_source ? whole(mesh_of(scene_->source), query.source_pose)
+                                : part.of_target};
         query.quantity = in_target || in_source ? Quantity::directed : Quantity::symmetric;
         query.source_pose = query.target_pose = {};
         query.wanted = {};
@@ -163,7 +160,7 @@ private:
     SolverEntry inner_;  // a copy: plug-ins make the registry's list longer
     bool each_part_;
     std::optional<Solid> source_, target_;
-    std::array<TriangleMesh, 2> triangles_;
+    const Scene* scene_ = nullptr;
 };
 
 }  // namespace

@@ -65,7 +65,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "them, are means over the pairs. Tolerance 1e-4 of the longest side.",
                    "The paper's scenes are not public: ours were simulated with Bullet. Contacts are rigid, as in the paper's engine; in the soft scenes they are springs, so that objects "
                    "overlap far deeper. Cutting is CGAL's corefinement of both whole meshes; the paper finds the triangles inside by flood fill, and does not say whether its times have it.",
-                   "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames, so that it has the scene's own course in it, too.",
+                   "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames. It covers how the scene changes, too.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
     rows = [int(row) for row in results.rows(scene=FIGURE, label="each part")]
     return tables.save(table, records, out, STEM) + style.save(draw(results, rows[0] if rows else None, found, papers), out, STEM, table.caption, unchecked_line(results))
