@@ -29,7 +29,6 @@ SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
 SolverEntry kdtree_solver();                // peers/kdtree.cpp
 SolverEntry penetration_solver();           // meshes/penetration.cpp
 SolverEntry cgal_solver();                  // peers/cgal.cpp
-SolverEntry external_solver();              // peers/external.cpp
 
 namespace {
 
@@ -61,7 +60,6 @@ std::vector<SolverEntry>& list_of_solvers() {
         penetration_solver(),
         cgal_solver(),
 #endif
-        external_solver(),
     };
     return list;
 }

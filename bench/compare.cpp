@@ -4,9 +4,9 @@
 #include "closest_rival.h"
 #include "error.h"
 #include "interleave.h"
-#include "machine.h"
 #include "models.h"
 #include "registry.h"
+#include "result/provenance.h"
 #include "session.h"
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // A certificate in a file: what is read is what was written, and an answer is accepted as a whole or not at all.
-#include "certificate_file.h"
+#include "check/certificate_file.h"
 
 #include "certificates.h"
 #include "error.h"

@@ -1,6 +1,6 @@
 // Certificates as solvers give them: accepted for every scene, pose, quantity and unit, whatever the status. For every solver of the
 // registry that offers them, and for a slow one of the tests, so that what a session does to them is tried even without others.
-#include "certificate_check.h"
+#include "check/certificate_check.h"
 
 #include "certificates.h"
 #include "kernel/rounding.h"

@@ -1,6 +1,6 @@
 // Certificates of random scenes, good ones and changed ones: a good one is accepted and its bound is exact but for rounding; a changed one
 // is refused, or what it proves is true all the same.
-#include "certificate_check.h"
+#include "check/certificate_check.h"
 
 #include "certificates.h"
 #include "scenes.h"

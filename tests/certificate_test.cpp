@@ -1,10 +1,10 @@
 // The check of certificates: what it accepts is true, whatever the bytes say; what is true and well written it accepts; and its bound is
 // the exact one but for rounding.
-#include "certificate_check.h"
+#include "check/certificate_check.h"
 
 #include "certificates.h"
+#include "check/verify_exact.h"
 #include "scenes.h"
-#include "verify_exact.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which files a command line of the shell names.
-#include "command_files.h"
+#include "plan/command_files.h"
 
 #include "hash.h"
 #include "temporary_folder.h"

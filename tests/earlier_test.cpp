@@ -1,8 +1,9 @@
 // A run adds to the result that is there, and replaces only what it was asked for.
-#include "earlier.h"
+#include "run/earlier.h"
+#include "record/profiles.h"
 
 #include "error.h"
-#include "journal.h"
+#include "run/journal.h"
 #include "temporary_folder.h"
 
 #include <gtest/gtest.h>

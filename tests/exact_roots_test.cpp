@@ -1,5 +1,5 @@
 // Roots of rationals: the doubles next to them, from the smallest that there are to beyond the largest.
-#include "exact_roots.h"
+#include "check/exact_roots.h"
 #include "random.h"
 
 #include <gtest/gtest.h>

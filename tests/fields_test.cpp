@@ -1,14 +1,15 @@
 // Fields: the distances of A's vertices against exact ones, the files that hold them, and what the harness's check refuses.
 #include "fields.h"
+#include "check/verify.h"
+#include "check/verify_fields.h"
 #include "error.h"
 #include "exact.h"
-#include "field_file.h"
 #include "random.h"
-#include "result_file.h"
+#include "result/field_file.h"
+#include "result/result_file.h"
+#include "run/describe.h"
 #include "temporary_folder.h"
 #include "tree_meshes.h"
-#include "verify.h"
-#include "verify_fields.h"
 
 #include <CGAL/IO/read_ply_points.h>
 #include <CGAL/Simple_cartesian.h>

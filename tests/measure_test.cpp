@@ -1,5 +1,5 @@
 // The answers of `measure`: both directions, H from them, and a cutoff.
-#include "measure_solve.h"
+#include "commands/measurement_solve.h"
 #include "registry.h"
 #include "solver.h"
 

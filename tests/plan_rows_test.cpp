@@ -1,10 +1,10 @@
 // From an experiment file to its rows: the poses of both shapes, both quantities, and chains of warm cases.
-#include "plan.h"
+#include "plan/plan.h"
 
 #include "error.h"
 #include "registry.h"
+#include "run/worker.h"
 #include "temporary_folder.h"
-#include "worker.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // What a plan knows of its cases: its lookups, which must not look at all poses for each of them, and which wrong answers are
 // expected.
-#include "plan.h"
+#include "plan/plan.h"
 
 #include <gtest/gtest.h>
 

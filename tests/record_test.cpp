@@ -1,6 +1,6 @@
 // What a row says of its case: the tolerance as a length, and the identity.
-#include "record.h"
-#include "machine.h"
+#include "record/row.h"
+#include "result/provenance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // From the outcomes of rounds to the row of a case, and from its trace to the rows of coarser tolerances.
-#include "rounds.h"
+#include "run/rounds.h"
 
 #include <gtest/gtest.h>
 

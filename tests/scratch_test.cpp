@@ -1,5 +1,5 @@
 // Scratch folders: what happens where none can be made, and while other processes clear theirs away.
-#include "scratch.h"
+#include "process/scratch.h"
 #include "error.h"
 #include "temporary_folder.h"
 

@@ -1,10 +1,13 @@
 // What people see of a result: tables that fit, bounds that hold as shown, reasons, two solvers side by side, lines of progress.
-#include "show.h"
-#include "compare.h"
+#include "commands/compare_results.h"
+#include "commands/compare_solvers.h"
+#include "commands/row_choice.h"
+#include "commands/row_table.h"
+#include "commands/row_texts.h"
+#include "commands/summary.h"
 #include "error.h"
-#include "progress.h"
-#include "row_choice.h"
-#include "row_times.h"
+#include "record/row_times.h"
+#include "run/progress.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

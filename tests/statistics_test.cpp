@@ -1,5 +1,5 @@
 // Medians and ratios against values worked out by hand.
-#include "statistics.h"
+#include "record/statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The harness's own check of penetration depths: right answers hold, and each kind of wrong one is found.
-#include "verify_penetration.h"
+#include "check/verify_penetration.h"
 
 #include "solids.h"
 

@@ -1,6 +1,6 @@
 // The off-clock check on small shapes: what it proves, what it refutes, and that it can be stopped.
+#include "check/verify.h"
 #include "random.h"
-#include "verify.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and nothing is left open.
-#include "verify_surface.h"
+#include "check/verify_surface.h"
 #include "registry.h"
 #include "session.h"
 

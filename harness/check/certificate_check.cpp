@@ -1,0 +1,327 @@
+// Doubles and intervals are rounded upward throughout the check: of plain doubles, a sum or a product of positive numbers, and a
+// root, is then at least the exact one. Comments say where a bound depends on it.
+#include "check/certificate_check.h"
+
+#include "check/certificate_tree.h"
+#include "check/verify_exact.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+using namespace certificate;
+using IntervalVector = std::array<Interval, 3>;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr const char* format_name = "hausbench cover 1";
+
+double middle(const Interval& x) { return 0.5 * (x.inf() + x.sup()); }
+Vec3 middle(const IntervalVector& v) { return {middle(v[0]), middle(v[1]), middle(v[2])}; }
+
+IntervalVector difference(const Vec3& to, const Vec3& from) {
+    return {Interval(to[0]) - Interval(from[0]), Interval(to[1]) - Interval(from[1]),
+            Interval(to[2]) - Interval(from[2])};
+}
+
+// At least the length of every vector in v. No square overflows, as coordinates are below 1; where one could lose its bits to
+// underflow, the vector is made larger first, which is exact.
+double length_at_most(const IntervalVector& v) {
+    std::array<double, 3> x;
+    double largest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        x[k] = std::max(v[k].sup(), -v[k].inf());
+        largest = std::max(largest, x[k]);
+    }
+    if (largest >= 0x1p-400) return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);  // rounded upward
+    for (double& component : x) component *= 0x1p600;
+    return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) * 0x1p-600;
+}
+
+// --- a triangle of B ------------------------------------------------------------------------------------------------------
+
+using Corners = std::array<Vec3, 3>;
+
+// The points s + x f + y g with x, y >= 0 and x + y <= 1. Feet are found in doubles, as well as they may be: each is a point of the
+// triangle, so its distance is a bound whatever its quality.
+class TargetTriangle {
+public:
+    // f becomes the longest edge, so that also the feet on needles are good.
+    explicit TargetTriangle(const Corners& corners) {
+        std::size_t longest = 0;
+        double most = -1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double squared = (corners[(k + 1) % 3] - corners[k]).squaredNorm();
+            if (squared > most) most = squared, longest = k;
+        }
+        s_ = corners[longest];
+        const Vec3 &b = corners[(longest + 1) % 3], &c = corners[(longest + 2) % 3];
+        f_ = difference(b, s_), g_ = difference(c, s_);
+        along_ = b - s_, side_ = c - s_, third_ = c - b;
+        height_ = side_ - slope(side_, along_) * along_;
+    }
+
+    const Vec3& origin() const { return s_; }
+
+    // At least the distance from every point origin() + d.
+    double distance_at_most(const IntervalVector& d) const {
+        const auto [x, y] = foot(middle(d));
+        IntervalVector rest;
+        for (std::size_t k = 0; k < 3; ++k) rest[k] = d[k] - (Interval(x) * f_[k] + Interval(y) * g_[k]);
+        return length_at_most(rest);
+    }
+
+private:
+    using Weights = std::pair<double, double>;
+
+    static double slope(const Vec3& v, const Vec3& edge) {
+        const double squared = edge.squaredNorm();
+        return squared > 0 ? v.dot(edge) / squared : 0;
+    }
+    // Also of a NaN, which a slope may be where a square underflows.
+    static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
+    // In [0, 1], and x + y <= 1 also without rounding.
+    static Weights weights(double x, double y) {
+        y = clamped(y, 1);
+        return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
+    }
+    double squared(const Vec3& p, const Weights& at) const {
+        return (p - at.first * along_ - at.second * side_).squaredNorm();
+    }
+
+    Weights foot(const Vec3& p) const {
+        // First the height, from what is left beside the longest edge; then the place along that edge, for this height.
+        const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
+        if (x >= 0 && y >= 0 && x + y <= 1) return weights(x, y);
+        const double last = slope(p - along_, third_);
+        const std::array<Weights, 3> edges = {weights(slope(p, along_), 0), weights(0, slope(p, side_)),
+                                              weights(1, last)};
+        return *std::min_element(edges.begin(), edges.end(),
+                                 [&](const Weights& a, const Weights& b) { return squared(p, a) < squared(p, b); });
+    }
+
+    Vec3 s_, along_, side_, third_, height_;
+    IntervalVector f_, g_;
+};
+
+// --- the shapes -----------------------------------------------------------------------------------------------------------
+
+// A shape where it stands, in a unit of a power of two. A point is a triangle with three equal corners.
+class Soup {
+public:
+    Soup(const Shape& shape, const Points& points, int exponent)
+        : mesh_(std::get_if<TriangleMesh>(&shape)), points_(points) {
+        for (double& x : points_.reshaped()) {
+            const double scaled = std::ldexp(x, exponent);
+            exact_ = exact_ && std::ldexp(scaled, -exponent) == x;
+            x = scaled;
+        }
+    }
+
+    Index triangles() const { return mesh_ ? mesh_->triangles.rows() : points_.rows(); }
+    Index vertices() const { return points_.rows(); }
+    Vec3 vertex(Index v) const { return points_.row(v).transpose(); }
+    Corners triangle(Index i) const {
+        if (!mesh_) return {vertex(i), vertex(i), vertex(i)};
+        return {vertex(mesh_->triangles(i, 0)), vertex(mesh_->triangles(i, 1)), vertex(mesh_->triangles(i, 2))};
+    }
+    bool exact() const { return exact_; }
+
+private:
+    const TriangleMesh* mesh_;
+    Points points_;
+    bool exact_ = true;
+};
+
+// --- the check -----------------------------------------------------------------------------------------------------------
+
+class Cover {
+public:
+    Cover(const Soup& source, const Soup& target, const std::string& bytes, CertificateCheck& check)
+        : source_(source), target_(target), reader_(bytes), check_(check) {}
+
+    // The bound of all of A. Upward rounding must be on.
+    double run() {
+        double most = 0;
+        for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
+            node_ = 0;
+            const double bound = tree();
+            if (check_.worst < 0 || bound > most) most = bound, check_.worst = triangle_;
+        }
+        node_ = 0;
+        if (!reader_.at_end()) throw Refused("there are bytes after the last triangle");
+        return most;
+    }
+
+    std::string place() const { return fmt::format("triangle {}, node {}", triangle_, node_); }
+
+private:
+    // Of the triangle with this number: every leaf below its root. A child that is not looked at yet is pending.
+    double tree() {
+        const Corners corners = source_.triangle(triangle_);
+        a_ = corners[0];
+        e_ = {difference(corners[1], a_), difference(corners[2], a_)};
+        pending_.clear();
+        Polygon root;
+        root.add({0, 0});
+        root.add({1, 0});
+        root.add({0, 1});
+        pending_.push_back(root);
+        double most = 0;
+        for (; !pending_.empty(); ++node_) {
+            const Polygon polygon = pending_.back();
+            pending_.pop_back();
+            const std::uint64_t first = reader_.number(), kind = first & 3, rest = first >> 2;
+            if (kind == 0)
+                divide(polygon, rest);
+            else
+                most = std::max(most, leaf(polygon, kind, rest));
+        }
+        return most;
+    }
+
+    void divide(const Polygon& polygon, std::uint64_t bits) {
+        Meeting p = read_meeting(bits & 0xff, polygon.count), q = read_meeting(bits >> 8, polygon.count);
+        for (Meeting* meeting : {&p, &q}) {
+            if (meeting->on_edge()) meeting->t = reader_.parameter();
+        }
+        if (pending_.size() == most_pending)
+            throw Refused(fmt::format("more than {} polygons wait for their leaves", most_pending));
+        const auto [first, second] = cut(polygon, p, q);
+        pending_.push_back(second);
+        pending_.push_back(first);
+        ++check_.cuts;
+    }
+
+    double leaf(const Polygon& polygon, std::uint64_t kind, std::uint64_t index) {
+        const TargetTriangle near(target_.triangle(numbered(index, target_.triangles(), "triangle", "target")));
+        if (kind == 1) {
+            ++check_.one;
+            return largest_distance(polygon, near);
+        }
+        if (kind == 2) {
+            ++check_.centre;
+            return around(polygon, centre(polygon), near);
+        }
+        ++check_.vertex;
+        const IntervalVector at =
+            difference(source_.vertex(numbered(reader_.number(), source_.vertices(), "vertex", "source")), a_);
+        return around(polygon, at, near);
+    }
+
+    static Index numbered(std::uint64_t index, Index count, const char* what, const char* of) {
+        if (index >= std::uint64_t(count))
+            throw Refused(fmt::format("a leaf names {} {} of {} in the {}", what, index, count, of));
+        return Index(index);
+    }
+
+    // Points of the triangle are told by where they are from its corner a.
+    IntervalVector from_a(const Corner& corner) const {
+        IntervalVector d;
+        for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];
+        return d;
+    }
+
+    double distance(const IntervalVector& from_a, const TargetTriangle& near) const {
+        IntervalVector d = difference(a_, near.origin());
+        for (std::size_t k = 0; k < 3; ++k) d[k] += from_a[k];
+        return near.distance_at_most(d);
+    }
+
+    double largest_distance(const Polygon& polygon, const TargetTriangle& near) const {
+        double most = 0;
+        for (std::size_t i = 0; i < polygon.count; ++i)
+            most = std::max(most, distance(from_a(polygon.corners[i]), near));
+        return most;
+    }
+
+    // Any point would do.
+    IntervalVector centre(const Polygon& polygon) const {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t i = 0; i < polygon.count; ++i) sum += middle(from_a(polygon.corners[i]));
+        sum /= double(polygon.count);
+        return {sum[0], sum[1], sum[2]};
+    }
+
+    double around(const Polygon& polygon, const IntervalVector& point, const TargetTriangle& near) const {
+        double radius = 0;
+        for (std::size_t i = 0; i < polygon.count; ++i) {
+            IntervalVector d = from_a(polygon.corners[i]);
+            for (std::size_t k = 0; k < 3; ++k) d[k] -= point[k];
+            radius = std::max(radius, length_at_most(d));
+        }
+        return distance(point, near) + radius;  // rounded upward
+    }
+
+    const Soup &source_, &target_;
+    Reader reader_;
+    CertificateCheck& check_;
+    Index triangle_ = 0;
+    std::uint64_t node_ = 0;
+    Vec3 a_;
+    std::array<IntervalVector, 2> e_;  // from a to the two other corners
+    std::vector<Polygon> pending_;     // the next one last
+};
+
+// In units of the input, rounded up.
+double scaled_back(double x, int exponent) {
+    const double original = std::ldexp(x, -exponent);
+    return std::ldexp(original, exponent) == x ? original : std::nextafter(original, infinity);
+}
+
+// Scales both by the power of two that brings the largest |coordinate| into [0.5, 1), so that nothing overflows. Coordinates that this
+// rounds are off by at most 2^-1075, points by less than 2^-1074, and distances by less than twice that.
+double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
+                const std::string& bytes, CertificateCheck& check) {
+    const double largest = std::max(source_points.cwiseAbs().maxCoeff(), target_points.cwiseAbs().maxCoeff());
+    if (!std::isfinite(largest)) throw Refused("a pose moves a point beyond the largest double");
+    const int exponent = largest > 0 ? -1 - std::ilogb(largest) : 0;
+    const Soup a(source, source_points, exponent), b(target, target_points, exponent);
+    Cover cover(a, b, bytes, check);
+    double found = 0;
+    try {
+        const CGAL::Protect_FPU_rounding<true> upward;
+        found = cover.run();
+        if (!a.exact() || !b.exact()) found += 0x1p-1073;
+    } catch (const Refused& refused) {
+        throw Refused(fmt::format("{}: {}", cover.place(), refused.what()));
+    }
+    return scaled_back(found, exponent);
+}
+
+}  // namespace
+
+CertificateCheck check_certificate(const Shape& source, const Pose& source_pose, const Shape& target,
+                                   const Pose& target_pose, const Certificate& certificate) {
+    const auto begin = std::chrono::steady_clock::now();
+    CertificateCheck check;
+    check.found = infinity;
+    try {
+        if (certificate.format != format_name)
+            throw Refused(fmt::format("its format is not '{}', which is what this program reads", format_name));
+        if (kind_of(source) == ShapeKind::surface || kind_of(target) == ShapeKind::surface)
+            throw Refused("an algebraic surface has no triangles");
+        const Standing a(source, source_pose), b(target, target_pose);
+        if (certificate.direction == Witness::Direction::source_to_target)
+            check.found = bound_of(source, a.points(), target, b.points(), certificate.bytes, check);
+        else
+            check.found = bound_of(target, b.points(), source, a.points(), certificate.bytes, check);
+        check.accepted = check.found <= certificate.proven;  // not if that is a NaN
+        if (!check.accepted)
+            check.refusal = fmt::format("triangle {}: its leaves show {:.17g}, and the certificate claims {:.17g}",
+                                        check.worst, check.found, certificate.proven);
+    } catch (const Refused& refused) {
+        check.refusal = refused.what();
+    }
+    check.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return check;
+}
+
+}  // namespace hausbench

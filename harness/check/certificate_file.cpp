@@ -1,0 +1,218 @@
+#include "check/certificate_file.h"
+
+#include "check/verify.h"
+#include "error.h"
+#include "process/whole_file.h"
+#include "record/json.h"
+#include "record/row.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+namespace hausbench {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int format_version = 1;
+constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
+
+// --- the file ---------------------------------------------------------------------------------------------------------
+
+json model_json(const CertificateFile::Model& m) {
+    return {{"file", m.file}, {"sha256", m.sha256}, {"pose", pose_json(m.pose)}};
+}
+CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), pose_of(j.at("pose"))}; }
+
+json point_json(const Vec3& p) { return {number(p[0]), number(p[1]), number(p[2])}; }
+Vec3 point_of(const json& j) { return {number(j.at(0)), number(j.at(1)), number(j.at(2))}; }
+
+template <class E> E named(const json& name, std::initializer_list<E> all) {
+    for (E one : all) {
+        if (name == to_string(one)) return one;
+    }
+    throw std::runtime_error("no such name");
+}
+Witness::Direction direction_of(const json& name) {
+    return named(name, {Witness::Direction::source_to_target, Witness::Direction::target_to_source});
+}
+
+json header(const CertificateFile& c) {
+    json certificates = json::array();
+    for (const Certificate& one : c.certificates) {
+        certificates.push_back({{"format", one.format},
+                                {"direction", to_string(one.direction)},
+                                {"proven", number(one.proven)},
+                                {"bytes", one.bytes.size()}});
+    }
+    return {{"hausbench_certificate", format_version},
+            {"source", model_json(c.source)},
+            {"target", model_json(c.target)},
+            {"quantity", to_string(c.quantity)},
+            {"solver", c.solver},
+            {"tolerance", number(c.tolerance)},
+            {"tolerance_of", c.tolerance_of},
+            {"lower", number(c.bounds.lower)},
+            {"upper", number(c.bounds.upper)},
+            {"witness",
+             {{"direction", to_string(c.witness.direction)},
+              {"source_point", point_json(c.witness.source_point)},
+              {"target_point", point_json(c.witness.target_point)},
+              {"source_element", c.witness.source_element},
+              {"target_element", c.witness.target_element}}},
+            {"certificates", std::move(certificates)}};
+}
+
+CertificateFile parse(const std::string& bytes) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string::npos) throw std::runtime_error("it has no first line");
+    const json j = json::parse(bytes.begin(), bytes.begin() + std::ptrdiff_t(end));
+    if (j.at("hausbench_certificate") != format_version) throw std::runtime_error("another version");
+    CertificateFile c;
+    c.source = model_of(j.at("source"));
+    c.target = model_of(j.at("target"));
+    c.quantity = named(j.at("quantity"), {Quantity::directed, Quantity::symmetric});
+    c.solver = j.at("solver");
+    c.tolerance = number(j.at("tolerance"));
+    c.tolerance_of = j.at("tolerance_of");
+    c.bounds = {number(j.at("lower")), number(j.at("upper"))};
+    const json& w = j.at("witness");
+    c.witness = {point_of(w.at("source_point")), point_of(w.at("target_point")), w.at("source_element"),
+                 w.at("target_element"), direction_of(w.at("direction"))};
+    std::size_t at = end + 1;
+    for (const json& one : j.at("certificates")) {
+        const std::size_t size = one.at("bytes").get<std::uint64_t>();
+        if (size > bytes.size() - at) throw std::runtime_error("it ends too early");
+        c.certificates.push_back(
+            {one.at("format"), direction_of(one.at("direction")), number(one.at("proven")), bytes.substr(at, size)});
+        at += size;
+    }
+    if (at != bytes.size()) throw std::runtime_error("it goes on after its last certificate");
+    return c;
+}
+
+// --- the check -----------------------------------------------------------------------------------------------------------
+
+void expect_shape(const CertificateFile::Model& model, const Shape& shape, const char* name) {
+    const std::string hash = content_hash(shape);
+    if (hash == model.sha256) return;
+    throw InputError(
+        fmt::format("{}: this is not the shape that the certificate is about: its coordinates and indices have the "
+                    "SHA-256 {}, not {}; "
+                    "give the file that was measured as {}",
+                    model.file, hash, model.sha256, name));
+}
+
+// Of H both directions, of h its own.
+bool proves_its_quantity(const CertificateFile& c) {
+    using Direction = Witness::Direction;
+    std::vector<Direction> wanted = {Direction::source_to_target};
+    if (c.quantity == Quantity::symmetric) wanted.push_back(Direction::target_to_source);
+    return std::equal(c.certificates.begin(), c.certificates.end(), wanted.begin(), wanted.end(),
+                      [](const Certificate& one, Direction direction) { return one.direction == direction; });
+}
+
+double diagonal_of_both(const Points& a, const Points& b) {
+    Points corners(4, 3);
+    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
+    return diagonal(corners);
+}
+
+std::string check_lower(const CertificateFile& c, const Shape& source, const Shape& target, bool& wrong) {
+    const double lower = c.bounds.lower;
+    const Vec3& p =
+        c.witness.direction == Witness::Direction::source_to_target ? c.witness.source_point : c.witness.target_point;
+    wrong = !(lower >= 0 && std::isfinite(lower)) ||
+            (c.quantity == Quantity::directed && c.witness.direction == Witness::Direction::target_to_source);
+    if (wrong) return "it is no lower bound of this distance";
+    if (lower == 0) return "holds: no distance is below 0";
+    if (!p.allFinite()) return "not checked: the answer has no witness";
+    double shown = 0;
+    const Verdict verdict = Checker(source, target).lower(lower, c.witness, c.source.pose, c.target.pose, shown);
+    if (verdict == Verdict::holds) return "holds, by its witness";
+    if (verdict != Verdict::unsound) return "not checked: a pose leaves the range of doubles";
+    wrong = true;
+    return fmt::format("its witness shows {:.17g} only", shown);
+}
+
+}  // namespace
+
+void write_certificate(const fs::path& file, const CertificateFile& content) {
+    std::string bytes = header(content).dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+    for (const Certificate& one : content.certificates) bytes += one.bytes;
+    write_whole_file(file, bytes);
+}
+
+CertificateFile read_certificate(const fs::path& file) {
+    std::error_code none;
+    std::ifstream in(file, std::ios::binary);
+    if (!in || fs::is_directory(file, none))
+        throw InputError(
+            fmt::format("{}: cannot be read: name a file that `measure --certificate` wrote", file.string()));
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    try {
+        return parse(bytes);
+    } catch (const std::exception& error) {
+        throw InputError(one_line(
+            fmt::format("{}: is no certificate file of version {} ({})", file.string(), format_version, error.what())));
+    }
+}
+
+CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target) {
+    expect_shape(content.source, source, "A");
+    expect_shape(content.target, target, "B");
+    CertificateVerdict verdict;
+    const auto refuse = [&](const std::string& why) {
+        if (verdict.refusal.empty()) verdict.refusal = why;
+    };
+    if (!proves_its_quantity(content))
+        refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
+                                                       : "h(A,B) takes one certificate, of h(A,B)");
+    for (const Certificate& one : content.certificates) {
+        verdict.checks.push_back(check_certificate(source, content.source.pose, target, content.target.pose, one));
+        if (!verdict.checks.back().accepted) refuse(verdict.checks.back().refusal);
+        verdict.proven = std::max(verdict.proven, one.proven);
+    }
+    const double extent =
+        diagonal_of_both(posed(points_of(source), content.source.pose), posed(points_of(target), content.target.pose));
+    if (!(verdict.proven - content.bounds.upper <= most_above_upper * extent))
+        refuse(
+            fmt::format("it proves {:.17g}, which is above the upper bound {:.17g} by more than 1e-12 of the diagonal "
+                        "of both shapes",
+                        verdict.proven, content.bounds.upper));
+    bool wrong = false;
+    verdict.lower = check_lower(content, source, target, wrong);
+    if (wrong) refuse(fmt::format("lower bound {:.17g}: {}", content.bounds.lower, verdict.lower));
+    verdict.accepted = verdict.refusal.empty();
+    return verdict;
+}
+
+std::string describe(const CertificateFile& content, const CertificateVerdict& verdict) {
+    std::string text = fmt::format("answer     of {}: {} in [{:.17g}, {:.17g}]\n", content.solver,
+                                   content.quantity == Quantity::symmetric ? "H(A,B)" : "h(A,B)", content.bounds.lower,
+                                   content.bounds.upper);
+    for (std::size_t i = 0; i < verdict.checks.size(); ++i) {
+        const CertificateCheck& check = verdict.checks[i];
+        const Certificate& one = content.certificates[i];
+        const bool forward = one.direction == Witness::Direction::source_to_target;
+        text += fmt::format("{}     claims <= {:.17g}, its leaves show {:.17g}\n", forward ? "h(A,B)" : "h(B,A)",
+                            one.proven, check.found);
+        text += fmt::format("           {} cuts, {} leaves (one {}, centre {}, vertex {}){}; {:.3f} s\n", check.cuts,
+                            check.leaves(), check.one, check.centre, check.vertex,
+                            std::isfinite(check.found) ? fmt::format(", the largest in triangle {}", check.worst) : "",
+                            check.seconds);
+    }
+    text += fmt::format("lower      {:.17g} {}\n", content.bounds.lower, verdict.lower);
+    return text + (verdict.accepted ? fmt::format("accepted   the distance is at most {:.17g}\n", verdict.proven)
+                                    : fmt::format("refused    {}\n", verdict.refusal));
+}
+
+}  // namespace hausbench

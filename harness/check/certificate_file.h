@@ -1,0 +1,51 @@
+// An answer and its proof in a file of its own: `measure --certificate` writes it, `verify --certificate` checks it. One line of JSON, then
+// the bytes of the certificates one after the other; docs/certificate.md lists the keys.
+#pragma once
+
+#include "check/certificate_check.h"
+#include "solver.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct CertificateFile {
+    struct Model {
+        std::string file;    // as it was given
+        std::string sha256;  // of the shape as loaded: content_hash()
+        Pose pose;
+    };
+    Model source, target;
+    Quantity quantity = Quantity::directed;
+    std::string solver;
+    double tolerance = 0;
+    std::string tolerance_of;  // as in `measure`
+    Bounds bounds;
+    Witness witness;
+    std::vector<Certificate> certificates;
+};
+
+// Whole or not at all. Throws InputError where it cannot be written.
+void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
+
+// Throws InputError, one line, where it cannot be read or is no certificate file.
+CertificateFile read_certificate(const std::filesystem::path& file);
+
+struct CertificateVerdict {
+    bool accepted = false;
+    double proven = 0;                     // of the quantity
+    std::vector<CertificateCheck> checks;  // of each certificate
+    std::string lower;    // what is known of the lower bound: "holds", "not checked: ...", or why it does not hold
+    std::string refusal;  // one line; empty: accepted
+};
+
+// Checks each certificate; that what they prove is above the upper bound of the answer by at most 1e-12 of the diagonal of the box of both
+// shapes where they stand; and the lower bound by its witness. Throws InputError where the shapes are others than those of the file.
+CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
+
+// For a person; ends in a newline.
+std::string describe(const CertificateFile& content, const CertificateVerdict& verdict);
+
+}  // namespace hausbench

@@ -1,0 +1,40 @@
+#include "check/exact_roots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hausbench {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double up(double x) { return std::nextafter(x, infinity); }
+
+bool fits(double root, const Rational& square) { return Rational(root) * Rational(root) <= square; }
+
+// Within a few units in the last place. Squares of doubles and their sums are within 2^(+-2200): a few powers of 4 at most.
+double guess(Rational square) {
+    const Rational large(std::ldexp(1.0, 1000)), small(std::ldexp(1.0, -1000));
+    int exponent = 0;
+    for (; square > large; exponent += 500) square *= small;
+    for (; square < small; exponent -= 500) square *= large;
+    return std::ldexp(std::sqrt(CGAL::to_double(square)), exponent);
+}
+
+}  // namespace
+
+double root_at_most(const Rational& square) {
+    if (square <= Rational(0)) return 0;
+    double root = std::min(guess(square), std::numeric_limits<double>::max());
+    while (!fits(root, square)) root = std::nextafter(root, 0);
+    while (std::isfinite(up(root)) && fits(up(root), square)) root = up(root);
+    return root;
+}
+
+double root_at_least(const Rational& square) {
+    const double root = root_at_most(square);
+    return Rational(root) * Rational(root) == square ? root : up(root);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,306 @@
+#include "check/verify.h"
+
+#include "check/verify_fields.h"
+#include "check/verify_penetration.h"
+#include "check/verify_surface.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+// No |coordinate| of the shape as posed, and no product or partial sum of R v + t, is above it.
+double largest_within(const Shape& shape, const Pose& pose) {
+    const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
+    return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
+}
+
+// What honest bounds lose that are not certified: right in exact arithmetic, and evaluated in doubles. u = 2^-53, M as above, of
+// both shapes. To first order in u, by coordinate:
+// - A vertex that is posed in another order than its definition: 4 roundings of at most uM here and there, 8uM.
+// - A point a + s (b - a) + t (c - a) of a triangle: 2uM for each difference and each product, uM for each sum, and 2uM where
+//   s + t is rounded to above 1: 12uM. Other s and t stand for another point of the triangle.
+// So a point of A or of B is off by at most 20uM in each coordinate, sqrt(3) 20uM < 35uM in all. A lower bound loses that twice:
+// the witness on A, which is held against A, and its nearest point on B. A distance d is at most 2 sqrt(3) M; its differences,
+// squares, sum and root lose less than 4ud < 14uM. An upper bound loses no more. 35 + 35 + 14 = 84.
+double slack_for_rounding(const Shape& first, const Pose& first_pose, const Shape& second, const Pose& second_pose) {
+    const double slack =
+        84 * 0x1p-53 * std::max(largest_within(first, first_pose), largest_within(second, second_pose));
+    return std::isfinite(slack) ? slack : 0;
+}
+
+std::string excess(double high, double low) {
+    const auto ulps = std::bit_cast<std::int64_t>(high) - std::bit_cast<std::int64_t>(low + 0.0);  // -0 is 0
+    return ulps < 1'000'000 ? fmt::format("by {:.3g} ({} ulp{})", high - low, ulps, ulps == 1 ? "" : "s")
+                            : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
+}
+
+// A row of a pair of shapes; `turned` where its source is the second of them.
+struct Member {
+    std::size_t row;
+    bool turned;
+};
+
+// Two shapes, each in one pose: the rows of both orders and of both quantities are held against each other.
+class PairCheck {
+public:
+    PairCheck(std::vector<Row>& rows, std::vector<Member> members, const Shape& first, const Shape& second,
+              const Stop& stop)
+        : rows_(rows),
+          members_(std::move(members)),
+          shapes_{&first, &second},
+          checkers_{Checker(first, second, stop), Checker(second, first, stop)},
+          stop_(stop),
+          slack_(slack_for_rounding(first, poses().first, second, poses().second)),
+          surfaces_(kind_of(first) == ShapeKind::surface && kind_of(second) == ShapeKind::surface) {}
+
+    // False where it was stopped.
+    bool run() {
+        for (const Member& m : members_) {
+            if (stop_ && stop_()) return false;
+            check_lower(m);
+        }
+        if (stop_ && stop_()) return false;
+        best_[of_both] = std::max({best_[of_first], best_[of_second], best_[of_both]});
+        refute_without_witness();
+        for (const Member& m : members_) check_upper(m);
+        return true;
+    }
+
+private:
+    struct Found {
+        Verdict verdict;
+        double shown;
+    };
+    enum Distance { of_first, of_second, of_both };  // h from the first shape, h from the second, H
+
+    Distance distance(const Member& m) const {
+        return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
+    }
+
+    // Of the first shape and of the second; all members have the same.
+    std::pair<Pose, Pose> poses() const {
+        const Case& asked = rows_[members_.front().row].asked;
+        return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
+                                       : std::pair(asked.pose, asked.target_pose);
+    }
+
+    double slack(const Row& row) const { return row.asked.certified == 0 ? slack_ : 0; }
+
+    void check_lower(const Member& m) {
+        Row& row = rows_[m.row];
+        const double lower = row.outcome.bounds.lower;
+        const Witness& witness = row.outcome.witness;
+        if (lower <= 0) {  // 0 needs no witness
+            row.check.lower = Verdict::holds;
+            return;
+        }
+        if (!std::isfinite(lower)) {
+            row.check = {Verdict::unsound, row.check.upper, "lower is infinite, and no two points are that far apart"};
+            return;
+        }
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        if (row.asked.quantity == Quantity::directed && !forward) {
+            row.check.lower = Verdict::unsound;
+            row.check.reason = "the witness is one of h(B,A), and the row one of h(A,B)";
+            return;
+        }
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
+        if (!p.allFinite()) {
+            row.check.lower = Verdict::no_witness;
+            return;
+        }
+        double shown = 0, proven = lower;
+        Verdict verdict = by_witness(m, lower, shown);
+        if (verdict == Verdict::unsound && slack(row) > 0 && lower - slack(row) <= shown) {
+            double less = 0;
+            proven = std::max(0.0, lower - slack(row));
+            verdict = by_witness(m, proven, less);
+        }
+        row.check.lower = verdict;
+        if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);
+        if (verdict != Verdict::unsound) return;
+        row.check.reason = surfaces_
+                               ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
+                                             forward ? "target" : "source", shown)
+                               : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
+    }
+
+    std::string beyond_slack(const Row& row) const {
+        return slack(row) > 0 ? fmt::format("; rounding explains {:.3g}", slack(row)) : "";
+    }
+
+    // Many rows share a witness and a bound.
+    Verdict by_witness(const Member& m, double lower, double& shown) {
+        const Row& row = rows_[m.row];
+        const Witness& witness = row.outcome.witness;
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
+        const bool from_second = forward == m.turned;
+        const Index element = forward ? witness.source_element : witness.target_element;
+        const std::vector<double> same{double(from_second), p[0], p[1], p[2], double(element), lower};
+        auto at = known_.find(same);
+        if (at == known_.end()) {
+            Found found{};
+            if (surfaces_)
+                found.verdict =
+                    check_surface_lower(std::get<AlgebraicSurface>(*shapes_[from_second]),
+                                        std::get<AlgebraicSurface>(*shapes_[!from_second]), lower, p, found.shown);
+            else
+                found.verdict =
+                    checkers_[m.turned].lower(lower, witness, row.asked.pose, row.asked.target_pose, found.shown);
+            at = known_.emplace(same, found).first;
+        }
+        shown = at->second.shown;
+        return at->second.verdict;
+    }
+
+    // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified. One of H is one of h.
+    void refute_without_witness() {
+        std::array<double, 3> least;
+        least.fill(std::numeric_limits<double>::infinity());
+        for (const Member& m : members_) {
+            const Row& row = rows_[m.row];
+            const double upper = row.outcome.bounds.upper;
+            if (row.asked.certified == 1 && row.check.lower == Verdict::holds && upper >= best_[distance(m)])
+                least[distance(m)] = std::min(least[distance(m)], upper);
+        }
+        for (Distance h : {of_first, of_second}) least[h] = std::min(least[h], least[of_both]);
+        for (const Member& m : members_) {
+            Row& row = rows_[m.row];
+            const double lower = row.outcome.bounds.lower;
+            if (row.check.lower != Verdict::no_witness || !(lower > least[distance(m)] + slack(row))) continue;
+            row.check.lower = Verdict::unsound;
+            row.check.reason =
+                fmt::format("lower {:.17g} is above the certified upper bound {:.17g} of another row, {}{}", lower,
+                            least[distance(m)], excess(lower, least[distance(m)]), beyond_slack(row));
+        }
+    }
+
+    void check_upper(const Member& m) {
+        Row& row = rows_[m.row];
+        const Bounds& b = row.outcome.bounds;
+        const double best = best_[distance(m)];
+        const double upper = b.upper + slack(row);
+        row.check.upper = upper >= best && upper >= b.lower ? Verdict::holds : Verdict::unsound;
+        if (row.check.upper == Verdict::holds) return;
+        if (!row.check.reason.empty()) row.check.reason += "; ";
+        const bool crossed = upper < b.lower;
+        row.check.reason += crossed
+                                ? fmt::format("upper {:.17g} is below lower {:.17g}", b.upper, b.lower)
+                                : fmt::format("upper {:.17g} is below the verified lower bound {:.17g}", b.upper, best);
+        if (b.upper >= 0) row.check.reason += ", " + excess(crossed ? b.lower : best, b.upper) + beyond_slack(row);
+    }
+
+    std::vector<Row>& rows_;
+    std::vector<Member> members_;
+    std::array<const Shape*, 2> shapes_;
+    std::array<Checker, 2> checkers_;  // of the two orders
+    const Stop& stop_;
+    double slack_;  // for rows that are not certified
+    bool surfaces_;
+    std::array<double, 3> best_{};                // the largest verified lower bounds; 0 always holds
+    std::map<std::vector<double>, Found> known_;  // many rows share a witness and a bound
+};
+
+using Placed = std::pair<std::string, std::vector<double>>;  // a model and its pose
+
+Placed placed(const std::string& model, const Pose& pose) {
+    std::vector<double> values(pose.rotation.data(), pose.rotation.data() + 9);
+    values.insert(values.end(), pose.translation.data(), pose.translation.data() + 3);
+    return {model, values};
+}
+
+void check_fields_of(Row& row, const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+    const Shape *source = load(row.asked.source), *target = load(row.asked.target);
+    if (!source || !target) return;
+    std::string reason;
+    const Case& asked = row.asked;
+    const double slack = asked.certified == 0 ? slack_for_rounding(*source, asked.pose, *target, asked.target_pose) : 0;
+    row.check.fields = check_fields(row.fields, *source, asked.pose, *target, asked.target_pose, slack, stop, reason);
+    if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
+}
+
+// Of one pair of meshes in one pose.
+void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
+                  const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+    const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
+    if (std::all_of(members.begin(), members.end(), is_checked)) return;
+    const Case& first = rows[members.front()].asked;
+    const Shape *source = load(first.source), *target = load(first.target);
+    if (!source || !target || kind_of(*source) != ShapeKind::mesh || kind_of(*target) != ShapeKind::mesh) return;
+    PenetrationChecker checker(*source, first.pose, *target, first.target_pose, stop);
+    for (const std::size_t i : members) rows[i].check = checker.check(rows[i].outcome.bounds, rows[i].outcome.witness);
+    for (const std::size_t i : members) {
+        Check& check = rows[i].check;
+        std::string reason;
+        if (check.upper != Verdict::holds || !checker.refutes(rows[i].outcome.bounds, reason)) continue;
+        check.upper = Verdict::unsound;
+        check.reason += (check.reason.empty() ? "" : "; ") + reason;
+    }
+}
+
+bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
+
+}  // namespace
+
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
+                 std::size_t checked) {
+    std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
+    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids;  // rows of a penetration depth
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Case& c = rows[i].asked;
+        const Bounds& b = rows[i].outcome.bounds;
+        if (i < checked) rows[i].check = {};
+        if (std::isnan(b.lower) || std::isnan(b.upper)) {
+            if (i < checked && !rows[i].outcome.solver_status.empty()) {  // it did answer
+                rows[i].check = {Verdict::unsound, Verdict::unsound, "a bound is not a number"};
+            }
+            continue;
+        }
+        if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
+        const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
+        if (c.quantity == Quantity::penetration) {
+            solids[{source, target}].push_back(i);
+            continue;
+        }
+        const bool turned = target < source;
+        pairs[turned ? std::pair(target, source) : std::pair(source, target)].push_back({i, turned});
+    }
+    for (const auto& [key, members] : pairs) {
+        const bool all = std::all_of(members.begin(), members.end(), [&](const Member& m) {
+            return m.row >= checked && rows[m.row].check.lower != Verdict::not_checked;
+        });
+        if (all) continue;
+        const Shape *first = load(key.first.first), *second = load(key.second.first);
+        if (!first || !second) continue;
+        for (const Member& m : members)
+            rows[m.row].check = {Verdict::not_checked, Verdict::not_checked, "", rows[m.row].check.fields};
+        if (!PairCheck(rows, members, *first, *second, stop).run()) break;
+    }
+    for (const auto& [key, members] : solids) {
+        if (stop && stop()) break;
+        check_depths(rows, members, checked, load, stop);
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        Row& row = rows[i];
+        if (!row.fields.empty() && (i < checked || row.check.fields == Verdict::not_checked))
+            check_fields_of(row, load, stop);
+        const Check& check = row.check;
+        if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
+            continue;
+        row.outcome.status = RowStatus::unsound;
+        if (!check.reason.empty()) row.outcome.reason = check.reason;  // empty: of a row that was checked before
+    }
+}
+
+}  // namespace hausbench

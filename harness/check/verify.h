@@ -1,0 +1,58 @@
+// Re-checks what solvers report. For points and meshes it shares no kernel, no tree and no rounding rule with the solvers; for
+// surfaces, verify_surface.h says what is shared.
+//
+// Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B posed) >= d(p, B posed) - e, so `lower`
+// holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its witness on B instead
+// (Witness::direction): the same with A and B in each other's place. An element whose box is not that far away is tried with a
+// separating plane in interval arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n),
+// then, where that is not enough, in exact rationals. e is computed in exact rationals. O(|A| + |B|) a witness.
+//
+// Where there is no witness: not above a certified solver's upper bound. It stays `no witness`: not checked.
+//
+// Upper bound: not below a verified lower bound of the same shapes and poses by any solver. That can refute, not prove. A lower
+// bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
+//
+// A penetration depth has a check of its own, see verify_penetration.h.
+//
+// A row that is not certified may be off by what rounding explains, 84 * 2^-53 of the largest |coordinate| (verify.cpp derives it);
+// one that is certified by nothing.
+#pragma once
+
+#include "result/result_file.h"
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Asked now and then; once true, what is not checked yet stays `not checked`.
+using Stop = std::function<bool()>;
+
+// Two shapes (points or meshes, which must outlive it), to re-check several witnesses on.
+class Checker {
+public:
+    Checker(const Shape& source, const Shape& target, Stop stop = {});
+
+    // Whether `lower` (finite) is proven by the witness, see above; if not, `shown` is what the witness does show (rounded
+    // down). `not_checked` where a pose takes a shape out of the range of doubles.
+    Verdict lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
+                  double& shown) const;
+
+private:
+    const Shape &source_, &target_;
+    Stop stop_;
+};
+
+// Fills in every row's check, whatever it said before; rows found unsound get that status, with the reason. `load` returns
+// the shape of a model by name, or null: its rows stay `not checked`. Rows read off a trace have the witness of the finer
+// run: their lower bound is checked by it, too.
+// Rows from number `checked` on have been checked before: they are checked again only where that was left undone, or a row
+// before them is of the same shapes in the same poses.
+void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
+                 const Stop& stop = {}, std::size_t checked = std::numeric_limits<std::size_t>::max());
+
+}  // namespace hausbench

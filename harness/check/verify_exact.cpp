@@ -1,0 +1,129 @@
+#include "check/verify_exact.h"
+
+#include <CGAL/Interval_nt.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/squared_distance_3.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+using Interval = CGAL::Interval_nt<false>;
+using Exact = CGAL::Simple_cartesian<Rational>;
+
+// The definition of a posed point (algorithms/geometry.h), written again on purpose.
+Vec3 moved(const Vec3& v, const Pose& pose) {
+    if (pose.is_identity()) return v;
+    Vec3 out;
+    for (int i = 0; i < 3; ++i) {
+        out[i] = ((pose.rotation(i, 0) * v[0] + pose.rotation(i, 1) * v[1]) + pose.rotation(i, 2) * v[2]) +
+                 pose.translation[i];
+    }
+    return out;
+}
+
+Exact::Point_3 exact(const Vec3& v) { return {Rational(v[0]), Rational(v[1]), Rational(v[2])}; }
+
+// True only if every point of the element is proven to be at least r away from p. Upward rounding must be on.
+bool separated(const Vec3& p, const Element& e, double r) {
+    Vec3 n = -rough_offset(p, e);
+    const double largest = n.cwiseAbs().maxCoeff();
+    if (!(largest > 0) || !n.allFinite()) return false;
+    n /= largest;  // any direction will do
+    const Interval nx(n[0]), ny(n[1]), nz(n[2]);
+    const Interval bound = Interval(r) * CGAL::sqrt(nx * nx + ny * ny + nz * nz);
+    for (const Vec3& v : e) {
+        const Interval along = nx * (Interval(p[0]) - Interval(v[0])) + ny * (Interval(p[1]) - Interval(v[1])) +
+                               nz * (Interval(p[2]) - Interval(v[2]));
+        if (!(along.inf() >= bound.sup())) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+Standing::Standing(const Shape& shape, const Pose& pose) : shape_(shape), points_(&points_of(shape)) {
+    if (pose.is_identity()) return;
+    moved_ = *points_;
+    for (Index i = 0; i < moved_.rows(); ++i) moved_.row(i) = moved(points_->row(i).transpose(), pose).transpose();
+    points_ = &moved_;
+}
+
+Element Standing::operator[](Index i) const {
+    if (kind_of(shape_) == ShapeKind::points) return {points_->row(i)};
+    const auto& triangles = std::get<TriangleMesh>(shape_).triangles;
+    return {points_->row(triangles(i, 0)), points_->row(triangles(i, 1)), points_->row(triangles(i, 2))};
+}
+
+bool Standing::beyond(Index i, const Vec3& p, double r) const {
+    const auto* mesh = std::get_if<TriangleMesh>(&shape_);
+    for (int k = 0; k < 3; ++k) {
+        bool above = true, below = true;
+        for (int c = 0; c < (mesh ? 3 : 1); ++c) {
+            const double x = (*points_)(mesh ? mesh->triangles(i, c) : i, k);
+            above = above && x - p[k] > r;
+            below = below && p[k] - x > r;
+        }
+        if (above || below) return true;
+    }
+    return false;
+}
+
+// CGAL's triangle distance wants a triangle that is one; a degenerate one is the union of its edges.
+Rational squared_distance(const Vec3& p, const Element& e) {
+    const Exact::Point_3 q = exact(p);
+    if (e.size() == 1) return CGAL::squared_distance(q, exact(e[0]));
+    const Exact::Point_3 a = exact(e[0]), b = exact(e[1]), c = exact(e[2]);
+    if (!CGAL::collinear(a, b, c)) return CGAL::squared_distance(q, Exact::Triangle_3(a, b, c));
+    const auto edge = [&](const Exact::Point_3& s, const Exact::Point_3& t) {
+        return s == t ? CGAL::squared_distance(q, s) : CGAL::squared_distance(q, Exact::Segment_3(s, t));
+    };
+    return std::min({edge(a, b), edge(b, c), edge(c, a)});
+}
+
+// Scaled by the largest difference, so that no square is too large or too small for a double.
+Vec3 rough_offset(const Vec3& p, Element e) {
+    double scale = 0;
+    for (Vec3& v : e) v -= p, scale = std::max(scale, v.cwiseAbs().maxCoeff());
+    if (!(scale > 0) || !std::isfinite(scale) || e.size() == 1) return e[0];
+    for (Vec3& v : e) v /= scale;
+    const Vec3 ab = e[1] - e[0], ac = e[2] - e[0], normal = ab.cross(ac);
+    const double area = normal.squaredNorm();
+    if (area > 0) {
+        const double v = -normal.dot(e[0].cross(ac)) / area, w = -normal.dot(ab.cross(e[0])) / area;
+        if (v >= 0 && w >= 0 && v + w <= 1) return scale * (e[0] + v * ab + w * ac);
+    }
+    Vec3 best = e[0];
+    for (int i = 0; i < 3; ++i) {
+        const Vec3 &s = e[std::size_t(i)], &t = e[std::size_t((i + 1) % 3)];
+        const double length = (t - s).squaredNorm();
+        const Vec3 foot = s + (length > 0 ? std::clamp(-s.dot(t - s) / length, 0.0, 1.0) : 0.0) * (t - s);
+        if (foot.squaredNorm() < best.squaredNorm()) best = foot;
+    }
+    return scale * best;
+}
+
+std::optional<Rational> nearer_than(const Standing& shape, const Vec3& p, double r, const Stop& stop, bool& stopped) {
+    std::vector<Index> doubtful;
+    for (Index i = 0; i < shape.count(); ++i) {
+        if (!shape.beyond(i, p, r)) doubtful.push_back(i);
+    }
+    if (std::isfinite(r)) {
+        CGAL::Protect_FPU_rounding<true> upward;
+        std::erase_if(doubtful, [&](Index i) { return separated(p, shape[i], r); });
+    }
+    std::optional<Rational> nearest;
+    for (Index i : doubtful) {
+        if (stop && stop()) {
+            stopped = true;
+            return std::nullopt;
+        }
+        const Rational d = squared_distance(p, shape[i]);
+        if (!nearest || d < *nearest) nearest = d;
+    }
+    return nearest;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,354 @@
+#include "check/verify_penetration.h"
+
+#include "check/verify_exact.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/intersections.h>
+#include <boost/variant/get.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+using Predicates = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Exact = CGAL::Simple_cartesian<Rational>;
+using Triangle = Exact::Triangle_3;
+
+Predicates::Point_3 point(const Vec3& v) { return {v[0], v[1], v[2]}; }
+Exact::Point_3 exact(const Vec3& v) { return {Rational(v[0]), Rational(v[1]), Rational(v[2])}; }
+Triangle exact(const Element& e) { return {exact(e[0]), exact(e[1]), exact(e[2])}; }
+
+enum class Crossing { none, clean, doubtful };
+
+// Of a segment and a triangle; doubtful where it meets an edge, a corner or the plane in one of its ends.
+Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, const Element& e) {
+    const auto a = point(e[0]), b = point(e[1]), c = point(e[2]);
+    const auto of_p = CGAL::orientation(a, b, c, p), of_q = CGAL::orientation(a, b, c, q);
+    if (of_p == of_q && of_p != CGAL::COPLANAR) return Crossing::none;
+    const auto ab = CGAL::orientation(p, q, a, b), bc = CGAL::orientation(p, q, b, c),
+               ca = CGAL::orientation(p, q, c, a);
+    const bool positive = ab == CGAL::POSITIVE || bc == CGAL::POSITIVE || ca == CGAL::POSITIVE;
+    const bool negative = ab == CGAL::NEGATIVE || bc == CGAL::NEGATIVE || ca == CGAL::NEGATIVE;
+    if (positive && negative) return Crossing::none;
+    const bool touches = ab == CGAL::COPLANAR || bc == CGAL::COPLANAR || ca == CGAL::COPLANAR ||
+                         of_p == CGAL::COPLANAR || of_q == CGAL::COPLANAR;
+    return touches ? Crossing::doubtful : Crossing::clean;
+}
+
+// A solid in its pose. Triangles with two equal corners, and triangles that are there twice, do not count, as they do not for who cuts it.
+struct Body {
+    Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
+        if (!surface.finite()) return;
+        std::set<std::array<std::array<double, 3>, 3>> known;
+        for (Index i = 0; i < surface.count(); ++i) {
+            const Element element = surface[i];
+            std::array<std::array<double, 3>, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k)
+                corners[k] = {element[k][0] + 0.0, element[k][1] + 0.0, element[k][2] + 0.0};  // -0 is 0
+            std::sort(corners.begin(), corners.end());
+            if (corners[0] == corners[1] || corners[1] == corners[2] || !known.insert(corners).second) continue;
+            Eigen::AlignedBox3d box;
+            for (const Vec3& v : element) box.extend(v);
+            triangles.push_back(i);
+            boxes.push_back(box);
+            whole.extend(box);
+        }
+    }
+
+    // Whether p lies inside; none on the surface itself, or where every ray meets an edge.
+    std::optional<bool> holds(const Vec3& p) const {
+        if (!whole.contains(p)) return false;
+        const double length = 2 * whole.diagonal().norm();
+        constexpr int rays = 16;
+        for (int ray = 1; ray <= rays; ++ray) {
+            // Along x, a little tilted, so that few boxes lie on its way.
+            const Vec3 end = p + length * Vec3(1, 1e-3 * ray, 7e-4 * (rays - ray + 1));
+            Eigen::AlignedBox3d way(p);
+            way.extend(end);
+            int crossed = 0;
+            bool doubtful = false;
+            for (std::size_t k = 0; k < triangles.size() && !doubtful; ++k) {
+                if (!way.intersects(boxes[k])) continue;
+                const Crossing found = crossing(point(p), point(end), surface[triangles[k]]);
+                doubtful = found == Crossing::doubtful;
+                crossed += found == Crossing::clean;
+            }
+            if (!doubtful) return crossed % 2 == 1;
+        }
+        return std::nullopt;
+    }
+
+    // Whether the segment meets the surface.
+    bool crossed_by(const Vec3& p, const Vec3& q) const {
+        Eigen::AlignedBox3d way(p);
+        way.extend(q);
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            if (way.intersects(boxes[k]) && crossing(point(p), point(q), surface[triangles[k]]) != Crossing::none)
+                return true;
+        }
+        return false;
+    }
+
+    // Whether a triangle of the connected surface that this one is part of meets the other surface. O(n m) boxes.
+    bool connected_surface_meets(Index triangle, const Body& other) const {
+        std::map<std::array<double, 3>, std::vector<std::size_t>> around;
+        const auto key = [](const Vec3& v) { return std::array<double, 3>{v[0] + 0.0, v[1] + 0.0, v[2] + 0.0}; };
+        std::vector<std::size_t> found;
+        std::vector<bool> seen(triangles.size(), false);
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            for (const Vec3& v : surface[triangles[k]]) around[key(v)].push_back(k);
+            if (triangles[k] == triangle) found.push_back(k), seen[k] = true;
+        }
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const Element own = surface[triangles[found[i]]];
+            for (std::size_t k = 0; k < other.triangles.size(); ++k) {
+                if (boxes[found[i]].intersects(other.boxes[k]) &&
+                    CGAL::do_intersect(exact(own), exact(other.surface[other.triangles[k]])))
+                    return true;
+            }
+            for (const Vec3& v : own) {
+                for (const std::size_t next : around.at(key(v))) {
+                    if (!seen[next]) found.push_back(next), seen[next] = true;
+                }
+            }
+        }
+        return false;
+    }
+
+    Standing surface;
+    std::vector<Index> triangles;            // that count
+    std::vector<Eigen::AlignedBox3d> boxes;  // of each of these
+    Eigen::AlignedBox3d whole;
+};
+
+bool nearer(const Rational& squared, double r) { return squared < Rational(r) * Rational(r); }
+
+// Whether a common point of two triangles is nearer to p than r; of two in one plane: whether there is one at all.
+bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
+    const Triangle a = exact(e), b = exact(other);
+    if (a.is_degenerate() || b.is_degenerate()) return true;
+    const auto common = CGAL::intersection(a, b);
+    if (!common) return false;
+    if (const auto* at = boost::get<Exact::Point_3>(&*common)) return nearer(CGAL::squared_distance(exact(p), *at), r);
+    if (const auto* along = boost::get<Exact::Segment_3>(&*common))
+        return nearer(CGAL::squared_distance(exact(p), *along), r);
+    return true;
+}
+
+// The triangles of a body that are nearer to p than r.
+std::vector<Index> near(const Body& body, const Vec3& p, double r) {
+    std::vector<Index> found;
+    for (const Index i : body.triangles)
+        if (!body.surface.beyond(i, p, r) && nearer(squared_distance(p, body.surface[i]), r)) found.push_back(i);
+    return found;
+}
+
+std::string unsound(const char* bound, double value, const std::string& why) {
+    return fmt::format("{} {:.17g}: {}", bound, value, why);
+}
+
+}  // namespace
+
+struct PenetrationChecker::Pair {
+    Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop asked)
+        : source(a, a_pose), target(b, b_pose), stop(std::move(asked)) {
+        double largest = 0;
+        for (const Body* body : {&source, &target}) {
+            if (!body->surface.finite() || body->triangles.empty()) return;
+            largest = std::max(largest, body->surface.points().cwiseAbs().maxCoeff());
+            if (!std::isfinite(8 * body->whole.diagonal().norm())) return;  // a ray would end at infinity
+        }
+        usable = true;
+        slack = 1e-10 * largest;
+    }
+
+    // Proven, refuted with the reason, or neither.
+    Verdict lower(double lower, const Witness& witness, std::string& reason) const {
+        if (!std::isfinite(lower)) {
+            reason = "lower is infinite, and no two points are that far apart";
+            return Verdict::unsound;
+        }
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
+        if (!p.allFinite()) return Verdict::no_witness;
+        const Body &own = forward ? source : target, &other = forward ? target : source;
+        const std::vector<Index> at = near(own, p, 2 * slack);
+        if (at.empty()) {
+            reason = unsound("lower", lower, "the witness is no point of its surface");
+            return Verdict::unsound;
+        }
+        const auto inside = other.holds(p);
+        if (inside != std::optional(true) && near(other, p, 2 * slack).empty()) {
+            if (!inside) return Verdict::not_checked;
+            reason = unsound("lower", lower, "the witness does not lie in the other solid");
+            return Verdict::unsound;
+        }
+        const double r = lower - 4 * slack;  // what rounding explains, at both ends
+        if (!(r > 0)) return Verdict::holds;
+        bool settled = true;
+        std::vector<Vec3> outside;  // nearer points that bound no volume that they have in common
+        const std::vector<Index> around = near(own, p, r);
+        for (const Index i : near(other, p, r)) {
+            if (stop && stop()) return Verdict::not_checked;
+            const Element element = other.surface[i];
+            const Vec3 q = p + rough_offset(p, element);
+            const bool cut = std::any_of(around.begin(), around.end(),
+                                         [&](Index k) { return meet_near(element, own.surface[k], p, r); });
+            if (!cut && own.holds(q) == std::optional(false) && near(own, q, 2 * slack).empty()) {
+                outside.push_back(q);
+            } else if (same_part(p, q)) {
+                reason = bounded(lower, p, q);
+                return Verdict::unsound;
+            } else {
+                settled = false;
+            }
+        }
+        if (settled && !outside.empty()) return beside(lower, p, at.front(), own, other, outside, reason);
+        return settled ? Verdict::holds : Verdict::not_checked;
+    }
+
+    static std::string bounded(double lower, const Vec3& p, const Vec3& q) {
+        return unsound("lower", lower,
+                       fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
+    }
+
+    // Whether a straight line is proven to lie in both solids, but for what rounding explains at its ends, which may lie on a surface.
+    bool within_both(const Vec3& p, const Vec3& q) const {
+        const double length = (q - p).norm(), step = 8 * slack / length;
+        if (!(step < 0.25)) return false;
+        const Vec3 begin = p + step * (q - p), end = q - step * (q - p), middle = 0.5 * (p + q);
+        return source.holds(middle) == std::optional(true) && target.holds(middle) == std::optional(true) &&
+               !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
+    }
+
+    // Whether points p and q of the surfaces are proven to bound the same part of the volume: a line joins them, or points a little beside them, where
+    // the straight one runs along a surface.
+    bool same_part(const Vec3& p, const Vec3& q) const {
+        if (within_both(p, q)) return true;
+        const double aside = std::max(1e-4 * (q - p).norm(), 64 * slack);
+        const std::vector<Vec3> around_p = inner_points(p, aside), around_q = inner_points(q, aside);
+        return std::any_of(around_p.begin(), around_p.end(), [&](const Vec3& a) {
+            return std::any_of(around_q.begin(), around_q.end(), [&](const Vec3& b) { return within_both(a, b); });
+        });
+    }
+
+    // A few points about so far from a point of the surfaces, each joined to it within both solids.
+    std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
+        std::vector<Vec3> found;
+        for (int direction = 0; direction < 24 && found.size() < 4;
+             ++direction) {  // three different numbers, turned, with any signs
+            Vec3 way(1, 0.7, 0.4);
+            for (int k = 0; k < 3; ++k)
+                if ((direction >> k & 1) != 0) way[k] = -way[k];
+            const int turn = direction / 8;
+            const Vec3 q = p + distance * Vec3(way[turn], way[(turn + 1) % 3], way[(turn + 2) % 3]);
+            if (within_both(p, q)) found.push_back(q);
+        }
+        return found;
+    }
+
+    // All nearer points of the other surface lie outside of the witness's solid. Where the other surface bounds the witness's part of the volume
+    // elsewhere, that is a proof. Where it does nowhere, the part is enclosed, and its depth is the distance to the whole of the other surface.
+    Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
+                   const std::vector<Vec3>& outside, std::string& reason) const {
+        if (own.connected_surface_meets(at, other)) return Verdict::holds;
+        bool within = false;  // some of the other surface lies in the witness's solid
+        for (const Index i : other.triangles) {
+            if (stop && stop()) return Verdict::not_checked;
+            for (const Vec3& v : other.surface[i]) {
+                if (own.holds(v) == std::optional(false)) continue;
+                if (same_part(p, v)) return Verdict::holds;
+                within = true;
+            }
+        }
+        if (within) return Verdict::not_checked;
+        reason = bounded(lower, p, *std::min_element(outside.begin(), outside.end(), [&](const Vec3& a, const Vec3& b) {
+                             return (a - p).norm() < (b - p).norm();
+                         }));
+        return Verdict::unsound;
+    }
+
+    // A vertex of one in the other, further than `length` from the other's surface; none if there is none. O(|A| |B|).
+    std::optional<Vec3> deeper_than(double length) const {
+        for (const auto& [own, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
+            std::set<std::array<double, 3>> seen;
+            for (const Index i : own->triangles) {
+                for (const Vec3& p : own->surface[i]) {
+                    if (!other->whole.contains(p) || !seen.insert({p[0], p[1], p[2]}).second) continue;
+                    if (stop && stop()) return std::nullopt;
+                    if (other->holds(p) == std::optional(true) && deep(*other, p, length)) return p;
+                }
+            }
+        }
+        return std::nullopt;
+    }
+
+    static bool deep(const Body& body, const Vec3& p, double length) {
+        const Standing& surface = body.surface;
+        for (const Index i : body.triangles)  // most are settled by a point that is clearly nearer
+            if (!surface.beyond(i, p, length) && rough_offset(p, surface[i]).norm() < 0.999 * length) return false;
+        return near(body, p, length).empty();
+    }
+
+    Body source, target;
+    Stop stop;
+    double slack = 0;
+    bool usable = false;  // the poses leave all coordinates finite
+    double proven = 0;    // the largest lower bound that holds, less what rounding explains
+    double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper: found for an earlier row
+};
+
+PenetrationChecker::PenetrationChecker(const Shape& source, const Pose& source_pose, const Shape& target,
+                                       const Pose& target_pose, Stop stop)
+    : pair_(std::make_unique<Pair>(source, source_pose, target, target_pose, std::move(stop))) {}
+
+PenetrationChecker::~PenetrationChecker() = default;
+
+Check PenetrationChecker::check(const Bounds& bounds, const Witness& witness) {
+    Check result;
+    if (!pair_->usable) return result;
+    const auto add = [&](const std::string& reason) { result.reason += (result.reason.empty() ? "" : "; ") + reason; };
+    std::string reason;
+    result.lower = bounds.lower <= 0 ? Verdict::holds : pair_->lower(bounds.lower, witness, reason);
+    if (!reason.empty()) add(reason);
+    if (result.lower == Verdict::holds) pair_->proven = std::max(pair_->proven, bounds.lower - 4 * pair_->slack);
+    const double upper = bounds.upper + 4 * pair_->slack;
+    result.upper = Verdict::holds;
+    const auto refuted = [&](const std::string& why) {
+        result.upper = Verdict::unsound;
+        add(unsound("upper", bounds.upper, why));
+    };
+    if (upper < bounds.lower) {
+        refuted("it is below lower");
+    } else if (upper < 0) {
+        refuted("a depth is no less than 0");
+    } else if (std::isfinite(upper) && upper < pair_->shallow) {
+        const auto deeper = pair_->deeper_than(upper);
+        if (deeper)
+            refuted(fmt::format("the vertex ({:.9g}, {:.9g}, {:.9g}) lies deeper in the other solid", (*deeper)[0],
+                                (*deeper)[1], (*deeper)[2]));
+        else
+            pair_->shallow = upper;
+    }
+    if (pair_->stop && pair_->stop()) return {};
+    return result;
+}
+
+bool PenetrationChecker::refutes(const Bounds& bounds, std::string& reason) const {
+    if (!pair_->usable || bounds.upper + 4 * pair_->slack >= pair_->proven) return false;
+    reason = unsound("upper", bounds.upper,
+                     fmt::format("it is below the verified lower bound {:.17g} of another row", pair_->proven));
+    return true;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,37 @@
+// `hausbench compare`: two results, or two solvers of one result, side by side.
+#include "commands/compare_results.h"
+#include "commands/compare_solvers.h"
+#include "commands/verb.h"
+#include "error.h"
+
+namespace hausbench {
+
+namespace {
+
+std::string compare(const std::vector<std::filesystem::path>& files, const std::vector<std::string>& solvers) {
+    if (files.size() != (solvers.empty() ? 2 : 1))
+        throw InputError(solvers.empty() ? "compare: name two results, or two solvers of one with --solver A B"
+                                         : "compare: --solver compares two solvers of one result: name one");
+    // Never freed: the program ends, and freeing 100,000 rows one by one takes a tenth of reading them.
+    const auto read = [&](std::size_t i) -> const ResultFile& { return *new ResultFile(read_result(files[i])); };
+    if (solvers.empty()) return compare_results(read(0), read(1));
+    return compare_solvers(read(0), solvers[0], solvers[1], paper_of_output());
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int&) {
+    static std::vector<std::filesystem::path> files;
+    static std::vector<std::string> solvers;
+    auto* verb = app.add_subcommand(
+        "compare",
+        "compare two results case by case: differing answers first, then ratios of times with intervals; or, with "
+        "--solver, two solvers of one result");
+    verb->add_option("results", files, "two result files (.h5), the base first; or one with --solver")->required();
+    verb->add_option("--solver", solvers,
+                     "two solvers of one result, paired by scene, pose and tolerance: labels, or \"guthe(samples=8)\"")
+        ->expected(2);
+    verb->callback([] { print(compare(files, solvers)); });
+}
+
+}  // namespace hausbench

@@ -1,0 +1,161 @@
+#include "commands/compare_solvers.h"
+
+#include "commands/row_choice.h"
+#include "error.h"
+#include "record/profiles.h"
+#include "record/row_times.h"
+#include "record/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+
+namespace {
+
+// Which question a row answers, whoever answers it.
+using Question =
+    std::tuple<std::string, int, std::string, std::string, std::string, double, std::string, double, double>;
+
+Question question_of(const Case& c) {
+    return {c.scene,     c.pose_index,   c.source, c.target, std::string(to_string(c.quantity)),
+            c.tolerance, c.tolerance_of, c.floor,  c.cutoff};
+}
+
+std::string place_of(const Case& c) {
+    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c.quantity), c.pose_index, c.tolerance,
+                       c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
+}
+
+std::string interval_text(const Outcome& o) {
+    return fmt::format("{} [{:.17g}, {:.17g}]", to_string(o.status), o.bounds.lower, o.bounds.upper);
+}
+
+bool answered(const Outcome& o) { return !std::isnan(o.bounds.lower) && !std::isnan(o.bounds.upper); }
+
+bool overlap(const Bounds& a, const Bounds& b) { return a.lower <= b.upper && b.lower <= a.upper; }
+
+std::vector<const Row*> rows_of(const ResultFile& result, const std::string& name) {
+    std::vector<const Row*> rows;
+    for (const std::size_t row : chosen_rows(result, {{name}, {}, {}})) rows.push_back(&result.rows[row]);
+    return rows;
+}
+
+using Pairs = std::vector<std::pair<const Row*, const Row*>>;
+
+Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row*>& second) {
+    std::map<Question, std::vector<const Row*>> answers;
+    for (const Row* row : second) answers[question_of(row->asked)].push_back(row);
+    Pairs pairs;
+    for (const Row* row : first) {
+        const auto at = answers.find(question_of(row->asked));
+        if (at == answers.end()) continue;
+        const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
+        const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
+        for (const Row* other : at->second) {
+            if ((!both_sweep || same(other)) && share_profile(row->asked.profile, other->asked.profile))
+                pairs.emplace_back(row, other);
+        }
+    }
+    return pairs;
+}
+
+// "guthe" where all rows are of it, else with the parameters of each.
+std::string names_of(const Row& a, const Row& b, bool several) {
+    return several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
+                   : place_of(a.asked);
+}
+
+std::string ratio_text(const Estimate& ratio) {
+    return ratio.n == 0
+               ? ""
+               : fmt::format("{} {:.3g} [{:.3g}, {:.3g}]", verdict_of(ratio), ratio.value, ratio.low, ratio.high);
+}
+
+struct Ratios {
+    TextTable table{{{"case", false, 0, true},
+                     {"solve again", true},
+                     {"prepare and first answer", true, 1},
+                     {"rounds", true, 2},
+                     {"clock", false, 3}}};
+    std::vector<double> again, total;
+    std::size_t untimed = 0;
+
+    void add(const Row& a, const Row& b, const std::string& name) {
+        const bool cpu = cpu_clock(a.outcome) && cpu_clock(b.outcome);
+        const Estimate once = ratio_by_round(total_by_round(a.outcome, cpu), total_by_round(b.outcome, cpu));
+        const Estimate repeated = ratio_by_round(again_by_round(a.outcome, cpu), again_by_round(b.outcome, cpu));
+        if (once.n == 0 && repeated.n == 0) {
+            ++untimed;
+            return;
+        }
+        if (once.n > 0) total.push_back(once.value);
+        if (repeated.n > 0) again.push_back(repeated.value);
+        table.add({{name, ratio_text(repeated), ratio_text(once), std::to_string(std::max(once.n, repeated.n)),
+                    cpu ? "CPU" : "wall"}});
+    }
+};
+
+}  // namespace
+
+std::string compare_solvers(const ResultFile& result, const std::string& first, const std::string& second,
+                            const Paper& paper) {
+    const auto of_first = rows_of(result, first), of_second = rows_of(result, second);
+    const Pairs pairs = pairs_of(of_first, of_second);
+    if (pairs.empty())
+        throw InputError(
+            fmt::format("'{}' and '{}' have no profile, scene, pose and tolerance in common", first, second));
+    std::set<const Row*> paired;
+    std::set<std::string> variants;
+    for (const auto& [a, b] : pairs) {
+        paired.insert({a, b});
+        variants.insert({"1" + a->asked.variant, "2" + b->asked.variant});
+    }
+    const auto alone = [&](const std::vector<const Row*>& rows) {
+        return std::count_if(rows.begin(), rows.end(), [&](const Row* row) { return !paired.contains(row); });
+    };
+    std::string apart, silent;
+    std::size_t overlapping = 0;
+    Ratios ratios;
+    for (const auto& [a, b] : pairs) {
+        const std::string name = names_of(*a, *b, variants.size() > 2);
+        const std::string both =
+            fmt::format("{}: {} {}, {} {}", name, first, interval_text(a->outcome), second, interval_text(b->outcome));
+        if (!answered(a->outcome) || !answered(b->outcome))
+            silent += wrapped(both, 2, paper.width);
+        else if (!overlap(a->outcome.bounds, b->outcome.bounds))
+            apart += wrapped(both, 2, paper.width);
+        else
+            ++overlapping;
+        if (answered(a->outcome) && answered(b->outcome)) ratios.add(*a, *b, name);
+    }
+    std::string text =
+        wrapped(fmt::format("{} pairs of {} and {}; rows without a partner: {} of {}, {} of {}", pairs.size(), first,
+                            second, alone(of_first), first, alone(of_second), second),
+                0, paper.width);
+    text += apart.empty() ? fmt::format("intervals: all {} overlap\n", overlapping)
+                          : coloured("INTERVALS THAT DO NOT OVERLAP", Colour::red, paper) + "\n" + apart;
+    if (!silent.empty()) text += "WITHOUT AN ANSWER\n" + silent;
+    text += wrapped(fmt::format("time of {} / time of {}, round by round: solving again, and preparing with the first "
+                                "answer ({} pairs without times)",
+                                second, first, ratios.untimed),
+                    0, paper.width);
+    text += ratios.table.text(paper);
+    for (const auto& [what, all] :
+         {std::pair("solving again", &ratios.again), std::pair("preparing and the first answer", &ratios.total)}) {
+        if (!all->empty())
+            text += wrapped(
+                fmt::format("geometric mean of {} over {} pairs: {:.4g}", what, all->size(), geometric_mean(*all)), 0,
+                paper.width);
+    }
+    return text;
+}
+
+}  // namespace hausbench

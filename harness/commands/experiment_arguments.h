@@ -1,0 +1,32 @@
+// What `run` and `explain` are told of an experiment.
+#pragma once
+
+#include "commands/verb.h"
+#include "plan/plan.h"
+
+#include <filesystem>
+#include <string>
+
+namespace hausbench {
+
+struct ExperimentArguments {
+    std::filesystem::path file, results;
+    std::string profile = "quick";
+    Choice choice;
+};
+
+// The file and its profile, solvers and scenes.
+inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
+    verb->add_option("experiment", arguments.file, "experiment file (.toml)")->required();
+    verb->add_option("--profile", arguments.profile, "quick: minutes; paper: the papers' full sizes")
+        ->capture_default_str();
+    verb->add_option("--solver", arguments.choice.solvers,
+                     "only this solver (its label in the experiment); may be repeated")
+        ->allow_extra_args(false);
+    verb->add_option("--scene", arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
+}
+
+Plan plan_of(const ExperimentArguments& arguments, bool quiet);
+std::filesystem::path results_of(const ExperimentArguments& arguments);  // a folder
+
+}  // namespace hausbench

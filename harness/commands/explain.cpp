@@ -1,0 +1,18 @@
+// `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
+#include "commands/experiment_arguments.h"
+#include "commands/explain_plan.h"
+
+namespace hausbench {
+
+void add_explain(CLI::App& app, int&) {
+    static ExperimentArguments arguments;
+    auto* verb = app.add_subcommand(
+        "explain", "show what a run would prepare, run and leave out, with reasons and an estimate of the time");
+    take_experiment(verb, arguments);
+    verb->add_option("--results", arguments.results,
+                     "folder with earlier results, for the estimate of the time (default: results of the project)");
+    take_plugins(verb);
+    verb->callback([] { print(explain(plan_of(arguments, false), results_of(arguments))); });
+}
+
+}  // namespace hausbench

@@ -1,0 +1,50 @@
+// Verbs that the program starts itself: `load`, `derive` and `worker`.
+#include "commands/verb.h"
+#include "derive.h"
+#include "load.h"
+#include "run/worker.h"
+#include "shape_file.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void derive_file(const std::string& operation, const std::vector<std::string>& texts, const fs::path& origin,
+                 const fs::path& out) {
+    Numbers numbers;
+    for (const std::string& text : texts) {
+        const auto equals = std::min(text.find('='), text.size() - 1);
+        numbers[text.substr(0, equals)] = std::strtod(text.c_str() + equals + 1, nullptr);  // hexadecimal: exact
+    }
+    write_shape(out, derive(operation, numbers, read_shape(origin)));
+}
+
+}  // namespace
+
+void add_hidden(CLI::App& app, int& code) {
+    static fs::path in, out;
+    static std::string format, operation;
+    static std::vector<std::string> numbers;
+    static int events = -1;
+    auto* load = app.add_subcommand("load")->group("");
+    load->add_option("file", in)->required();
+    load->add_option("out", out)->required();
+    load->add_option("--format", format);
+    load->callback([] { write_shape(out, load_file(in, format)); });
+    auto* derive = app.add_subcommand("derive")->group("");
+    derive->add_option("operation", operation)->required();
+    derive->add_option("origin", in)->required();
+    derive->add_option("out", out)->required();
+    derive->add_option("--set", numbers);
+    derive->callback([] { derive_file(operation, numbers, in, out); });
+    auto* worker = app.add_subcommand("worker")->group("");
+    worker->add_option("--events", events)->required();
+    worker->callback([&code] { code = worker_main(events); });
+}
+
+}  // namespace hausbench

@@ -1,0 +1,191 @@
+#include "commands/measurement.h"
+
+#include "commands/measurement_solve.h"
+#include "error.h"
+#include "isolated.h"
+#include "paths.h"
+#include "plan/plan.h"
+#include "process/whole_file.h"
+#include "registry.h"
+#include "result/field_file.h"
+#include "session.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hausbench {
+
+namespace {
+
+const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
+
+// What can be done where a solver does not take the pair.
+std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
+    std::string names;
+    for (const SolverEntry& entry : solvers()) {
+        if (refusal(entry.info, source, target, quantity).empty())
+            names += (names.empty() ? "" : ", ") + entry.info.name;
+    }
+    if (names.empty())
+        return fmt::format("no solver computes {} of {} and {}: give two {}", symbol(quantity), to_string(source),
+                           to_string(target), quantity == Quantity::penetration ? "meshes" : "files of one kind");
+    return fmt::format("choose one that does with --solver: {}", names);
+}
+
+std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
+    std::string names;
+    for (const SolverEntry& entry : solvers()) {
+        if (entry.info.certificates && refusal(entry.info, source, target).empty())
+            names += (names.empty() ? "" : ", ") + entry.info.name;
+    }
+    return names.empty() ? fmt::format("none does for {} against {}", to_string(source), to_string(target))
+                         : fmt::format("choose one that does with --solver: {}", names);
+}
+
+void check(const MeasureRequest& request) {
+    if (request.symmetric && request.penetration)
+        throw InputError("--symmetric and --penetration ask for two quantities: give one of them");
+    if (request.penetration && !request.fields.empty())
+        throw InputError("--fields: the penetration depth has none: remove it, or --penetration");
+    if (!(request.tolerance > 0) || !std::isfinite(request.tolerance))
+        throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
+    if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
+        throw InputError(fmt::format("--cutoff: must be a length of at least 0, not {}", *request.cutoff));
+    if (!(request.time_limit >= 0))
+        throw InputError(fmt::format("--time-limit: must be seconds of at least 0, not {}", request.time_limit));
+    if (!request.fields.empty()) check_export_place(request.fields);
+    if (!request.certificate.empty()) check_place_to_write(request.certificate);
+}
+
+MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded) {
+    const Points& points = points_of(loaded.shape);
+    const double largest = magnitude(points);
+    // 24 bits; the smallest exponent of a normal float32 is -126.
+    const int exponent = largest > 0 ? std::max(std::ilogb(largest), -126) : -126;
+    return {file,
+            loaded.report,
+            kind_of(loaded.shape),
+            element_count(loaded.shape),
+            static_cast<Index>(points.rows()),
+            diagonal(points),
+            std::ldexp(1.0, exponent - 23)};
+}
+
+double diagonal_of_both(const Points& a, const Points& b) {
+    Points corners(4, 3);
+    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
+    return diagonal(corners);
+}
+
+// As a length, or as a fraction of the lower bound. A tolerance that nobody gave has to mean something for every legal input.
+Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, const Points& b, Measured& measured) {
+    measured.tolerance_of = request.of;
+    if (request.of == "lower") {
+        measured.tolerance_absolute = std::numeric_limits<double>::quiet_NaN();
+        return {Tolerance::Of::lower, request.tolerance};
+    }
+    double& unit = measured.unit;
+    unit = unit_of(request.of, diagonal(a), longest_side(a));
+    if (unit == 0 && request.tolerance_given)
+        throw InputError(fmt::format(
+            "{}: its box has no {}, so a tolerance relative to it means nothing: use --of absolute or --of lower",
+            request.source.string(), name_of_unit(request.of)));
+    if (unit == 0) {
+        measured.tolerance_of = "diagonal of both";
+        unit = diagonal_of_both(a, b);
+    }
+    if (unit == 0) {
+        measured.tolerance_of = "absolute";
+        unit = 1;
+    }
+    double length = request.tolerance * unit;
+    if (!request.tolerance_given) {  // shapes of nearly the largest or the smallest doubles
+        length = std::clamp(length, std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max());
+    }
+    measured.tolerance_absolute = length;
+    return {Tolerance::Of::absolute, length};
+}
+
+std::string default_solver(ShapeKind source, ShapeKind target) {
+    if (source != target) return "cover";
+    return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "cover";
+}
+
+// Where the file's own numbers are coarser than the answer.
+void warn_of_float32(const MeasureRequest& request, Measured& measured) {
+    const bool relative = request.of == "lower";
+    const double gap = relative ? request.tolerance * measured.result.bounds.lower : measured.tolerance_absolute;
+    for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
+        if (!shape->report.float32 || !(shape->float32_spacing > gap) || !(gap > 0)) continue;
+        measured.warnings.push_back(fmt::format(
+            "the coordinates of {} are float32, in steps of up to {:.3g}: that is above the tolerance {:.3g}, "
+            "and the answer is one about the rounded shape",
+            name, shape->float32_spacing, gap));
+    }
+}
+
+}  // namespace
+
+Measured measure(const MeasureRequest& asked) {
+    check(asked);
+    MeasureRequest request = asked;
+    // Next to the distance itself no bound tells, and nothing else would end the search.
+    if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
+    LoadedShape source = load_isolated(program_path(), request.source);
+    LoadedShape target = load_isolated(program_path(), request.target);
+    Measured measured;
+    measured.source = about(request.source, source);
+    measured.target = about(request.target, target);
+    const ShapeKind a = measured.source.kind, b = measured.target.kind;
+    const Quantity quantity = request.quantity();
+    measured.solver = !request.solver.empty()             ? request.solver
+                      : quantity == Quantity::penetration ? "penetration"
+                                                          : default_solver(a, b);
+    if (a == ShapeKind::surface && b == ShapeKind::surface && !request.fields.empty())
+        throw InputError(fmt::format(
+            "--fields {}: an algebraic surface has no vertices, so it has no fields: triangulate both first",
+            request.fields.string()));
+    const SolverEntry& entry = find_solver(measured.solver);
+    if (const std::string no = refusal(entry.info, a, b, quantity); !no.empty())
+        throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), no,
+                                     solvers_for(a, b, quantity)));
+    if (!request.certificate.empty() && !entry.info.certificates)
+        throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
+                                     request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
+    measured.certified = promises(entry, request.options);
+    const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), points_of(target.shape), measured);
+    const MeasureWork work{entry, request, tolerance};
+    if (request.in_process)
+        prepare_and_solve(
+            work, std::move(source.shape), std::move(target.shape), measured, [] {}, [] {});
+    else
+        solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
+    warn_of_float32(request, measured);
+    if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
+        measured.warnings.push_back(
+            fmt::format("{} is not written: the solver ended before it had covered all of A; allow it more time, or a "
+                        "larger tolerance",
+                        request.certificate.string()));
+    return measured;
+}
+
+std::string no_answer(const Measured& measured) {
+    if (measured.failed) return measured.failed->reason;
+    const Result& result = measured.result;
+    if (!may_bound_a_distance(result.bounds))
+        return fmt::format("its bounds [{:g}, {:g}] are no interval of distances", result.bounds.lower,
+                           result.bounds.upper);
+    const bool said = result.status != Status::stalled || std::isfinite(result.bounds.upper) || result.bounds.lower > 0;
+    return said ? "" : result.note.empty() ? "it stalled" : result.note;
+}
+
+int exit_code(const Measured& measured, const MeasureRequest& request) {
+    const bool proof = request.certificate.empty() || measured.proven;
+    if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
+    if (!no_answer(measured).empty()) return 3;
+    const Status status = measured.result.status;
+    return status == Status::below_floor ? 0 : status == Status::above_cutoff ? 1 : 3;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,90 @@
+// `hausbench measure A B`: the distance between any two files.
+#pragma once
+
+#include "load.h"
+#include "record/row.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+inline constexpr double question_seconds = 10;  // the time limit where a cutoff is asked about and no other is given
+
+struct MeasureRequest {
+    std::filesystem::path source, target;
+    std::string solver;  // empty: cover for meshes, scan for point sets, surface_enclosure for surfaces
+    ParameterMap options;
+    double tolerance = 1e-6;
+    std::string of = "diagonal";   // one of tolerance_units
+    bool tolerance_given = false;  // one of the two was given: then it is an error where it means nothing
+    bool symmetric = false;        // H = max of both directions
+    bool penetration = false;      // the penetration depth, instead of a distance
+    std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
+    int threads = 1;
+    double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
+    std::filesystem::path fields = {};                            // a file to write them into; empty: none are wanted
+    std::filesystem::path certificate = {};                       // likewise
+    bool in_process = false;                                      // solve in this process: for debuggers
+
+    Quantity quantity() const {
+        return penetration ? Quantity::penetration : symmetric ? Quantity::symmetric : Quantity::directed;
+    }
+};
+
+struct MeasuredShape {
+    std::filesystem::path file;
+    LoadReport report;
+    ShapeKind kind{};
+    Index elements = 0, vertices = 0;
+    double diagonal = 0;
+    double float32_spacing = 0;  // of float32 at its largest coordinate
+};
+
+// Why there is no answer: the process that solved was killed or ended. `status` is that of a row (record.h).
+struct NoAnswer {
+    RowStatus status = RowStatus::failed;
+    std::string reason;
+};
+
+struct Measured {
+    std::string solver;
+    bool certified = false;  // the bounds hold under rounding, with the options given
+    MeasuredShape source, target;
+    double tolerance_absolute = 0;  // NaN: a fraction of the lower bound
+    std::string
+        tolerance_of;  // as asked; or what stands in where the default means nothing: `diagonal of both`, `absolute`
+    double unit = 1;   // the length of which the tolerance is a fraction
+    Result result;
+    std::optional<Result> forward, backward;  // of H: h(A,B), h(B,A); witnesses as in the result; none: not asked
+    double forward_seconds = 0, backward_seconds = 0;
+    double prepare_seconds = 0, solve_seconds = 0;
+    std::int64_t peak_bytes = -1;
+    std::optional<NoAnswer> failed;
+    std::optional<double>
+        proven;  // what the certificate written says is an upper bound; none: no certificate was written
+    std::vector<std::string> warnings = {};
+};
+
+// Loads the files, solves in a process of its own and waits for it, no longer than the time limit and a grace for preparing, and as
+// long again for solving. A solver that crashes, hangs, ends the process or throws is an answer too: `failed`. Throws InputError for
+// anything wrong with the files, the solver, its parameters or the tolerance.
+Measured measure(const MeasureRequest& request);
+
+// How long past a time limit the process is waited for.
+double grace_of(double time_limit);
+
+// Empty where the solver said anything at all: not where it stalled at [0, infinity], or failed.
+std::string no_answer(const Measured& measured);
+
+// 0, or 1 without an answer, or without the certificate that was asked for. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
+int exit_code(const Measured& measured, const MeasureRequest& request);
+
+nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
+std::string describe(const Measured& measured, const MeasureRequest& request);  // for a person; ends in a newline
+
+}  // namespace hausbench

@@ -1,0 +1,169 @@
+// What `measure` prints: one JSON object, or lines for a person.
+#include "commands/measurement.h"
+#include "record/json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+json point_json(const Vec3& v) {
+    if (!v.allFinite()) return nullptr;
+    return {v[0], v[1], v[2]};
+}
+
+json fraction(double length, double diagonal) {
+    return diagonal > 0 && std::isfinite(diagonal) ? number(length / diagonal) : json();
+}
+
+// The distance of one kind or direction.
+json answer_json(const Result& r, double diagonal) {
+    return {{"lower", number(r.bounds.lower)},
+            {"upper", number(r.bounds.upper)},
+            {"lower_of_diagonal", fraction(r.bounds.lower, diagonal)},
+            {"upper_of_diagonal", fraction(r.bounds.upper, diagonal)},
+            {"status", to_string(r.status)},
+            {"note", r.note},
+            {"source_point", point_json(r.witness.source_point)},
+            {"target_point", point_json(r.witness.target_point)},
+            {"witness_direction", to_string(r.witness.direction)}};
+}
+
+json shape_json(const MeasuredShape& s) {
+    return {{"file", s.file.string()},
+            {"kind", to_string(s.kind)},
+            {"elements", s.elements},
+            {"vertices", s.vertices},
+            {"diagonal", number(s.diagonal)},
+            {"format", s.report.format},
+            {"precision", s.report.precision},
+            {"float32", s.report.float32},
+            {"float32_spacing", s.report.float32 ? number(s.float32_spacing) : json()},
+            {"unreferenced", s.report.unreferenced ? json(*s.report.unreferenced) : json()}};
+}
+
+json directions_json(const Measured& m, const MeasureRequest& request) {
+    json all = json::array();
+    const auto add = [&](const char* name, const Result& r, double seconds) {
+        json one = answer_json(r, m.source.diagonal);
+        one["direction"] = name;
+        one["solve_seconds"] = seconds;
+        all.push_back(std::move(one));
+    };
+    if (m.failed) return all;
+    if (request.quantity() == Quantity::directed) add("source to target", m.result, m.solve_seconds);
+    if (m.forward) add("source to target", *m.forward, m.forward_seconds);
+    if (m.backward) add("target to source", *m.backward, m.backward_seconds);
+    return all;
+}
+
+std::string shape_text(const MeasuredShape& s) {
+    std::string text = s.file.string();
+    if (s.kind == ShapeKind::surface) return fmt::format("{}, an algebraic surface, diagonal {:.9g}", text, s.diagonal);
+    text += fmt::format(", {} {}{}", s.elements, s.kind == ShapeKind::points ? "point" : "triangle",
+                        s.elements == 1 ? "" : "s");
+    if (s.kind == ShapeKind::mesh) text += fmt::format(", {} vertices", s.vertices);
+    text += fmt::format(", diagonal {:.9g}", s.diagonal);
+    if (s.report.precision != "float64") text += fmt::format(", {} coordinates", s.report.precision);
+    if (s.report.unreferenced.value_or(0) > 0)
+        text += fmt::format(", {} unreferenced vertices dropped", *s.report.unreferenced);
+    return text;
+}
+
+std::string tolerance_text(const Measured& m, const MeasureRequest& request) {
+    const bool instead = m.tolerance_of != request.of;
+    if (m.tolerance_of == "lower") return "of the lower bound";
+    if (m.tolerance_of == "absolute") return instead ? "(a length, since neither shape has an extent)" : "(a length)";
+    const char* whose = instead                       ? "of the diagonal of both shapes"
+                        : m.tolerance_of == "longest" ? "of A's longest side"
+                                                      : "of A's diagonal";
+    return fmt::format("{} {:.9g} (= {:.9g}){}", whose, m.unit, m.tolerance_absolute,
+                       instead ? ", since A has no extent" : "");
+}
+
+std::string answer_text(const std::string& name, const Result& r, double diagonal) {
+    const Bounds& b = r.bounds;
+    std::string text = fmt::format("{:<10} {} in [{:.17g}, {:.17g}]\n", "distance", name, b.lower, b.upper);
+    if (diagonal > 0 && std::isfinite(diagonal) && std::isfinite(b.upper))
+        text += fmt::format("           [{:.6g}, {:.6g}] of A's diagonal\n", b.lower / diagonal, b.upper / diagonal);
+    return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(r.status),
+                              r.note.empty() ? "" : ": " + r.note);
+}
+
+std::string witness_text(const Result& r) {
+    const Vec3 &p = r.witness.source_point, &q = r.witness.target_point;
+    const auto point = [](const Vec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]); };
+    if (!p.allFinite() && !q.allFinite()) return "";
+    return fmt::format("witness    {} on A, {} on B\n", p.allFinite() ? point(p) : "unknown",
+                       q.allFinite() ? point(q) : "unknown");
+}
+
+}  // namespace
+
+json to_json(const Measured& m, const MeasureRequest& request) {
+    json out = answer_json(m.result, m.source.diagonal);
+    if (m.failed) {
+        out["status"] = to_string(m.failed->status);
+        out["note"] = m.failed->reason;
+    }
+    const bool asked = request.cutoff.has_value();
+    const int code = exit_code(m, request);
+    const Quantity quantity = request.quantity();
+    out.update({{"direction", quantity == Quantity::directed ? "source to target" : to_string(quantity)},
+                {"directions", directions_json(m, request)},
+                {"solver", m.solver},
+                {"certified", m.certified},
+                {"source", shape_json(m.source)},
+                {"target", shape_json(m.target)},
+                {"tolerance", request.tolerance},
+                {"tolerance_of", m.tolerance_of},
+                {"tolerance_absolute", number(m.tolerance_absolute)},
+                {"cutoff", asked ? json(*request.cutoff) : json()},
+                {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
+                {"proven", m.proven ? number(*m.proven) : json()},
+                {"warnings", m.warnings},
+                {"prepare_seconds", m.prepare_seconds},
+                {"solve_seconds", m.solve_seconds},
+                {"peak_bytes", m.peak_bytes}});
+    return out;
+}
+
+std::string describe(const Measured& m, const MeasureRequest& request) {
+    std::string text;
+    text += fmt::format("source A   {}\n", shape_text(m.source));
+    text += fmt::format("target B   {}\n", shape_text(m.target));
+    text += fmt::format("solver     {} ({}), tolerance {:g} {}\n", m.solver,
+                        m.certified ? "certified" : "not certified", request.tolerance, tolerance_text(m, request));
+    if (m.failed) return text + fmt::format("distance   no answer: {}\n", m.failed->reason);
+    if (request.symmetric) {
+        for (const auto& [name, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
+            if (*one) text += answer_text(name, **one, m.source.diagonal) + witness_text(**one);
+        }
+        text += answer_text("H(A,B)", m.result, m.source.diagonal);
+        if (m.forward && m.backward)
+            text += "           the larger of the two, each to the full tolerance\n";
+        else
+            text += witness_text(m.result);
+    } else {
+        text +=
+            answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) + witness_text(m.result);
+    }
+    if (request.cutoff) {
+        constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};
+        text += fmt::format("above {:.9g}? {}\n", *request.cutoff, answers[exit_code(m, request)]);
+    }
+    if (m.proven)
+        text += fmt::format("proof      {}: at most {:.17g}; check it with `hausbench verify --certificate`\n",
+                            request.certificate.string(), *m.proven);
+    for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
+    return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
+                              m.solve_seconds,
+                              m.peak_bytes < 0 ? "unknown" : fmt::format("{:.1f} MB", double(m.peak_bytes) / 1e6));
+}
+
+}  // namespace hausbench

@@ -1,0 +1,163 @@
+#include "commands/merge_results.h"
+
+#include "error.h"
+#include "plan/plan.h"
+#include "record/json.h"
+#include "record/profiles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool was_run(const Outcome& o) {
+    return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
+}
+
+// Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
+// One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
+std::string place_of(const Case& c) {
+    return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
+                           c.tolerance_of, to_string(c.quantity), c.warm})
+        .dump();
+}
+
+bool same_options(const Row& a, const Row& b) {
+    const auto within = [](const ParameterMap& few, const ParameterMap& many) {
+        return std::all_of(few.begin(), few.end(),
+                           [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
+    };
+    if (a.outcome.status == RowStatus::not_built) return within(a.asked.options, b.asked.options);
+    if (b.outcome.status == RowStatus::not_built) return within(b.asked.options, a.asked.options);
+    return a.asked.options == b.asked.options;
+}
+
+// Of a result's text `shard`, "1/3, 2/3": none of a whole one, and of an older one that does not say.
+std::set<std::pair<int, int>> shards_in(const std::string& text) {
+    std::set<std::pair<int, int>> shards;
+    std::istringstream in(text);
+    for (std::string one; std::getline(in >> std::ws, one, ',');) {
+        try {
+            const Shard shard = parse_shard(one);
+            shards.insert({shard.of, shard.number});
+        } catch (const InputError&) {  // of a damaged file
+            return {};
+        }
+    }
+    return shards;
+}
+
+// Of the two together: none where one is whole, or where no shard is missing.
+std::string both_shards(const std::string& one, const std::string& other) {
+    std::set<std::pair<int, int>> shards = shards_in(one), more = shards_in(other);
+    if (shards.empty() || more.empty()) return "";
+    shards.insert(more.begin(), more.end());
+    std::map<int, int> counts;
+    std::string text;
+    for (const auto& [of, number] : shards) {
+        text += fmt::format("{}{}/{}", text.empty() ? "" : ", ", number, of);
+        if (++counts[of] == of) return "";
+    }
+    return text;
+}
+
+}  // namespace
+
+ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
+    ResultFile merged = read_result(files.front());
+    std::map<std::string, std::vector<std::size_t>> places;
+    for (std::size_t i = 0; i < merged.rows.size(); ++i) places[place_of(merged.rows[i].asked)].push_back(i);
+    for (std::size_t f = 1; f < files.size(); ++f) {
+        const ResultFile next = read_result(files[f]);
+        const auto refuse = [&](const std::string& what) {
+            throw InputError(fmt::format("{} and {}: {}", files.front().string(), files[f].string(), what));
+        };
+        for (const char* name : {"stem", "profile", "experiment_toml"}) {
+            if (next.texts.at(name) != merged.texts.at(name))
+                refuse(fmt::format("their {} differs: merge results of one experiment", name));
+        }
+        for (const char* name : {"build", "machine"}) {
+            if (!any_build && next.texts.at(name) != merged.texts.at(name)) {
+                refuse(fmt::format(
+                    "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+            }
+        }
+        merged.texts["shard"] = both_shards(merged.texts["shard"], next.texts.at("shard"));
+        merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
+        merged.texts["finished"] = std::max(merged.texts["finished"], next.texts.at("finished"));
+        for (const Row& row : next.rows) {
+            std::vector<std::size_t>& here = places[place_of(row.asked)];
+            bool found = false;
+            for (std::size_t i : here) {
+                Row& mine = merged.rows[i];
+                if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
+                found = true;
+                const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
+                if (!was_run(row.outcome)) {
+                    // what is there stays
+                } else if (!was_run(mine.outcome)) {
+                    mine = row;
+                } else if (mine.asked.identity != row.asked.identity) {
+                    refuse(fmt::format("they asked for different things at {}: another model, program or limit",
+                                       name_of(row.asked)));
+                } else if (!same_answer(mine.outcome, row.outcome)) {
+                    refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
+                                       to_string(mine.outcome.status), mine.outcome.bounds.lower,
+                                       mine.outcome.bounds.upper, to_string(row.outcome.status),
+                                       row.outcome.bounds.lower, row.outcome.bounds.upper));
+                }
+                mine.asked.profile = profiles;
+            }
+            if (found) continue;
+            here.push_back(merged.rows.size());
+            merged.rows.push_back(row);
+        }
+        for (const ModelRecord& model : next.models) {
+            const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
+            if (std::none_of(merged.models.begin(), merged.models.end(), same)) merged.models.push_back(model);
+        }
+        for (const LedgerEntry& entry : next.ledger) {
+            const auto same = [&](const LedgerEntry& l) {
+                return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what &&
+                       l.profile == entry.profile;
+            };
+            const auto at = std::find_if(merged.ledger.begin(), merged.ledger.end(), same);
+            if (at == merged.ledger.end())
+                merged.ledger.push_back(entry);
+            else if (std::isnan(at->seconds_saved))
+                at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+        }
+    }
+    return merged;
+}
+
+std::string missing_shards(const ResultFile& merged) {
+    const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
+        return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;
+    });
+    const auto shards = shards_in(merged.texts.at("shard"));
+    if (elsewhere == 0) return "";
+    std::string missing, remedy = "run the others and merge again";
+    constexpr int most_named = 100;
+    if (!shards.empty() && shards.begin()->first == shards.rbegin()->first && shards.begin()->first <= most_named) {
+        const int of = shards.begin()->first;
+        for (int number = 1; number <= of; ++number) {
+            if (!shards.contains({of, number}))
+                missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", number, of);
+        }
+        remedy = "run them with --shard and merge again";
+    }
+    return fmt::format("{} of {} cases are in shards that are missing{}: {}", elsewhere, merged.rows.size(),
+                       missing.empty() ? "" : ", " + missing, remedy);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,76 @@
+#include "commands/row_texts.h"
+
+#include "record/row_times.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace hausbench {
+
+std::string duration_text(double seconds) {
+    if (!std::isfinite(seconds)) return "";
+    // 999.5 of a unit is 1e+03 in three digits.
+    return seconds < 999.5e-6   ? fmt::format("{:.3g} µs", seconds * 1e6)
+           : seconds < 999.5e-3 ? fmt::format("{:.3g} ms", seconds * 1e3)
+           : seconds < 999.5    ? fmt::format("{:.3g} s", seconds)
+                                : fmt::format("{:.0f} s", seconds);
+}
+
+std::string bound_text(double value, bool lower) {
+    if (!std::isfinite(value)) return std::isnan(value) ? "" : "inf";
+    const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };  // stod() throws
+    std::string text = fmt::format("{:.5e}", value);                                               // for tiny numbers
+    const double shown = read(text);
+    if (lower ? shown > value : shown < value) {
+        const double step = std::pow(10, std::stoi(text.substr(text.find('e') + 1)) - 5);
+        text = fmt::format("{:.5e}", shown + (lower ? -step : step));
+    }
+    return fmt::format("{:g}", read(text));
+}
+
+std::string bytes_text(std::int64_t bytes) {
+    return bytes < 0             ? ""
+           : bytes < 999'500'000 ? fmt::format("{:.3g} MB", double(bytes) / 1e6)
+                                 : fmt::format("{:.3g} GB", double(bytes) / 1e9);
+}
+
+std::string time_text(const Outcome& outcome) {
+    const Estimate time = time_of(outcome);
+    if (time.n == 0) return "";
+    if (time.n == 1) return duration_text(time.value);
+    return fmt::format("{} [{}, {}]", duration_text(time.value), duration_text(time.low), duration_text(time.high));
+}
+
+std::string check_text(const Row& row) {
+    if (std::isnan(row.outcome.bounds.lower)) return "";
+    const Check& check = row.check;
+    if (check.lower == Verdict::unsound || check.upper == Verdict::unsound || check.fields == Verdict::unsound)
+        return "unsound";
+    return check.lower == Verdict::holds ? "holds" : "not checked";
+}
+
+std::string tolerance_text(const Case& c) { return fmt::format("{:g} {}", c.tolerance, c.tolerance_of); }
+
+Colour colour_of(RowStatus status) {
+    switch (status) {
+        case RowStatus::ok:
+            return Colour::none;
+        case RowStatus::skipped:
+        case RowStatus::not_built:
+            return Colour::grey;
+        case RowStatus::timeout:
+        case RowStatus::floor:
+        case RowStatus::budget:
+            return Colour::yellow;
+        default:
+            return Colour::red;
+    }
+}
+
+double gap_of(const Outcome& outcome) { return outcome.bounds.upper - outcome.bounds.lower; }
+
+std::string gap_text(double gap) { return std::isnan(gap) ? "" : fmt::format("{:.2g}", gap); }
+
+}  // namespace hausbench

@@ -1,0 +1,26 @@
+// Values of rows as tables for people show them.
+#pragma once
+
+#include "commands/text_table.h"
+#include "record/row.h"
+
+#include <string>
+
+namespace hausbench {
+
+// "1.3 ms"; empty for NaN.
+std::string duration_text(double seconds);
+
+// Six digits, rounded away from the distance, so that what is shown holds as well.
+std::string bound_text(double value, bool lower);
+
+std::string bytes_text(std::int64_t bytes);     // "1.3 MB"; empty where it is unknown, -1
+std::string time_text(const Outcome& outcome);  // with its interval, where there is one
+std::string check_text(const Row& row);  // whether independent code has re-checked the lower bound by its witness
+std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
+std::string gap_text(double gap);               // two digits; empty for NaN
+
+double gap_of(const Outcome& outcome);
+Colour colour_of(RowStatus status);
+
+}  // namespace hausbench

@@ -1,0 +1,101 @@
+#include "commands/summary.h"
+
+#include "commands/row_texts.h"
+#include "record/row_times.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <regex>
+
+namespace hausbench {
+
+SummaryNames::SummaryNames(const std::vector<Row>& rows) {
+    for (const Row& row : rows) variants_[row.asked.label].insert(row.asked.variant);
+}
+
+std::string SummaryNames::of(const Case& asked) const {
+    constexpr std::size_t most = 8;
+    const std::size_t count = variants_.at(asked.label).size();
+    return count > most ? fmt::format("{}({} variants)", asked.label, count) : shown(asked);
+}
+
+std::string count_statuses(const std::vector<Row>& rows) {
+    std::map<RowStatus, std::size_t> counts;
+    for (const Row& row : rows) ++counts[row.outcome.status];
+    return to_string(counts);
+}
+
+namespace {
+
+// The text with every number as one sign: reasons that differ in their numbers alone are one.
+std::string without_numbers(const std::string& text) {
+    static const std::regex number(R"([-+]?\d[\d.]*(e[-+]?\d+)?)");
+    return std::regex_replace(text, number, "#");
+}
+
+// Rows that have the same key, in the order of the first of each.
+class Groups {
+public:
+    void add(const std::string& key, const Row& row) {
+        const auto [at, fresh] = number_.emplace(key, groups_.size());
+        if (fresh) groups_.emplace_back();
+        groups_[at->second].push_back(&row);
+    }
+    const std::vector<std::vector<const Row*>>& all() const { return groups_; }
+
+private:
+    std::map<std::string, std::size_t> number_;
+    std::vector<std::vector<const Row*>> groups_;
+};
+
+TextTable::Row summary_line(const std::string& name, const std::vector<const Row*>& rows) {
+    std::map<RowStatus, std::size_t> counts;
+    std::vector<double> times;
+    double gap = unknown;
+    Colour colour = Colour::none;
+    for (const Row* row : rows) {
+        ++counts[row->outcome.status];
+        if (const Estimate time = time_of(row->outcome); time.n > 0) times.push_back(time.value);
+        gap = std::fmax(gap, gap_of(row->outcome));
+        if (row->outcome.status != RowStatus::ok) colour = colour_of(row->outcome.status);
+    }
+    return {{name, std::to_string(rows.size()), to_string(counts),
+             times.empty() ? "" : duration_text(median(times).value), gap_text(gap)},
+            "",
+            colour};
+}
+
+}  // namespace
+
+std::string show_summary(const ResultFile& result, const Paper& paper) {
+    const SummaryNames names(result.rows);
+    Groups solvers, reasons;
+    for (const Row& row : result.rows) {
+        solvers.add(names.of(row.asked), row);
+        if (row.outcome.status != RowStatus::ok)
+            reasons.add(fmt::format("{} {} {}", row.asked.label, to_string(row.outcome.status),
+                                    without_numbers(row.outcome.reason)),
+                        row);
+    }
+    TextTable table({{"solver", false, 0, true},
+                     {"rows", true},
+                     {"status", false, 0, true},
+                     {"median solve", true, 1},
+                     {"largest gap", true, 2}});
+    for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->asked), rows));
+    std::string out = table.text(paper);
+    for (const auto& rows : reasons.all()) {
+        const Row& first = *rows.front();
+        const std::string where = fmt::format("{}, pose {}, tolerance {:g}", first.asked.scene, first.asked.pose_index,
+                                              first.asked.tolerance);
+        const std::string which =
+            rows.size() == 1 ? where : fmt::format("{} rows like this; the first: {}", rows.size(), where);
+        out += wrapped(fmt::format("{}: {}: {} ({})", rows.size() == 1 ? shown(first.asked) : first.asked.label,
+                                   to_string(first.outcome.status), first.outcome.reason, which),
+                       0, paper.width);
+    }
+    return out;
+}
+
+}  // namespace hausbench

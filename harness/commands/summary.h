@@ -1,0 +1,29 @@
+// The short form of a result, with which `run` ends.
+#pragma once
+
+#include "commands/text_table.h"
+#include "result/result_file.h"
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// A line for each solver, then each reason that a row is not `ok`.
+std::string show_summary(const ResultFile& result, const Paper& paper);
+
+// Solvers as summaries name them: a sweep of many values, such as of seeds, is one line, "ohd(60 variants)".
+class SummaryNames {
+public:
+    explicit SummaryNames(const std::vector<Row>& rows);
+    std::string of(const Case& asked) const;
+
+private:
+    std::map<std::string, std::set<std::string>> variants_;  // of each label
+};
+
+std::string count_statuses(const std::vector<Row>& rows);  // "24 ok, 3 timeout"
+
+}  // namespace hausbench

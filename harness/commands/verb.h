@@ -1,0 +1,36 @@
+// The verbs of the program, each in the file of its name, and what they share.
+#pragma once
+
+#include "catalogue.h"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Adds the verb, whose callback does the work and sets the program's exit code where it is not 0. Its arguments are static: the
+// program reads its command line once.
+void add_run(CLI::App& app, int& code);
+void add_explain(CLI::App& app, int& code);
+void add_list(CLI::App& app, int& code);
+void add_measure(CLI::App& app, int& code);
+void add_export(CLI::App& app, int& code);
+void add_verify(CLI::App& app, int& code);
+void add_merge(CLI::App& app, int& code);
+void add_compare(CLI::App& app, int& code);
+void add_show(CLI::App& app, int& code);
+
+// Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
+void add_hidden(CLI::App& app, int& code);
+
+// The option --plugin. Its libraries are loaded before the verb looks for a solver.
+void take_plugins(CLI::App* verb);
+
+Catalogue catalogue();  // of the project, or of what was installed
+
+void print(const std::string& text);              // on standard output
+void say(const std::vector<std::string>& lines);  // on standard error, as the program's own
+
+}  // namespace hausbench

@@ -1,0 +1,21 @@
+// Every row of a finished result, checked once more.
+#pragma once
+
+#include "catalogue.h"
+#include "result/result_file.h"
+
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Re-checks every row (verify.h) on the shapes of the catalogue, which must be those that were measured (SHA-256).
+// Returns a line for each model that is not available, whose rows become `not checked`, whatever the file says of them. Throws
+// InputError where a model has other bytes now.
+std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue);
+
+// A table: how many rows of each solver hold, are unsound, have no witness or were not checked; then each unsound row.
+std::string describe_checks(const ResultFile& result);
+bool any_unsound(const ResultFile& result);
+
+}  // namespace hausbench

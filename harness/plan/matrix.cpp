@@ -1,0 +1,145 @@
+#include "plan/matrix.h"
+
+#include "kernel/rounding.h"
+#include "record/json.h"
+#include "registry.h"
+#include "session.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace hausbench {
+
+namespace {
+
+// Further apart, and pairs of a matrix go to workers of their own.
+constexpr int widest_scale_of_a_worker = 60;
+
+struct Extent {
+    ShapeKind kind;
+    double magnitude, smallest;  // of the nonzero |coordinates|
+};
+using Extents = std::map<std::filesystem::path, Extent>;
+
+// What a session on this pair alone would scale by.
+int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents) {
+    for (const auto& file : {pair.source_file, pair.target_file}) {
+        if (extents.contains(file)) continue;
+        const Shape shape = read_shape(file).shape;
+        extents[file] = {kind_of(shape), magnitude(points_of(shape)), smallest_nonzero(points_of(shape))};
+    }
+    const Extent &a = extents.at(pair.source_file), &b = extents.at(pair.target_file);
+    return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
+}
+
+// Keeps the least nonzero |x| and the largest.
+void take(double x, double& least, double& most) {
+    if (x != 0) least = std::min(least, std::abs(x));
+    most = std::max(most, std::abs(x));
+}
+
+// Whether a session that scales by 2^shared has the bits of one that scales the pair by 2^own, which is more: powers of two commute
+// with every rounding, as long as nothing underflows, squares and products with poses included, and no pose leaves the range of one
+// scale and not of the other (Session). Distances between points of one shape may be smaller than its coordinates; by how much is in
+// the bits of these: their differences are no smaller than 2^-53 of the smallest coordinate.
+bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {
+    if (own == shared) return true;
+    constexpr double least_safe = 0x1p-400, most_safe = 0x1p390;
+    const Job::Pair& pair = job.pairs.front();
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const auto& file : {pair.source_file, pair.target_file}) {
+        const Extent& extent = extents.at(file);
+        least = std::min(least, std::ldexp(extent.smallest, shared));  // infinite where all are zero
+        most = std::max(most, std::ldexp(extent.magnitude, own));
+    }
+    double entry = std::numeric_limits<double>::infinity(), largest_entry = 0, translation = entry, shift = 0;
+    for (const std::size_t row : job.cases) {
+        for (const Pose* pose : {&plan.cases[row].pose, &plan.cases[row].target_pose}) {
+            for (const double x : pose->rotation.reshaped()) take(x, entry, largest_entry);
+            for (const double x : pose->translation) {
+                take(std::ldexp(x, shared), translation, shift);
+                take(std::ldexp(x, own), translation, shift);
+            }
+        }
+    }
+    return least * std::min(entry, 1.0) >= least_safe && translation >= least_safe &&
+           3 * largest_entry * most + shift <= most_safe;
+}
+
+void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents& extents) {
+    const Case& first = plan.cases[group.front().cases.front()];
+    const SolverInfo& info = find_solver(first.solver).info;
+    const std::size_t scene = group.front().scene;
+    std::vector<int> exponents;
+    for (const Job& job : group) exponents.push_back(exponent_of(info, job.pairs.front(), extents));
+    const auto fits = [&](std::size_t i, int most) {
+        return exponents[i] - most <= widest_scale_of_a_worker &&
+               same_bits(plan, group[i], exponents[i], most, extents);
+    };
+    // The largest first. Scaling by 2^60 less than a pair would be by itself loses nothing that counts (Session).
+    while (!group.empty()) {
+        const int most = *std::min_element(exponents.begin(), exponents.end());
+        Job joined;
+        joined.scene = scene;
+        joined.label = fmt::format("{} on {}", shown(first), matrix);
+        joined.exponent = most;
+        if (plan.experiment.scenes[scene].search) {
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                if (!fits(i, most)) joined.exponent.reset();
+            }
+        }
+        std::vector<Job> rest;
+        std::vector<int> rest_exponents;
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            if (joined.exponent && !fits(i, most)) {
+                rest.push_back(std::move(group[i]));
+                rest_exponents.push_back(exponents[i]);
+                continue;
+            }
+            joined.pairs.push_back(group[i].pairs.front());
+            joined.cases.insert(joined.cases.end(), group[i].cases.begin(), group[i].cases.end());
+        }
+        plan.jobs.push_back(std::move(joined));
+        group = std::move(rest);
+        exponents = std::move(rest_exponents);
+    }
+}
+
+}  // namespace
+
+void join_matrices(Plan& plan) {
+    using Key = std::tuple<std::string, std::string, std::string, Quantity, int, bool, double>;
+    Extents extents;
+    std::map<Key, std::size_t> number;
+    std::vector<std::vector<Job>> groups;
+    for (Job& job : plan.jobs) {
+        const ScenePlan& scene = plan.experiment.scenes[job.scene];
+        const Case& first = plan.cases[job.cases.front()];
+        if (scene.matrix.empty()) {
+            groups.push_back({std::move(job)});
+            continue;
+        }
+        // Chains of several tolerances stay apart, so that a pair's cases stand together.
+        const bool chains = first.warm || scene.search;
+        const Key key{scene.matrix,  first.label, options_json(first.options).dump(), first.quantity,
+                      first.threads, first.warm,  chains ? first.tolerance : 0};
+        const auto [at, fresh] = number.emplace(key, groups.size());
+        if (fresh) groups.emplace_back();
+        groups[at->second].push_back(std::move(job));
+    }
+    plan.jobs.clear();
+    for (auto& group : groups) {
+        const ScenePlan& scene = plan.experiment.scenes[group.front().scene];
+        if (scene.matrix.empty())
+            plan.jobs.push_back(std::move(group.front()));
+        else
+            join(plan, scene.matrix, std::move(group), extents);
+    }
+}
+
+}  // namespace hausbench

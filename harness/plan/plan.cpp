@@ -1,0 +1,441 @@
+#include "plan/plan.h"
+
+#include "contract.h"
+#include "error.h"
+#include "hash.h"
+#include "plan/command_files.h"
+#include "plan/matrix.h"
+#include "registry.h"
+#include "session.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <set>
+#include <tuple>
+
+namespace hausbench {
+
+namespace {
+
+struct ScenePose {
+    Pose source, target;
+};
+
+struct SceneModels {
+    std::variant<ResolvedModel, MissingModel> source, target;
+    std::vector<ScenePose> poses{ScenePose{}};
+    double source_largest = 0, target_largest = 0;  // |coordinate|, where one of them moves
+    std::string missing;                            // why it cannot run, empty if it can
+    RowStatus row = RowStatus::skipped;             // the status of its rows then
+};
+
+void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
+                  const std::string& what) {
+    for (const std::string& name : chosen) {
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            throw InputError(
+                fmt::format("--{}: the experiment has no {} '{}'{}", what, what, name, nearest_hint(name, known)));
+        }
+    }
+}
+
+bool chosen(const std::vector<std::string>& choice, const std::string& name) {
+    return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
+}
+
+// The name of the [[scene]] in the file, where it makes several.
+const std::string& group_of(const ScenePlan& scene) { return scene.each.empty() ? scene.matrix : scene.each; }
+
+// A matrix, or what `each` makes, is chosen as a whole, or one by one.
+bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
+    return chosen(choice, scene.name) || (!group_of(scene).empty() && chosen(choice, group_of(scene)));
+}
+
+class Planner {
+public:
+    Planner(const Experiment& experiment, const Catalogue& catalogue,
+            const std::function<void(const std::string&)>& say)
+        : catalogue_(catalogue), say_(say) {
+        plan_.experiment = experiment;
+    }
+
+    Plan make(const Choice& choice) {
+        const Experiment& experiment = plan_.experiment;
+        std::vector<std::string> scene_names, solver_names;
+        for (const ScenePlan& scene : experiment.scenes) {
+            scene_names.push_back(scene.name);
+            if (!group_of(scene).empty() &&
+                std::find(scene_names.begin(), scene_names.end(), group_of(scene)) == scene_names.end())
+                scene_names.push_back(group_of(scene));
+        }
+        for (const SolverPlan& solver : experiment.solvers) solver_names.push_back(solver.label);
+        plan_.leave_nothing_out = choice.leave_nothing_out;
+        plan_.whole = choice.solvers.empty() && choice.scenes.empty();
+        check_choice(choice.scenes, scene_names, "scene");
+        check_choice(choice.solvers, solver_names, "solver");
+        for (const ScenePlan& scene : experiment.scenes) {
+            if (!scene.search || choice.scenes.empty() || !chosen(choice.scenes, scene.name)) continue;
+            throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
+                                         scene.name, scene.matrix));
+        }
+        for (const ScenePlan& scene :
+             experiment.scenes) {  // all names first: a wrong one should not cost the derivations
+            catalogue_.find(scene.source);
+            catalogue_.find(scene.target);
+        }
+        catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
+        for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
+            if (!chosen(choice.scenes, experiment.scenes[i])) continue;
+            const SceneModels models = resolve(experiment.scenes[i]);
+            for (const SolverPlan& solver : experiment.solvers) {
+                const auto& on = solver.scenes;
+                if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i])) continue;
+                for (const ParameterMap& options : solver.options) add(i, models, solver, options);
+            }
+        }
+        if (plan_.cases.empty()) refuse_empty();
+        join_matrices(plan_);
+        check_identities();
+        return std::move(plan_);
+    }
+
+private:
+    std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) {
+        if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
+        say_(fmt::format("model {}", name));
+        auto result = catalogue_.resolve(name);
+        if (const auto* good = std::get_if<ResolvedModel>(&result))
+            plan_.models.push_back({&catalogue_.find(name), *good});
+        return resolved_[name] = std::move(result);
+    }
+
+    SceneModels resolve(const ScenePlan& scene) {
+        SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, 0, 0, "", RowStatus::skipped};
+        try {
+            models.source = resolve(scene.source);
+            models.target = resolve(scene.target);
+            for (const auto* side : {&models.source, &models.target}) {
+                if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
+            }
+            if (models.missing.empty()) {
+                move(scene, models);
+            }
+        } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
+            models.missing = error.what();
+            models.row = RowStatus::failed;
+        }
+        return models;
+    }
+
+    // A static side has the identity beside every pose of the other; two that move have as many poses (experiment.cpp).
+    static void move(const ScenePlan& scene, SceneModels& models) {
+        if (!moves(scene.motion) && !moves(scene.target_motion)) return;
+        const auto side = [&](const Motion& motion, const auto& model, Pose ScenePose::*pose) {
+            const Shape shape = read_shape(std::get<ResolvedModel>(model).shape_file).shape;
+            if (moves(motion)) {
+                const auto moved = poses_of(motion, shape);
+                models.poses.resize(moved.size());
+                for (std::size_t p = 0; p < moved.size(); ++p) models.poses[p].*pose = moved[p];
+            }
+            return kind_of(shape) == ShapeKind::surface ? 0.0 : magnitude(points_of(shape));
+        };
+        models.source_largest = side(scene.motion, models.source, &ScenePose::source);
+        models.target_largest = side(scene.target_motion, models.target, &ScenePose::target);
+    }
+
+    void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
+        const Experiment& experiment = plan_.experiment;
+        const ScenePlan& scene = experiment.scenes[scene_number];
+        std::optional<Outcome> decided;  // where there is nothing to run
+        const auto decide = [&](RowStatus status, const std::string& reason) {
+            decided.emplace();
+            decided->status = status;
+            decided->reason = reason;
+        };
+        const SolverEntry* entry = nullptr;
+        for (const NotBuilt& absent : solvers_not_built()) {
+            if (absent.name != solver.name) continue;
+            decide(RowStatus::not_built, absent.reason);
+        }
+        if (!decided) entry = &find_solver(solver.name);
+        if (!decided && !models.missing.empty()) decide(models.row, models.missing);
+        const auto* source = std::get_if<ResolvedModel>(&models.source);
+        const auto* target = std::get_if<ResolvedModel>(&models.target);
+        if (!decided) {
+            const std::string no = refusal(entry->info, source->kind, target->kind, solver.quantity);
+            if (!no.empty()) decide(RowStatus::skipped, no);
+        }
+        // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
+        const CommandFiles files = entry ? files_of(*entry, given) : CommandFiles{};
+        if (!decided && !files.missing.empty()) decide(RowStatus::skipped, files.missing);
+
+        std::vector<double> tolerances = solver.tolerances;
+        std::sort(tolerances.begin(), tolerances.end());  // the finest first
+        Case common = without_pose(scene, models, solver, entry, given);
+        common.program_sha256 = files.sha256;
+        const auto copies = [&](double tolerance) {
+            return !decided && copies_targets(*entry, common, tolerance, models, source->kind, target->kind);
+        };
+        // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
+        const bool reads_trace = entry && !scene.search && reads_finer(*entry, solver) &&
+                                 (!copies(tolerances.front()) || copies(tolerances.back()));
+        // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses. So has a search at each
+        // tolerance. Pairs that cannot be run are no part of it: no answer depends on them.
+        const bool chained = solver.warm || (scene.search && !decided);
+        std::vector<Job> jobs(chained ? tolerances.size() : 1);
+        std::vector<std::string> alone;
+        auto& before = scene.search ? searches_[{scene.matrix, scene.source, &given}] : alone;
+        before.resize(tolerances.size());
+        for (std::size_t p = 0; p < models.poses.size(); ++p) {
+            std::size_t finest = 0;
+            for (std::size_t t = 0; t < tolerances.size(); ++t) {
+                Case asked = common;
+                asked.pose_index = int(p);
+                if (!scene.frames.empty()) asked.frame = scene.frames[p];
+                asked.pose = models.poses[p].source;
+                asked.target_pose = models.poses[p].target;
+                asked.tolerance = tolerances[t];
+                if (chained) asked.chain = before[t];
+                asked.identity = identify(asked);
+                if (chained) before[t] = asked.identity;
+                const std::size_t row = plan_.cases.size();
+                plan_.cases.push_back(std::move(asked));
+                if (decided) {
+                    plan_.decided[row] = *decided;
+                } else if (t > 0 && reads_trace) {
+                    plan_.read_off(row, {finest, entry->info.ignores_tolerance});
+                } else {
+                    if (t == 0) finest = row;
+                    jobs[chained ? t : 0].cases.push_back(row);
+                }
+            }
+        }
+        const std::string label = fmt::format("{} on {}", shown(common), scene.name);
+        std::size_t run = 0;
+        for (Job& job : jobs) {
+            if (job.cases.empty()) continue;
+            run += job.cases.size();
+            job.scene = scene_number;
+            job.label = label;
+            const Tolerance tolerance = plan_.cases[job.cases.front()].resolved_tolerance();
+            QuerySet queries;
+            queries.moves = moves(scene.motion);
+            queries.target_moves = moves(scene.target_motion);
+            queries.symmetric = solver.quantity == Quantity::symmetric;
+            queries.threads = plan_.cases[job.cases.front()].threads;
+            queries.count = job.cases.size();
+            queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
+            queries.target_copied = copies(plan_.cases[job.cases.front()].tolerance);
+            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
+            if (queries.target_copied) note_copies(label, queries, models);
+            plan_.jobs.push_back(std::move(job));
+        }
+        note(label, entry, decided, models.poses.size() * tolerances.size(), run);
+    }
+
+    // Of some pose, at this tolerance of the case.
+    static bool copies_targets(const SolverEntry& entry, Case asked, double tolerance, const SceneModels& models,
+                               ShapeKind source, ShapeKind target) {
+        asked.tolerance = tolerance;
+        Query query;
+        query.quantity = asked.quantity;
+        query.tolerance = asked.resolved_tolerance();
+        query.floor = asked.floor;
+        query.cutoff = asked.cutoff;
+        return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
+            query.source_pose = pose.source;
+            query.target_pose = pose.target;
+            return Session::copies_targets(entry.info, query, {source, models.source_largest},
+                                           {target, models.target_largest});
+        });
+    }
+
+    // Of all its command lines together.
+    CommandFiles files_of(const SolverEntry& entry, const ParameterMap& given) {
+        CommandFiles all;
+        for (const ParameterSpec& spec : entry.info.parameters) {
+            if (!spec.command) continue;
+            const auto value = given.find(spec.name);
+            const std::string line = std::get<std::string>(value == given.end() ? spec.default_value : value->second);
+            const auto known = commands_.find(line);
+            const CommandFiles one =
+                known != commands_.end() ? known->second : files_of_command(line, plan_.experiment.folder());
+            commands_[line] = one;
+            all.sha256 = all.sha256.empty() ? one.sha256 : Sha256().add(all.sha256).add(one.sha256).hex();
+            if (all.missing.empty()) all.missing = one.missing;
+        }
+        return all;
+    }
+
+    // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
+    bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
+        const Experiment& e = plan_.experiment;
+        const bool traced = e.trace && entry.info.traces && !entry.info.tolerance_guides && e.of != "lower" &&
+                            solver.quantity == Quantity::directed;  // H has no trace of its own
+        return (entry.info.ignores_tolerance || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
+               std::isinf(e.cutoff) && e.budget < 0;
+    }
+
+    // What all cases of a solver on a scene have in common. `entry` is null for a solver that is not built.
+    Case without_pose(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
+                      const SolverEntry* entry, const ParameterMap& given) const {
+        const Experiment& experiment = plan_.experiment;
+        Case asked;
+        asked.solver = solver.name;
+        asked.label = solver.label;
+        asked.variant = variant_of(given, solver.options);
+        asked.profile = experiment.profile;
+        asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
+        asked.scene = scene.name;
+        asked.note = scene.note;
+        asked.quantity = solver.quantity;
+        if (solver.quantity == experiment.quantity) asked.exact = scene.exact;
+        asked.source = scene.source;
+        asked.target = scene.target;
+        if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {
+            asked.source_hash = source->content_hash;
+            asked.source_elements = source->elements;
+            asked.source_diagonal = source->diagonal;
+            asked.source_longest = source->longest_side;
+        }
+        if (const auto* target = std::get_if<ResolvedModel>(&models.target)) {
+            asked.target_hash = target->content_hash;
+            asked.target_elements = target->elements;
+        }
+        asked.tolerance_of = experiment.of;
+        asked.limits = experiment.limits;
+        asked.floor = experiment.floor * asked.unit();
+        asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
+        asked.budget = experiment.budget;
+        asked.threads = entry && entry->info.threads ? solver.threads : 1;
+        asked.warm = solver.warm;
+        asked.certified = entry ? promises(*entry, given) : -1;
+        return asked;
+    }
+
+    void note(const std::string& label, const SolverEntry* entry, const std::optional<Outcome>& decided,
+              std::size_t asked, std::size_t run) {
+        auto& ledger = plan_.ledger;
+        if (decided) {
+            ledger.push_back({decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
+                              decided->reason, std::int64_t(asked)});
+        } else if (asked > run) {
+            ledger.push_back({"not_run", label, coarser_tolerances,
+                              entry->info.ignores_tolerance
+                                  ? "the solver ignores the tolerance: its answer is the same for each"
+                                  : "the trace of the finest tolerance holds their answers",
+                              std::int64_t(asked - run)});
+        }
+    }
+
+    // What a moving target costs where the solver does not offer it.
+    void note_copies(const std::string& label, const QuerySet& queries, const SceneModels& models) {
+        const bool both = queries.target_moves && queries.symmetric && queries.moves;
+        plan_.ledger.push_back(
+            {"prepared_again", label, structures_for_each_pose,
+             fmt::format("the solver offers no moving target: each pose builds what it needs over {} "
+                         "as posed, within its time",
+                         both                   ? "A and B"
+                         : queries.target_moves ? "B"
+                                                : "A"),
+             std::int64_t(models.poses.size())});
+    }
+
+    [[noreturn]] void refuse_empty() const {
+        const Experiment& e = plan_.experiment;
+        const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
+        throw InputError(fmt::format(
+            "{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose others with "
+            "--profile, --solver and --scene",
+            e.file.string(), what, e.profile));
+    }
+
+    void check_identities() const {
+        std::map<std::string, const Case*> seen;
+        for (const Case& asked : plan_.cases) {
+            const auto [at, fresh] = seen.emplace(asked.identity, &asked);
+            if (!fresh && at->second->scene == asked.scene) {
+                throw InputError(fmt::format(
+                    "{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
+                    plan_.experiment.file.string(), shown(*at->second), shown(asked), asked.scene, asked.pose_index,
+                    asked.tolerance));
+            }
+        }
+    }
+
+    const Catalogue& catalogue_;
+    const std::function<void(const std::string&)>& say_;
+    std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
+    std::map<std::string, CommandFiles> commands_;  // by line
+    // Of the chain of each search, source and set of options: by tolerance, the identity of its last case.
+    std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
+    Plan plan_;
+};
+
+}  // namespace
+
+bool promises(const SolverEntry& entry, const ParameterMap& given) {
+    return entry.info.certified &&
+           make_solver(entry, Options(entry.info.name, entry.info.parameters, given))->certified();
+}
+
+std::vector<double> Plan::marks(std::size_t row) const {
+    std::vector<double> gaps;
+    for (const std::size_t coarse : readers_.of(row)) gaps.push_back(cases[coarse].resolved_tolerance().value);
+    std::sort(gaps.rbegin(), gaps.rend());
+    return gaps;
+}
+
+void Plan::read_off(std::size_t row, const FromTrace& from) {
+    traced[row] = from;
+    if (!from.ignores_tolerance) readers_.add(from.of, row);
+}
+
+bool unsound_expected(const Case& asked, const Experiment& experiment) {
+    if (asked.certified == 1) return false;
+    const auto& labels = experiment.expected_unsound;
+    if (std::find(labels.begin(), labels.end(), asked.label) != labels.end()) return true;
+    return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
+        return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
+    });
+}
+
+Shard parse_shard(const std::string& text) {
+    Shard shard{0, 0};
+    char slash = 0, rest = 0;
+    if (std::sscanf(text.c_str(), "%d%c%d%c", &shard.number, &slash, &shard.of, &rest) != 3 || slash != '/' ||
+        shard.number < 1 || shard.number > shard.of) {
+        throw InputError(fmt::format("--shard {}: write it as i/n, such as 2/3 for the second of three", text));
+    }
+    return shard;
+}
+
+std::string to_string(const Shard& shard) { return fmt::format("{}/{}", shard.number, shard.of); }
+
+void take_shard(Plan& plan, const Shard& shard) {
+    plan.shard = shard;
+    if (shard.whole()) return;
+    std::vector<Job> mine;
+    for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+        if (int(i % std::size_t(shard.of)) == shard.number - 1) {
+            mine.push_back(std::move(plan.jobs[i]));
+            continue;
+        }
+        Outcome elsewhere;
+        elsewhere.reason = in_another_shard;
+        for (std::size_t row : plan.jobs[i].cases) plan.decided[row] = elsewhere;
+    }
+    plan.jobs = std::move(mine);
+}
+
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
+               const std::function<void(const std::string&)>& say) {
+    return Planner(experiment, catalogue, say).make(choice);
+}
+
+}  // namespace hausbench

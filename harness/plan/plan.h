@@ -1,0 +1,105 @@
+// From an experiment to the cases it asks for, the workers that answer them, and what can be left out.
+#pragma once
+
+#include "catalogue.h"
+#include "plan/experiment.h"
+#include "plan/lookup.h"
+#include "record/row.h"
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// One worker process: a solver with its options on a scene, through all poses and tolerances that are to be run; or on all pairs
+// of a matrix whose scales are near enough, each shape loaded and prepared once. Of warm cases one tolerance only, so that those
+// of a pair are one chain, in the order of the poses; likewise of a search, where those of a source are one chain, in the order of the
+// targets.
+struct Job {
+    struct Pair {
+        std::filesystem::path source_file, target_file;
+        QuerySet queries;
+        std::size_t cases = 0;  // how many of them, in the order of `cases`
+    };
+
+    std::size_t scene = 0;  // number in the experiment; of a matrix that of its first
+    std::string label;      // "guthe on bunny"
+    std::vector<Pair> pairs;
+    std::optional<int> exponent;     // of a matrix: what all shapes are scaled by
+    std::vector<std::size_t> cases;  // rows of Plan::cases, in running order
+};
+
+// A case that is not run because the run of another holds its answer.
+struct FromTrace {
+    std::size_t of;          // row of the case that is run
+    bool ignores_tolerance;  // of the solver: the answer is that of the finer run; else a sample of its trace
+};
+
+inline constexpr const char* coarser_tolerances = "coarser tolerances";
+inline constexpr const char* structures_for_each_pose = "structures for each pose";
+inline constexpr const char* structures_for_each_pair = "structures for each pair";
+
+struct ModelRow {
+    const ModelInfo* info;
+    ResolvedModel resolved;
+};
+
+struct Shard {  // --shard 2/3: every third worker, from the second on
+    int number = 1, of = 1;
+    bool whole() const { return of == 1; }
+};
+std::string to_string(const Shard& shard);                           // "2/3"
+inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
+inline constexpr const char* not_run_yet = "not run: the sweep was interrupted; run it again to resume";
+
+struct Plan {
+    Experiment experiment;
+    std::vector<Case> cases;                  // every case asked for
+    std::map<std::size_t, Outcome> decided;   // rows that need no run: not built, skipped, failed before it began
+    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run: add them by read_off()
+    std::vector<Job> jobs;
+    std::vector<LedgerEntry> ledger;
+    std::vector<ModelRow> models;
+    bool leave_nothing_out = false;
+    bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
+    Shard shard = {};
+
+    void read_off(std::size_t row, const FromTrace& from);
+
+    // Gaps (absolute lengths, the largest first) that the trace of this row must hold.
+    std::vector<double> marks(std::size_t row) const;
+
+private:
+    RowsReadOff<> readers_;
+};
+
+// Whether the solver's bounds hold under rounding with these options.
+bool promises(const SolverEntry& entry, const ParameterMap& given);
+
+// Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
+// or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
+bool unsound_expected(const Case& asked, const Experiment& experiment);
+
+struct Choice {  // --solver, --scene; empty: all
+    std::vector<std::string> solvers, scenes;
+    bool leave_nothing_out =
+        false;  // run every tolerance, build every structure: to test that leaving out changes nothing
+};
+
+// Throws InputError for anything but "i/n" with 1 <= i <= n.
+Shard parse_shard(const std::string& text);
+
+// The rows of other shards become `skipped` and say so; `merge` puts shards together.
+void take_shard(Plan& plan, const Shard& shard);
+
+// Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for
+// each. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
+               const std::function<void(const std::string&)>& say);
+
+}  // namespace hausbench

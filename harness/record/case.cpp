@@ -1,0 +1,81 @@
+#include "record/case.h"
+
+#include "hash.h"
+#include "record/columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hausbench {
+
+double unit_of(const std::string& of, double diagonal, double longest_side) {
+    return of == "diagonal" ? diagonal : of == "longest" ? longest_side : 1;
+}
+
+Tolerance Case::resolved_tolerance() const {
+    if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
+    return {Tolerance::Of::absolute, tolerance * unit()};
+}
+
+std::string identify(const Case& asked) {
+    Sha256 hash;
+    hash.add("case 1").add(asked.source_hash).add(asked.target_hash);
+    const Case usual;
+    const auto values_of = [](const Column<Case>::Real& real, const Case& row) {
+        std::vector<double> values(real.width);
+        real.get(row, values.data());
+        return values;
+    };
+    for (const Column<Case>& column : case_columns()) {
+        if (column.identity == Identity::no) continue;
+        if (column.name == "source" && !asked.source_hash.empty()) continue;
+        if (column.name == "target" && !asked.target_hash.empty()) continue;
+        const bool later = column.identity == Identity::where_given;
+        if (const auto* text = std::get_if<Column<Case>::Text>(&column.value)) {
+            if (later && text->get(asked) == text->get(usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(text->get(asked));
+        } else if (const auto* integer = std::get_if<Column<Case>::Integer>(&column.value)) {
+            const std::int64_t value = integer->get(asked);
+            if (later && value == integer->get(usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(&value, sizeof value);
+        } else {
+            const auto& real = std::get<Column<Case>::Real>(column.value);
+            const std::vector<double> values = values_of(real, asked);
+            if (later && values == values_of(real, usual)) continue;
+            if (later) hash.add(column.name);
+            hash.add(values.data(), values.size() * sizeof(double));
+        }
+    }
+    return hash.hex();
+}
+
+std::string shown(const Case& asked) {
+    return asked.variant.empty() ? asked.label : fmt::format("{}({})", asked.label, asked.variant);
+}
+
+std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept) {
+    std::string text;
+    for (const auto& [name, value] : one) {
+        const bool same = std::all_of(swept.begin(), swept.end(), [&](const ParameterMap& other) {
+            const auto at = other.find(name);
+            return at != other.end() && at->second == value;
+        });
+        if (same) continue;
+        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", name, to_string(value));
+    }
+    return text;
+}
+
+std::string suffix_of(Quantity quantity) {
+    return quantity == Quantity::symmetric ? ", H" : quantity == Quantity::penetration ? ", depth" : "";
+}
+
+std::string name_of(const Case& c) {
+    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene, suffix_of(c.quantity),
+                       c.pose_index, c.tolerance, c.tolerance_of, c.warm ? ", warm" : "");
+}
+
+}  // namespace hausbench

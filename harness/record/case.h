@@ -1,0 +1,78 @@
+// A case: what was asked for. Everything that can change its answer goes into its identity.
+#pragma once
+
+#include "options.h"
+#include "solver.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct Limits {
+    double case_seconds = 60;      // for one answer; the timed repeats together may take twice as long
+    double prepare_seconds = 120;  // for loading and preparing
+    std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
+};
+
+// What a tolerance is a fraction of: the diagonal or the longest side of A's box, or the lower bound; or a length.
+inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
+
+// The length that 1 stands for, where A's box has this diagonal and this longest side. Both are those of A as loaded, for
+// every pose and for both directions of H.
+double unit_of(const std::string& of, double diagonal, double longest_side);
+
+// What was asked for. Everything that can change the answer goes into `identity`.
+struct Case {
+    std::string identity;  // SHA-256, see identify()
+    std::string solver, label;
+    std::string profile;   // of the experiment, that asks for it; several are joined by commas
+    std::string variant;   // the parameters that the experiment sweeps: "samples=8, seed=1"; else empty
+    ParameterMap options;  // every parameter of the solver
+    std::string scene, note, source, target;
+    std::string source_hash, target_hash;  // of the shapes; empty for a missing model
+    std::int64_t source_elements = 0, target_elements = 0;
+    double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
+    int pose_index = 0;
+    int frame = -1;          // of a recording; -1: the scene is none
+    Pose pose, target_pose;  // of A, of B
+    Quantity quantity = Quantity::directed;
+    double tolerance = 0;
+    std::string tolerance_of;
+    double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
+    std::int64_t budget = -1;                                            // likewise; -1: none
+    int threads = 1;                                                     // that the solver may use
+    std::string program_sha256;  // see command_files.h; empty: the solver runs no command, or nothing of it was found
+    Limits limits;
+    // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head. In a
+    // search the cutoff comes from the targets before, and `chain` is the identity of the last of them.
+    bool warm = false;
+    std::string chain;
+    double exact = unknown;  // the true distance, where the experiment gives it
+    int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
+
+    double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }
+    Tolerance resolved_tolerance() const;  // relative to A's box becomes absolute: here and nowhere else
+};
+
+std::string identify(const Case& asked);
+
+// The solver as it is shown: "guthe", or "guthe(samples=8)" where the experiment sweeps a parameter.
+std::string shown(const Case& asked);
+
+// "samples=8, seed=1": those of `one` that are not the same in all of `swept`.
+std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
+
+// What follows a scene's name where the quantity is not h(A,B): ", H" or ", depth".
+std::string suffix_of(Quantity quantity);
+
+// For people: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
+std::string name_of(const Case& asked);
+
+}  // namespace hausbench

@@ -1,0 +1,70 @@
+// The one table of what a result file holds: the columns of each group, with name, meaning, where the value is, and whether it
+// is part of a case's identity. From it follow the writer and the reader of result files, the journal, identify(), the
+// tables in results/README.md and analysis/columns.py (`python3 -m analysis.schema` writes both). A new column is a member
+// in record.h and a line in columns.cpp.
+//
+// A file may lack a column, which then holds the default of its member, and may hold columns that nobody here knows.
+#pragma once
+
+#include "record/row.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace hausbench {
+
+enum class Identity {
+    no,
+    always,
+    of_missing,  // the name of a model that is missing, which has no hash: so that such cases still differ
+    where_given  // where it is not the default: a column that came later leaves the identity of older cases as it was
+};
+
+template <class Row> struct Column {
+    struct Text {
+        std::string (*get)(const Row&);
+        void (*set)(Row&, const std::string&);  // all of them throw std::runtime_error for a value that is not legal
+    };
+    struct Real {
+        std::size_t width;
+        void (*get)(const Row&, double*);
+        void (*set)(Row&, const double*);
+    };
+    struct Integer {
+        std::int64_t (*get)(const Row&);
+        void (*set)(Row&, std::int64_t);
+    };
+
+    std::string_view name, meaning;           // the meaning is Markdown, one line
+    std::variant<Text, Real, Integer> value;  // set is null where the value follows from other columns
+    Identity identity = Identity::no;
+};
+
+template <class Row> using Columns = std::vector<Column<Row>>;
+
+// A row of /cases is a case, its outcome and its check side by side.
+const Columns<Case>& case_columns();
+const Columns<Outcome>& outcome_columns();  // without the counters, whose columns follow from counter_fields
+const Columns<Check>& check_columns();
+const Columns<ModelRecord>& model_columns();
+// Several rows a case: in files with the number of the case, in a column `case` before them.
+const Columns<FirstAnswer>& answer_columns();
+const Columns<Repeat>& repeat_columns();
+const Columns<Preparation>& preparation_columns();
+const Columns<TraceSample>& trace_columns();
+const Columns<FieldRecord>& field_columns();
+const Columns<LedgerEntry>& ledger_columns();
+
+// One object a row, as journals have it.
+template <class Row> nlohmann::json row_json(const Columns<Row>& columns, const Row& row);
+template <class Row> void read_row(const Columns<Row>& columns, const nlohmann::json& object, Row& row);
+
+// All groups with name, type, width, meaning and part in the identity: what `hausbench list columns` prints.
+nlohmann::json columns_json();
+
+}  // namespace hausbench

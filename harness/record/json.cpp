@@ -1,0 +1,121 @@
+#include "record/json.h"
+
+#include "record/columns.h"
+
+#include <cmath>
+#include <limits>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+json number(double value) {
+    if (std::isfinite(value)) return value;
+    return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+double number(const json& value) {
+    if (value.is_number()) return value.get<double>();
+    const auto text = value.get<std::string>();
+    if (text == "inf") return std::numeric_limits<double>::infinity();
+    if (text == "-inf") return -std::numeric_limits<double>::infinity();
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+json pose_json(const Pose& pose) {
+    json out = json::array();
+    for (int i = 0; i < 9; ++i) out.push_back(number(pose.rotation(i / 3, i % 3)));
+    for (int i = 0; i < 3; ++i) out.push_back(number(pose.translation[i]));
+    return out;
+}
+
+Pose pose_of(const json& values) {
+    Pose pose;
+    for (int i = 0; i < 9; ++i) pose.rotation(i / 3, i % 3) = number(values.at(std::size_t(i)));
+    for (int i = 0; i < 3; ++i) pose.translation[i] = number(values.at(std::size_t(9 + i)));
+    return pose;
+}
+
+json options_json(const ParameterMap& options) {
+    json out = json::object();
+    for (const auto& [name, value] : options) {
+        json& field = out[name];
+        std::visit([&](const auto& v) { field = v; }, value);
+    }
+    return out;
+}
+
+ParameterValue parameter_of(const json& value) {
+    if (value.is_boolean()) return value.get<bool>();
+    if (value.is_number_integer()) return value.get<std::int64_t>();
+    if (value.is_number()) return value.get<double>();
+    return value.get<std::string>();
+}
+
+json extras_json(const std::map<std::string, double>& extras) {
+    json object = json::object();
+    for (const auto& [name, value] : extras) object[name] = number(value);
+    return object;
+}
+
+std::map<std::string, double> extras_of(const json& object) {
+    std::map<std::string, double> extras;
+    for (const auto& [name, value] : object.items()) extras[name] = number(value);
+    return extras;
+}
+
+namespace {
+
+// An array a column, which is short where there are many rows.
+template <class Row> json rows_json(const Columns<Row>& columns, const std::vector<Row>& rows) {
+    json out = json::object();
+    for (const Row& row : rows) {
+        const json one = row_json(columns, row);  // outlives its items()
+        for (const auto& [name, value] : one.items()) out[name].push_back(value);
+    }
+    return out;
+}
+
+template <class Row> std::vector<Row> rows_of(const Columns<Row>& columns, const json& arrays) {
+    std::size_t count = 0;
+    for (const auto& [name, values] : arrays.items()) count = values.size();
+    std::vector<Row> rows(count);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        json one = json::object();
+        for (const auto& [name, values] : arrays.items()) one[name] = values.at(i);
+        read_row(columns, one, rows[i]);
+    }
+    return rows;
+}
+
+}  // namespace
+
+json to_json(const Outcome& o) {
+    json out = row_json(outcome_columns(), o);
+    json& counters = out["counters"] = json::object();
+    for (const CounterField& field : counter_fields) counters[std::string(field.name)] = o.counters.*field.member;
+    out["answers"] = rows_json(answer_columns(), o.answers);
+    out["preparation"] = rows_json(preparation_columns(), o.preparation);
+    out["repeats"] = rows_json(repeat_columns(), o.repeats);
+    out["repeats_asked"] = o.repeats_asked;
+    out["stages_asked"] = o.stages_asked;
+    out["trace"] = rows_json(trace_columns(), o.trace);
+    return out;
+}
+
+Outcome outcome_from_json(const json& j) {
+    Outcome o;
+    j.at("status");  // whatever has none is no outcome
+    read_row(outcome_columns(), j, o);
+    for (const CounterField& field : counter_fields)
+        o.counters.*field.member = j.at("counters").at(std::string(field.name));
+    o.answers = rows_of(answer_columns(), j.at("answers"));
+    o.preparation = rows_of(preparation_columns(), j.at("preparation"));
+    o.repeats = rows_of(repeat_columns(), j.at("repeats"));
+    o.repeats_asked = j.at("repeats_asked");
+    o.stages_asked = j.value("stages_asked", false);
+    o.trace = rows_of(trace_columns(), j.at("trace"));
+    return o;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,14 @@
+// The column `profile`: names of an experiment's profiles, joined by commas.
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace hausbench {
+
+std::set<std::string> profile_names(const std::string& profiles);
+std::string joined_profiles(const std::set<std::string>& names);
+std::string joined_profiles(const std::string& a, const std::string& b);  // of both, each once
+bool share_profile(const std::string& a, const std::string& b);           // some name is in both
+
+}  // namespace hausbench

@@ -1,0 +1,29 @@
+// Medians and ratios, with intervals that are valid for every distribution of times.
+#pragma once
+
+#include <vector>
+
+namespace hausbench {
+
+struct Estimate {
+    double value = 0, low = 0, high = 0;
+    double confidence = 0;  // of [low, high]; 0 if there is only one value
+    std::size_t n = 0;
+};
+
+// Median, with the narrowest pair of order statistics x(k), x(n+1-k) that covers the true median with at least 95 %
+// (binomial); if n is too small for that, [min, max] with its confidence 1 - 2^(1-n). Throws if there are no values.
+Estimate median(std::vector<double> values);
+
+// exp(median) of the logarithms of candidate[i] / base[i], paired by position; the end of the longer list is ignored.
+Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate);
+
+// "faster" or "slower" where the interval excludes 1, else why that is not known.
+const char* verdict_of(const Estimate& ratio);
+
+double geometric_mean(const std::vector<double>& values);
+
+// Whether the interval excludes 1; if not, the two are "not separated".
+inline bool separated(const Estimate& ratio) { return ratio.n > 1 && (ratio.low > 1 || ratio.high < 1); }
+
+}  // namespace hausbench

@@ -1,0 +1,219 @@
+#include "result/field_file.h"
+
+#include "error.h"
+#include "hash.h"
+#include "process/whole_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+namespace hausbench {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little);
+
+namespace {
+
+constexpr int format_version = 1;
+
+template <class T> void append(std::string& bytes, T value) {
+    const std::size_t at = bytes.size();
+    bytes.resize(at + sizeof value);
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+template <class E> E named(const json& name, std::initializer_list<E> all) {
+    for (E one : all) {
+        if (name == to_string(one)) return one;
+    }
+    throw std::runtime_error("a field of no known kind");
+}
+
+Fields parse(const std::string& bytes) {
+    const std::size_t end = bytes.find('\n');
+    const json head = json::parse(bytes.substr(0, end));
+    if (head.at("hausbench_fields") != format_version) throw std::runtime_error("fields of another version");
+    Fields fields;
+    std::size_t at = end + 1;
+    for (const json& one : head.at("fields")) {
+        Field field;
+        field.name = one.at("name");
+        field.of = named(one.at("of"), {Field::Of::vertices, Field::Of::elements});
+        field.meaning =
+            named(one.at("meaning"), {Field::Meaning::lower, Field::Meaning::upper, Field::Meaning::number});
+        const std::size_t count = one.at("count");
+        if (count > (bytes.size() - at) / sizeof(double)) throw std::runtime_error("fewer values than it says");
+        field.values.resize(count);
+        std::memcpy(field.values.data(), bytes.data() + at, count * sizeof(double));
+        at += count * sizeof(double);
+        fields.push_back(std::move(field));
+    }
+    return fields;
+}
+
+struct Property {
+    std::string name, type;
+    const std::vector<double>* values;
+};
+
+using Properties = std::vector<Property>;
+
+// Names become words, as neither format has others; VTK reads %41 as A.
+std::string word(std::string name) {
+    std::replace_if(
+        name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c >= 0x7f || c == '%'; }, '_');
+    return name.empty() ? "_" : name;
+}
+
+Properties properties(const Fields& fields, Field::Of of) {
+    Properties out;
+    for (const Field& field : fields) {
+        if (field.of != of) continue;
+        const bool index = field.name == "nearest" && of == Field::Of::vertices;
+        out.push_back({word(field.name), index ? "int" : "double", &field.values});
+    }
+    return out;
+}
+
+void append(std::string& bytes, const Properties& properties, std::size_t i) {
+    for (const Property& p : properties) {
+        const double value = p.values->at(i);
+        if (p.type == "int")
+            append(bytes, std::int32_t(value));
+        else if (p.type == "float")
+            append(bytes, float(value));
+        else
+            append(bytes, value);
+    }
+}
+
+std::string as_ply(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
+                   const Properties& of_elements) {
+    Properties columns = of_vertices;
+    const auto distance =
+        std::find_if(columns.begin(), columns.end(), [](const Property& p) { return p.name == "distance"; });
+    if (distance != columns.end()) columns.insert(distance, {"quality", "float", distance->values});
+    if (!mesh) columns.insert(columns.end(), of_elements.begin(), of_elements.end());
+    std::string bytes = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\n"
+        "property double x\nproperty double y\nproperty double z\n",
+        posed.rows());
+    for (const Property& p : columns) bytes += fmt::format("property {} {}\n", p.type, p.name);
+    if (mesh) {
+        bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh->triangles.rows());
+        for (const Property& p : of_elements) bytes += fmt::format("property {} {}\n", p.type, p.name);
+    }
+    bytes += "end_header\n";
+    for (Index i = 0; i < posed.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) append(bytes, posed(i, k));
+        append(bytes, columns, std::size_t(i));
+    }
+    for (Index i = 0; mesh && i < mesh->triangles.rows(); ++i) {
+        append(bytes, std::uint8_t(3));
+        for (int k = 0; k < 3; ++k) append(bytes, std::int32_t(mesh->triangles(i, k)));
+        append(bytes, of_elements, std::size_t(i));
+    }
+    return bytes;
+}
+
+template <class T> void append_big_endian(std::string& bytes, T value) {
+    append(bytes, value);
+    std::reverse(bytes.end() - std::ptrdiff_t(sizeof value), bytes.end());
+}
+
+void append_vtk_scalars(std::string& bytes, const char* section, Index count, const Properties& properties) {
+    if (properties.empty()) return;
+    bytes += fmt::format("{} {}\n", section, count);
+    for (const Property& p : properties) {
+        bytes += fmt::format("SCALARS {} {} 1\nLOOKUP_TABLE default\n", p.name, p.type);
+        for (Index i = 0; i < count; ++i) {
+            const double value = p.values->at(std::size_t(i));
+            if (p.type == "int")
+                append_big_endian(bytes, std::int32_t(value));
+            else
+                append_big_endian(bytes, value);
+        }
+        bytes += '\n';
+    }
+}
+
+std::string as_vtk(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
+                   const Properties& of_elements) {
+    const Index cells = mesh ? mesh->triangles.rows() : posed.rows();
+    const int corners = mesh ? 3 : 1, type = mesh ? 5 : 1;  // VTK_TRIANGLE, VTK_VERTEX
+    std::string bytes = fmt::format(
+        "# vtk DataFile Version 3.0\ndistances of A to B, by hausbench\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+        "POINTS {} double\n",
+        posed.rows());
+    for (Index i = 0; i < posed.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) append_big_endian(bytes, posed(i, k));
+    }
+    bytes += fmt::format("\nCELLS {} {}\n", cells, cells * (corners + 1));
+    for (Index i = 0; i < cells; ++i) {
+        append_big_endian(bytes, std::int32_t(corners));
+        for (int k = 0; k < corners; ++k) append_big_endian(bytes, std::int32_t(mesh ? mesh->triangles(i, k) : i));
+    }
+    bytes += fmt::format("\nCELL_TYPES {}\n", cells);
+    for (Index i = 0; i < cells; ++i) append_big_endian(bytes, std::int32_t(type));
+    bytes += '\n';
+    append_vtk_scalars(bytes, "POINT_DATA", posed.rows(), of_vertices);
+    append_vtk_scalars(bytes, "CELL_DATA", cells, of_elements);
+    return bytes;
+}
+
+std::string extension_of(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return extension;
+}
+
+}  // namespace
+
+std::string write_fields(const fs::path& file, const Fields& fields) {
+    json head{{"hausbench_fields", format_version}, {"fields", json::array()}};
+    for (const Field& field : fields) {
+        head["fields"].push_back({{"name", one_line(field.name)},
+                                  {"of", to_string(field.of)},
+                                  {"meaning", to_string(field.meaning)},
+                                  {"count", field.values.size()}});
+    }
+    std::string bytes = head.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+    for (const Field& field : fields) {
+        const std::size_t at = bytes.size(), size = field.values.size() * sizeof(double);
+        bytes.resize(at + size);
+        std::memcpy(bytes.data() + at, field.values.data(), size);
+    }
+    write_whole_file(file, bytes);
+    return sha256_of_file(file);
+}
+
+std::optional<Fields> read_fields(const fs::path& file, const std::string& sha256) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    if (!in || Sha256().add(bytes.data(), bytes.size()).hex() != sha256) return std::nullopt;
+    return parse(bytes);
+}
+
+void check_export_place(const fs::path& file) {
+    if (const std::string extension = extension_of(file); extension != ".ply" && extension != ".vtk")
+        throw InputError(
+            fmt::format("{}: fields are written as PLY or VTK: end the name with .ply or .vtk", file.string()));
+    check_place_to_write(file);
+}
+
+void export_fields(const fs::path& file, const Shape& shape, const Points& posed, const Fields& fields) {
+    const auto write = extension_of(file) == ".vtk" ? as_vtk : as_ply;
+    write_whole_file(file, write(std::get_if<TriangleMesh>(&shape), posed, properties(fields, Field::Of::vertices),
+                                 properties(fields, Field::Of::elements)));
+}
+
+}  // namespace hausbench

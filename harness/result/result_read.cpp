@@ -1,0 +1,296 @@
+#include "result/result_file.h"
+
+#include "error.h"
+#include "hdf5.h"
+#include "process/child.h"
+#include "process/memory.h"
+#include "record/columns.h"
+
+#include <fmt/format.h>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Reads the columns that the file has, of a group of so many rows; `part` finds in `whole` what is filled in. A column that is
+// missing leaves the default: the file is older. Which columns may be missing, see `needed` in read_trusting().
+template <class Row, class Whole, class Part>
+void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
+                  std::vector<Whole>& whole, Part part) {
+    for (const Column<Row>& column : columns) {
+        const std::string name = group + "/" + std::string(column.name);
+        if (!file.has(name)) continue;
+        const auto checked = [&](auto values, std::size_t width) {
+            if (values.size() != whole.size() * width) {
+                throw std::runtime_error(
+                    fmt::format("{} has {} values where {} are due", name, values.size(), whole.size() * width));
+            }
+            return values;
+        };
+        const auto each = [&](const auto& set) {
+            for (std::size_t i = 0; i < whole.size(); ++i) {
+                try {
+                    set(i);
+                } catch (const std::exception& error) {
+                    throw std::runtime_error(fmt::format("{} {}", name, error.what()));
+                }
+            }
+        };
+        if (const auto* text = std::get_if<typename Column<Row>::Text>(&column.value)) {
+            const auto values = checked(file.read_texts(name), 1);
+            if (text->set) each([&](std::size_t i) { text->set(part(whole[i]), values[i]); });
+        } else if (const auto* integer = std::get_if<typename Column<Row>::Integer>(&column.value)) {
+            const auto values = checked(file.read_integers(name), 1);
+            if (integer->set) each([&](std::size_t i) { integer->set(part(whole[i]), values[i]); });
+        } else {
+            const auto& real = std::get<typename Column<Row>::Real>(column.value);
+            const auto values = checked(file.read_doubles(name), real.width);
+            if (real.set) each([&](std::size_t i) { real.set(part(whole[i]), values.data() + i * real.width); });
+        }
+    }
+}
+
+template <class Row> Row& itself(Row& row) { return row; }
+
+std::vector<Row> read_cases(const h5::File& file) {
+    std::vector<Row> rows(file.read_texts("cases/identity").size());
+    read_columns(file, "cases", case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
+    read_columns(file, "cases", outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; });
+    read_columns(file, "cases", check_columns(), rows, [](Row& r) -> Check& { return r.check; });
+    for (const std::string& child : file.children("cases")) {
+        constexpr std::string_view prefix = "counter_";
+        if (!child.starts_with(prefix)) continue;
+        const auto counts = file.read_unsigned("cases/" + child);
+        if (counts.size() != rows.size())
+            throw std::runtime_error(
+                fmt::format("cases/{} has {} values where {} are due", child, counts.size(), rows.size()));
+        const std::string name = child.substr(prefix.size());
+        const auto known = std::find_if(counter_fields.begin(), counter_fields.end(),
+                                        [&](const CounterField& field) { return field.name == name; });
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (known != counter_fields.end())
+                rows[i].outcome.counters.*known->member = counts[i];
+            else
+                rows[i].outcome.other_counters[name] = counts[i];
+        }
+    }
+    return rows;
+}
+
+template <class Detail>
+void read_details(const h5::File& file, const std::string& group, const Columns<Detail>& columns,
+                  std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
+    if (!file.has(group)) return;  // of an older program
+    const auto of = file.read_integers(group + "/case");
+    std::vector<Detail> all(of.size());
+    read_columns(file, group, columns, all, itself<Detail>);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
+            throw std::runtime_error(fmt::format("a row of {} belongs to no case", group));
+        (rows[std::size_t(of[i])].outcome.*member).push_back(all[i]);
+    }
+}
+
+void read_traces(const h5::File& file, std::vector<Row>& rows) {
+    std::vector<TraceSample> all(file.read_doubles("trace/seconds").size());
+    read_columns(file, "trace", trace_columns(), all, itself<TraceSample>);
+    const auto begins = file.read_integers("cases/trace_begin"), ends = file.read_integers("cases/trace_end");
+    if (begins.size() != rows.size() || ends.size() != rows.size())
+        throw std::runtime_error("cases/trace_begin and trace_end are not as many as the cases");
+    std::int64_t used = 0;  // traces stand one after the other; where they overlap, a small file could fill the memory
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (begins[i] >= ends[i]) continue;
+        if (begins[i] < used) throw std::runtime_error("two cases share samples of a trace");
+        if (std::size_t(ends[i]) > all.size()) throw std::runtime_error("a trace reaches past the samples");
+        used = ends[i];
+        rows[i].outcome.trace.assign(all.begin() + begins[i], all.begin() + ends[i]);
+    }
+}
+
+void read_fields(const h5::File& file, std::vector<Row>& rows) {
+    if (!file.has("fields")) return;  // of an older program
+    const auto of = file.read_integers("fields/case");
+    const auto values = file.read_doubles("fields/values");
+    std::vector<FieldRecord> all(of.size());
+    read_columns(file, "fields", field_columns(), all, itself<FieldRecord>);
+    std::int64_t used = 0;  // as in read_traces()
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const FieldRecord& one = all[i];
+        if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
+            throw std::runtime_error("a row of fields belongs to no case");
+        if (one.begin < used || one.end < one.begin || std::size_t(one.end) > values.size())
+            throw std::runtime_error("two fields share values, or one reaches past them");
+        used = one.end;
+        rows[std::size_t(of[i])].fields.push_back(
+            {one.name, one.of, one.meaning, {values.begin() + one.begin, values.begin() + one.end}});
+    }
+}
+
+template <class Row>
+std::vector<Row> read_group(const h5::File& file, const std::string& group, const Columns<Row>& columns,
+                            const std::string& counted) {
+    std::vector<Row> rows(file.read_texts(group + "/" + counted).size());
+    read_columns(file, group, columns, rows, itself<Row>);
+    return rows;
+}
+
+// Without these a file says nothing of use, whichever program wrote it.
+constexpr const char* needed[] = {"cases/solver", "cases/scene",     "cases/status", "cases/lower",
+                                  "cases/upper",  "cases/tolerance", "models/sha256"};
+
+constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "profile",   "experiment_toml",
+                                      "started",  "finished", "commit",     "dirty",     "build",
+                                      "compiler", "flags",    "build_type", "libraries", "machine",
+                                      "cpu",      "caches",   "kernel",     "system",    "hausbench_version"};
+constexpr const char* later_texts[] = {"plugins", "shard", "experiment_file"};  // older files have none
+constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
+
+ResultFile read_trusting(const fs::path& file) {
+    const h5::File in(file, h5::Open::read);
+    if (!in.has("meta") || !in.has_attribute("meta", "schema_version")) {
+        throw InputError(
+            fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
+    }
+    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema > result_schema || schema < 1) {
+        throw InputError(fmt::format("{}: has schema version {}, this program reads 1 to {}: use a newer hausbench",
+                                     file.string(), schema, result_schema));
+    }
+    for (const char* column : needed) {
+        if (!in.has(column)) throw std::runtime_error(fmt::format("it has no {}", column));
+    }
+    ResultFile result;
+    for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);
+    for (const char* name : later_texts)
+        result.texts[name] = in.has_attribute("meta", name) ? in.text_attribute("meta", name) : "";
+    for (const char* name : meta_integers) result.integers[name] = in.integer_attribute("meta", name);
+    result.models = read_group(in, "models", model_columns(), "name");
+    result.rows = read_cases(in);
+    read_details(in, "answers", answer_columns(), result.rows, &Outcome::answers);
+    read_details(in, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
+    read_details(in, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
+    read_traces(in, result.rows);
+    read_fields(in, result.rows);
+    result.ledger = read_group(in, "ledger", ledger_columns(), "kind");
+    for (LedgerEntry& entry : result.ledger) {
+        if (entry.profile.empty()) entry.profile = result.texts["profile"];
+    }
+    for (Row& row : result.rows) {
+        if (row.asked.profile.empty()) row.asked.profile = result.texts["profile"];
+        for (const ModelRecord& model : result.models) {
+            if (model.name == row.asked.source) row.asked.source_hash = model.sha256;
+            if (model.name == row.asked.target) row.asked.target_hash = model.sha256;
+        }
+    }
+    return result;
+}
+
+template <class Row> void read_values(const h5::File& in, const std::string& group, const Columns<Row>& columns) {
+    for (const Column<Row>& column : columns) {
+        const std::string name = group + "/" + std::string(column.name);
+        if (!in.has(name)) continue;
+        if (std::holds_alternative<typename Column<Row>::Text>(column.value))
+            in.read_texts(name);
+        else if (std::holds_alternative<typename Column<Row>::Integer>(column.value))
+            in.read_integers(name);
+        else
+            in.read_doubles(name);
+    }
+}
+
+// All that read_trusting() asks the library for, in the same order.
+void read_every_value(const fs::path& file) {
+    const h5::File in(file, h5::Open::read);
+    for (const char* name : meta_texts) in.text_attribute("meta", name);
+    for (const char* name : meta_integers) in.integer_attribute("meta", name);
+    read_values(in, "models", model_columns());
+    read_values(in, "cases", case_columns());
+    read_values(in, "cases", outcome_columns());
+    read_values(in, "cases", check_columns());
+    for (const std::string& child : in.children("cases")) {
+        if (child.starts_with("counter_")) in.read_unsigned("cases/" + child);
+    }
+    for (const char* group : {"answers", "repeats", "preparation", "fields"}) {
+        if (in.has(group)) in.read_integers(group + std::string("/case"));
+    }
+    read_values(in, "answers", answer_columns());
+    read_values(in, "repeats", repeat_columns());
+    read_values(in, "preparation", preparation_columns());
+    for (const char* name : {"cases/trace_begin", "cases/trace_end"}) in.read_integers(name);
+    read_values(in, "trace", trace_columns());
+    if (in.has("fields/values")) in.read_doubles("fields/values");
+    read_values(in, "fields", field_columns());
+    read_values(in, "ledger", ledger_columns());
+}
+
+// The library crashes on some damaged files, and a file without a seal, changed by another program, may be one. So a copy of
+// this process reads the file first, within limits of time and memory; this process reads it only where the copy survives.
+void read_in_a_copy(const fs::path& file) {
+    constexpr int out_of_memory = 4;
+    const auto bytes = std::int64_t(fs::file_size(file));
+    Launch launch;
+    launch.silent = true;  // the last words of an abort
+    launch.work = [&](int) {
+        const rlimit nothing{0, 0};
+        ::setrlimit(RLIMIT_CORE, &nothing);
+        try {
+            read_every_value(file);
+        } catch (const std::bad_alloc&) {
+            return out_of_memory;
+        } catch (const std::length_error&) {
+            return out_of_memory;
+        } catch (...) {  // said again by the one who reads next
+        }
+        return 0;
+    };
+    const ChildLimits limits{
+        .seconds = double(5 + bytes / 1'000'000),  // it reads 100 MB/s, and loops for ever on some files
+        .resident_bytes =
+            resident_of(::getpid()) + (std::int64_t(4) << 30) + 16 * bytes};  // a damaged count asks for more
+    Child copy(std::move(launch));
+    const Child::End end = copy.wait(limits);
+    if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted while it was read", file.string()));
+    if (end == Child::End::time)
+        throw std::runtime_error(fmt::format("reading it takes more than {} s", limits.seconds));
+    if (end == Child::End::memory || copy.exit_code() == out_of_memory)
+        throw std::runtime_error("it asks for more memory than its size accounts for");
+    if (copy.signal()) throw std::runtime_error(fmt::format("reading it ends with {}", copy.how_it_ended()));
+}
+
+// Untrusted text: control characters, and all that is not ASCII, become question marks.
+std::string printable(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    return text;
+}
+
+}  // namespace
+
+ResultFile read_result(const fs::path& file) {
+    if (fs::is_directory(file))
+        throw InputError(fmt::format("{}: is a folder: name a result file (.h5)", file.string()));
+    if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: run its experiment first", file.string()));
+    try {
+        h5::check_seal(file);
+        read_in_a_copy(file);
+        return read_trusting(file);
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {
+        std::string why = error.what();
+        if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
+        throw InputError(
+            fmt::format("{}: damaged, or not a result of hausbench ({}): write it again by running its experiment",
+                        file.string(), printable(why)));
+    }
+}
+
+}  // namespace hausbench

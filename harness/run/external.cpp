@@ -1,0 +1,266 @@
+// Any program as a peer, described by its parameters: it compares with the authors' own programs without linking them.
+//
+// The program gets A posed and B as files with 17 digits (B once, before the clock starts), and the tolerance on the command
+// line. Regular expressions find the bounds in its output. They are not certified. A bound that the program does not print
+// is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
+// `seconds` finds the time that the program itself reports. Relative paths in the command line count from the folder of the experiment
+// (`run`), or the current one (`measure`).
+#include "run/external.h"
+
+#include "error.h"
+#include "mesh_file.h"
+#include "process/child.h"
+#include "process/interrupts.h"
+#include "solver.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+#include <regex>
+#include <string_view>
+
+namespace hausbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An expression with one group, matched against each line; the last match counts, because programs print progress first.
+class Place {
+public:
+    explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
+
+    bool told() const { return !text_.empty(); }
+
+    // Empty if no line matches, or the match is not a number.
+    std::optional<double> find(const std::string& output) const {
+        std::optional<double> found;
+        if (!told()) return found;
+        constexpr std::size_t longest = 4096;  // std::regex recurses once for each character
+        for (std::size_t begin = 0; begin < output.size();) {
+            const std::size_t end = std::min(output.find('\n', begin), output.size());
+            const std::string line = output.substr(begin, std::min(end - begin, longest));
+            std::smatch match;
+            if (std::regex_search(line, match, expression_)) {
+                const std::string number = match[1].str();
+                char* rest = nullptr;
+                const double value = std::strtod(number.c_str(), &rest);
+                found.reset();
+                if (rest != number.c_str() && *rest == '\0' && !std::isnan(value)) found = value;
+            }
+            begin = end + 1;
+        }
+        return found;
+    }
+
+private:
+    std::string text_;
+    std::regex expression_;
+};
+
+std::string command_problem(const std::string& value) {
+    for (const char* needed : {"{A}", "{B}"}) {
+        if (value.find(needed) == std::string::npos)
+            return fmt::format("does not contain {}: write it where the program takes that file", needed);
+    }
+    return "";
+}
+
+std::string expression_problem(const std::string& value) {
+    if (value.empty()) return "";
+    try {
+        if (std::regex(value, std::regex::ECMAScript).mark_count() == 1) return "";
+        return "must have one group, ( ), around the number";
+    } catch (const std::regex_error& error) {
+        return fmt::format("is not a regular expression ({}): see the ECMAScript syntax", error.what());
+    }
+}
+
+void replace(std::string& text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+        text.replace(at, what.size(), by);
+}
+
+std::string quoted(const fs::path& path) {
+    std::string text = path.string();
+    replace(text, "'", "'\\''");
+    return "'" + text + "'";
+}
+
+// What became of the command, and what it wrote.
+struct CommandRun {
+    bool timed_out;
+    std::string how_it_ended, output;
+    std::int64_t peak_bytes;
+};
+
+std::string last_words(const std::string& output) {
+    const std::size_t begin = output.find_last_not_of(" \n\r\t");
+    if (begin == std::string::npos) return "";
+    const std::string text = output.substr(0, begin + 1);
+    return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
+}
+
+// The whole family of the command ends with it. Interrupted, it is as if its time were over: its runner ends this process anyway.
+CommandRun run_command(const std::string& line, double seconds, const fs::path& folder) {
+    Launch launch;
+    launch.command = {"/bin/sh", "-c", line};
+    launch.folder = folder;
+    launch.kept = std::size_t(16) << 20;
+    launch.outlives_nothing = true;
+    Child child(std::move(launch));
+    const bool timed_out = child.wait({.seconds = seconds}) != Child::End::by_itself;
+    return {timed_out, child.how_it_ended(), child.output(), child.peak_bytes()};
+}
+
+class External final : public Solver {
+public:
+    explicit External(const Options& options)
+        : command_(options.text("command")),
+          extension_(options.text("format")),
+          lower_(options.text("lower")),
+          upper_(options.text("upper")),
+          seconds_(options.text("seconds")),
+          seconds_unit_(options.real("seconds_unit")),
+          folder_of_command_(options.folder()) {
+        if (!lower_.told() && !upper_.told()) {
+            throw InputError(
+                "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
+                "one, or "
+                "both");
+        }
+    }
+    void prepare(const Scene& scene, const Prepared&) override {
+        scene_ = &scene;
+        folder_.emplace("external");
+        write_mesh_file(file("B"), scene.target, mesh_format_of(file("B")));
+    }
+
+    Result solve(const Query& query, State*, Trace&) const override {
+        Result result;
+        Shape a = scene_->source;
+        points_of(a) = posed(points_of(scene_->source), query.source_pose);
+        const bool needs_length = command_.find("tolerance}") != std::string::npos;
+        if (needs_length && query.tolerance.of == Tolerance::Of::lower) {
+            result.note =
+                "the command line needs the tolerance as a length, but the query gives a fraction of the lower bound";
+            return result;
+        }
+        write_mesh_file(file("A"), a, mesh_format_of(file("A")));
+        std::string line = command_;
+        replace(line, "{A}", quoted(file("A")));
+        replace(line, "{B}", quoted(file("B")));
+        replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
+        replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
+        const CommandRun run = run_command(line, query.time_limit, folder_of_command_);
+        result.outside_bytes = run.peak_bytes;
+        fs::remove(file("A"));
+        read(run, query, result);
+        return result;
+    }
+
+private:
+    // Absolute, since the program runs in another folder.
+    fs::path file(const char* name) const {
+        return fs::absolute(folder_->path() / (std::string(name) + "." + extension_));
+    }
+
+    void read(const CommandRun& run, const Query& query, Result& result) const {
+        if (run.timed_out) {
+            result.status = Status::time_limit;
+            result.note = "the program did not end in time" + last_words(run.output);
+            return;
+        }
+        if (!run.how_it_ended.empty()) {
+            result.note = "the program ended with " + run.how_it_ended + last_words(run.output);
+            return;
+        }
+        const auto lower = lower_.find(run.output), upper = upper_.find(run.output),
+                   seconds = seconds_.find(run.output);
+        if (seconds) result.reported_seconds = *seconds * seconds_unit_;
+        if ((lower_.told() && !lower) || (upper_.told() && !upper)) {
+            result.note = fmt::format("the program's output has no number that '{}' matches{}",
+                                      lower_.told() && !lower ? "lower" : "upper", last_words(run.output));
+            return;
+        }
+        Bounds bounds;
+        if (lower) bounds.lower = *lower;
+        if (upper) bounds.upper = *upper;
+        if (std::isinf(bounds.lower) || bounds.upper < 0) {
+            result.note =
+                fmt::format("the program's bounds [{}, {}] are no interval of distances", bounds.lower, bounds.upper);
+            return;
+        }
+        result.bounds = bounds;
+        if (const auto answer = query.answer(bounds.lower, bounds.upper)) {
+            result.status = *answer;
+        } else {
+            result.status = Status::precision_floor;  // the program ended normally
+            result.note = !upper   ? "the program gives no upper bound"
+                          : !lower ? "the program gives no lower bound"
+                                   : "the program's own interval is wider than the tolerance";
+        }
+    }
+
+    std::string command_, extension_;
+    Place lower_, upper_, seconds_;
+    double seconds_unit_;
+    fs::path folder_of_command_;
+    const Scene* scene_ = nullptr;
+    HoldInterrupts hold_;  // destroyed after the folder
+    std::optional<ScratchFolder> folder_;
+};
+
+}  // namespace
+
+SolverEntry external_solver() {
+    SolverInfo info;
+    info.name = "external";
+    info.title = "Outside program";
+    info.source = info.target = {.points = true, .mesh = true};
+    info.original_coordinates = true;
+    const auto place = [](const char* name, const char* what) -> ParameterSpec {
+        return {.name = name,
+                .default_value = std::string(),
+                .unit = "",
+                .paper_value = "",
+                .description = what,
+                .choices = {},
+                .problem = expression_problem};
+    };
+    info.parameters = {
+        {.name = "command",
+         .default_value = std::string(),
+         .unit = "",
+         .paper_value = "",
+         .description =
+             "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
+             "{relative_tolerance} as a fraction of the diagonal of A as handed over",
+         .choices = {},
+         .problem = command_problem,
+         .command = true},
+        {.name = "format",
+         .default_value = std::string("off"),
+         .unit = "",
+         .paper_value = "",
+         .description = "format of the files",
+         .choices = {"off", "obj"}},
+        place("lower",
+              "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the "
+              "output; empty: not printed"),
+        place("upper", "likewise, for the upper bound"),
+        place("seconds", "likewise, for the time that the program reports"),
+        {.name = "seconds_unit",
+         .default_value = 1.0,
+         .unit = "s",
+         .paper_value = "",
+         .description = "length of one unit of that time: 1e-3 for milliseconds",
+         .choices = {},
+         .least = 1e-12,
+         .most = 1e6},
+    };
+    return {info,
+            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<External>(options); }};
+}
+
+}  // namespace hausbench

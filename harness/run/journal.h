@@ -1,0 +1,53 @@
+// Keeps finished outcomes safe: each is appended, with a checksum and fsync, to a file beside the result.
+//
+// One line for each record: 16 hexadecimal digits of the SHA-256 of the rest, a space, JSON. An incomplete last line (power
+// cut, kill) is removed when the journal is opened; a damaged line before it is an error, since another program wrote it.
+#pragma once
+
+#include "record/row.h"
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace hausbench {
+
+class Journal {
+public:
+    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is damaged, of
+    // another schema, not a journal, or cannot be written. `start_over`: a file that cannot be read is emptied instead.
+    explicit Journal(std::filesystem::path file, bool start_over = false);
+    ~Journal();
+    Journal(const Journal&) = delete;
+    Journal& operator=(const Journal&) = delete;
+
+    // Identity and round (see Experiment::rounds); a later record of the same key replaces the earlier.
+    using Key = std::pair<std::string, int>;
+
+    const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
+    void append(const Key& key, const Outcome& outcome);
+
+    // Of these identities nothing is known any more, whatever the round.
+    void forget(const std::set<std::string>& identities);
+
+    // Start of the run that created the journal, UTC.
+    const std::string& started() const { return started_; }
+
+private:
+    void write_line(const std::string& text);
+    void read();
+    bool take(int number, std::string_view text);  // reads a line; false if it is not a record
+    void clear();
+    void erase(const std::set<std::string>& identities);
+    void begin();
+
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+    std::string started_;
+    std::map<Key, Outcome> outcomes_;
+};
+
+}  // namespace hausbench

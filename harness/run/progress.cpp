@@ -1,0 +1,75 @@
+#include "run/progress.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace hausbench {
+
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+std::string clock_text(double seconds) { return fmt::format("{}:{:02}", int(seconds) / 60, int(seconds) % 60); }
+
+}  // namespace
+
+Progress::Progress(bool quiet, double pause)
+    : quiet_(quiet),
+      person_(::isatty(STDERR_FILENO) && !std::getenv("CI")),
+      pause_(pause),
+      begin_(Clock::now()),
+      drawn_(begin_) {}
+
+Progress::~Progress() { erase(); }
+
+void Progress::total(std::size_t cases) {
+    total_ = cases;
+    begin_ = Clock::now();
+}
+
+std::string Progress::left() const {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (done_ == 0 || done_ >= total_) return clock_text(seconds);
+    return fmt::format("{}, about {} left", clock_text(seconds),
+                       clock_text(seconds * double(total_ - done_) / double(done_)));
+}
+
+void Progress::erase() {
+    if (person_ && !quiet_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::draw() {
+    drawn_ = Clock::now();
+    fmt::print(stderr, "\r\033[K[{}/{}] {} | {}", done_, total_, left(), what_);
+    std::fflush(stderr);
+}
+
+void Progress::doing(const std::string& what) {
+    what_ = what;
+    if (!quiet_ && person_) draw();
+}
+
+void Progress::done(std::size_t cases) {
+    done_ += cases;
+    if (quiet_ || total_ == 0) return;
+    const std::chrono::duration<double> silent = Clock::now() - drawn_;
+    if (person_ && silent.count() > 0.1) draw();
+    if (!person_ && silent.count() > pause_) line(what_);
+}
+
+void Progress::line(const std::string& text) {
+    if (quiet_) return;
+    drawn_ = Clock::now();
+    erase();
+    if (person_ || total_ == 0)
+        fmt::print(stderr, "{}\n", text);
+    else
+        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, left(), text);
+    if (person_ && total_ > 0) draw();
+}
+
+}  // namespace hausbench

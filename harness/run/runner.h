@@ -1,0 +1,35 @@
+// Runs a plan: one worker process a solver and scene, limits, the journal, and the result file at the end.
+#pragma once
+
+#include "plan/plan.h"
+#include "result/result_file.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct RunOptions {
+    std::filesystem::path results;  // folder
+    bool fresh = false;             // forget what an earlier run finished of what this one is asked for
+    bool any_build = false;         // keep rows of other builds of this program
+    bool quiet = false;
+    std::string suffix;  // after the stem in the names of journal and result (shards)
+};
+
+struct RunSummary {
+    std::filesystem::path file;
+    ResultFile result;                 // of its rows those that this run was asked for
+    std::size_t kept = 0;              // earlier rows that the file has besides, see earlier.h
+    std::vector<std::string> unsound;  // a line for each row that should not be
+    std::size_t unsound_expected = 0;  // how many were, see plan.h
+    bool interrupted = false;
+};
+
+// Resumes by itself: cases in the journal of the same identity and build are not run again. Ctrl-C (SIGINT, SIGTERM) ends
+// the worker, writes what there is and leaves a journal to resume from.
+RunSummary run_plan(const Plan& plan, const RunOptions& options);
+
+}  // namespace hausbench

@@ -1,0 +1,256 @@
+#include "run/supervise.h"
+
+#include "paths.h"
+#include "process/child.h"
+#include "record/json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace hausbench {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+// How long past a solver's own time limit it is waited for before it is killed.
+double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
+
+constexpr std::chrono::milliseconds turn(20);
+
+struct NotAnEvent {};
+
+Launch launch(const WorkOrder& order) {
+    Launch launch;
+    launch.command = {program_path().string(), "worker", "--events"};
+    launch.input = to_json(order).dump();
+    launch.events = true;
+    launch.scratch = "worker";
+    return launch;
+}
+
+class Supervisor {
+public:
+    Supervisor(const WorkOrder& order, const Supervision& report)
+        : order_(order),
+          report_(report),
+          worker_(launch(order)),
+          chain_end_(order.chain_end(0)),
+          new_shapes_(order.new_shapes()) {
+        allow(seconds_to_prepare());
+    }
+
+    void run() {
+        std::string line;
+        for (;;) {
+            if (report_.interrupted()) return;  // the case in flight is run again on resume
+            if (!within_memory()) return;
+            switch (worker_.listen(turn, line)) {
+                case Child::Heard::nothing:
+                    if (!within_time()) return;
+                    break;
+                case Child::Heard::closed: {
+                    if (finished_ == order_.items.size()) return;
+                    if (!worker_.ended_within(std::chrono::seconds(1))) {
+                        fail(RowStatus::failed, "the worker closed its events and went on");
+                        return;
+                    }
+                    const std::string how = worker_.how_it_ended();
+                    fail(worker_.signal() ? RowStatus::signal : RowStatus::failed,
+                         how.empty() ? "the worker ended early" : "ended by " + how);
+                    return;
+                }
+                case Child::Heard::line:
+                    if (!hear(line)) {
+                        fail(RowStatus::failed, "the worker wrote something that is not an event");
+                        return;
+                    }
+            }
+        }
+    }
+
+private:
+    void allow(double seconds) {
+        deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    }
+
+    // Looked at by the clock, once a turn, however much the worker has to say.
+    bool within_memory() {
+        if (Clock::now() < next_look_) return true;
+        const std::int64_t limit = order_.limits.memory_bytes;
+        if (worker_.resident_bytes() > limit) {
+            fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
+            return false;
+        }
+        next_look_ = Clock::now() + turn;
+        return true;
+    }
+
+    // Looked at when all that the worker has said is heard: what it said in time counts.
+    bool within_time() {
+        if (Clock::now() <= deadline_) return true;
+        const Limits& limits = order_.limits;
+        fail(RowStatus::timeout,
+             prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
+                       : fmt::format("killed: not loaded and prepared within {} s", seconds_to_prepare()));
+        return false;
+    }
+
+    // False if the line is no event, or one out of turn. A solver may have written it: nothing in it is taken for granted.
+    bool hear(const std::string& line) {
+        try {
+            take(json::parse(line));
+            return true;
+        } catch (const json::exception&) {
+            return false;
+        } catch (const NotAnEvent&) {
+            return false;
+        }
+    }
+
+    void take(const json& event) {
+        const auto kind = event.at("event").get<std::string>();
+        const double seconds = order_.limits.case_seconds;
+        if (kind == "prepared") {
+            expect(!prepared_ && finished_ < order_.items.size());
+            report_.prepared(event.at("left_out"));
+            prepared_ = true;
+            allow(with_grace(seconds));
+            return;
+        }
+        expect(prepared_ && finished_ < order_.items.size());
+        const auto row = event.at("row").get<std::size_t>();
+        const std::size_t length = chain_end_ - finished_;
+        if (kind == "begin") {
+            expect(!began_ && outcomes_.size() < length && row == order_.items[finished_ + outcomes_.size()].row);
+            began_ = true;
+            allow(with_grace(seconds));
+            return;
+        }
+        if (kind == "answer") {
+            expect(began_ && row == order_.items[finished_ + outcomes_.size()].row);
+            outcomes_.push_back(outcome_from_json(event.at("outcome")));
+            began_ = false;
+            allow_a_pass();
+            return;
+        }
+        expect(outcomes_.size() == length);
+        if (kind == "end") {
+            expect(row == order_.items[finished_ + closed_].row);
+            report_.finished(row, std::move(outcomes_[closed_]));
+            if (++closed_ == length) next_chain();
+            allow(prepared_ ? with_grace(seconds) : seconds_to_prepare());
+            return;
+        }
+        Outcome& outcome = outcomes_[place_of(row)];
+        if (kind == "repeat") {
+            const json& r = event.at("repeat");
+            expect(outcome.repeats.size() < std::size_t(order_.repeats));
+            outcome.repeats.push_back({r.at(0), number(r.at(1)), number(r.at(2)), r.at(3)});
+        } else if (kind == "fields") {
+            expect(outcome.fields_sha256.empty());
+            outcome.fields_sha256 = event.at("sha256").get<std::string>();
+            for (const auto& [name, value] : event.at("stages").items()) outcome.extras[name] = number(value);
+        } else {
+            expect(kind == "trace" && outcome.trace.empty());
+            for (const json& s : event.at("samples"))
+                outcome.trace.push_back({number(s.at(0)), number(s.at(1)), number(s.at(2))});
+            if (event.at("differs").get<bool>()) {
+                outcome.status = RowStatus::failed;
+                outcome.reason =
+                    "the traced run ended with other bounds than the first: the solver is not deterministic";
+            }
+        }
+        allow_a_pass();
+    }
+
+    // The worker has ended or has to end: the case in flight gets its row, or all of its pair if that never got ready.
+    void fail(RowStatus status, const std::string& reason) {
+        worker_.kill();
+        worker_.how_it_ended();
+        if (finished_ == order_.items.size()) return;  // all are answered: how it ends does not matter
+        Outcome outcome;
+        outcome.status = status;
+        outcome.reason = reason;
+        if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
+        const std::size_t length = chain_end_ - finished_;
+        // Shapes of other pairs take memory too: a worker of its own may have enough for this one. What has ended in part stays, since
+        // a chain cannot go on in the middle.
+        const bool another = order_.items[finished_].pair != order_.items.front().pair;
+        if (status == RowStatus::out_of_memory && another && closed_ == 0) return;
+        if (!prepared_) {
+            for (const std::size_t end = order_.pair_end(finished_); finished_ < end; ++finished_)
+                report_.finished(order_.items[finished_].row, outcome);
+        } else if (outcomes_.size() == length) {  // the answers count where only their timing was cut short, by time
+            for (std::size_t k = closed_; k < length; ++k)
+                report_.finished(order_.items[finished_ + k].row, cut_short(outcomes_[k], outcome));
+        } else {
+            const std::size_t broken = finished_ + outcomes_.size();
+            report_.finished(order_.items[broken].row, outcome);
+            outcome.status = RowStatus::failed;
+            outcome.reason = "the chain of poses broke at an earlier pose: " + outcome.reason;
+            for (std::size_t k = broken + 1; k < chain_end_; ++k) report_.finished(order_.items[k].row, outcome);
+        }
+    }
+
+    Outcome cut_short(Outcome answered, const Outcome& how) const {
+        const bool untimed = answered.repeats.empty() && order_.repeats > 0;
+        if (is_timed(answered.status) && (untimed || how.status == RowStatus::out_of_memory)) {
+            answered.status = how.status;
+            answered.reason =
+                (untimed ? "answered, but not while it was timed: " : "answered, but was killed while it was timed: ") +
+                how.reason;
+        }
+        return answered;
+    }
+
+    // The next case or chain of cases, of a pair that has to be prepared first where it is another one.
+    void next_chain() {
+        const std::size_t pair = order_.items[finished_].pair;
+        finished_ = chain_end_;
+        closed_ = 0;
+        outcomes_.clear();
+        if (finished_ == order_.items.size()) return;
+        if (order_.items[finished_].pair != pair) prepared_ = false;
+        chain_end_ = order_.chain_end(finished_);
+    }
+
+    // A pass through a chain says nothing of poses that are not timed, such as those that run into their limit.
+    void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
+
+    // The limit is for each shape that is not there yet, and for a solver that finds all of them.
+    double seconds_to_prepare() const {
+        return order_.limits.prepare_seconds * (order_.exponent ? std::max(1, new_shapes_[finished_]) : 1);
+    }
+
+    std::size_t place_of(std::size_t row) const {
+        for (std::size_t k = closed_; k < outcomes_.size(); ++k) {
+            if (order_.items[finished_ + k].row == row) return k;
+        }
+        throw NotAnEvent{};
+    }
+
+    static void expect(bool fits) {
+        if (!fits) throw NotAnEvent{};
+    }
+
+    const WorkOrder& order_;
+    const Supervision& report_;
+    Child worker_;
+    Clock::time_point deadline_, next_look_ = Clock::now();
+    bool prepared_ = false, began_ = false;
+    std::size_t finished_ = 0,
+                chain_end_;          // the case or chain of cases in flight: of the items from `finished_` on ...
+    std::vector<Outcome> outcomes_;  // ... those that are answered, as far as they are known ...
+    std::size_t closed_ = 0;         // ... and ended
+    std::vector<int> new_shapes_;    // see WorkOrder
+};
+
+}  // namespace
+
+void supervise(const WorkOrder& order, const Supervision& report) { Supervisor(order, report).run(); }
+
+}  // namespace hausbench

@@ -1,0 +1,344 @@
+// Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
+// timed), "repeat" for each timed repeat, "trace", "fields", "end". Of a warm chain of poses first all are answered; each repeat, and
+// the trace and the fields, is then a whole pass from its head; "end" comes for each at the end.
+#include "run/worker.h"
+
+#include "error.h"
+#include "hash.h"
+#include "plugin.h"
+#include "process/memory.h"
+#include "record/json.h"
+#include "registry.h"
+#include "result/field_file.h"
+#include "run/timing.h"
+#include "session.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+#include <set>
+
+namespace hausbench {
+
+using nlohmann::json;
+
+namespace {
+
+class Worker {
+public:
+    Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
+
+    int run() {
+        for (std::size_t i = 0; i < order_.items.size();) {
+            open(order_.items[i].pair, i);
+            for (const std::size_t end = order_.pair_end(i); i < end;) {
+                const std::size_t last = order_.chain_end(i);
+                if (order_.items[i].warm)
+                    answer_chain(i, last);
+                else
+                    answer_cold(narrowed(order_.items[i]));
+                i = last;
+            }
+        }
+        return 0;
+    }
+
+private:
+    // Of a search: with the cutoff that the answers before it allow.
+    const WorkOrder::Item& narrowed(WorkOrder::Item& item) {
+        if (item.search != search_) least_upper_ = std::numeric_limits<double>::infinity();
+        search_ = item.search;
+        if (item.search) item.narrow(least_upper_);
+        return item;
+    }
+
+    void send(const json& event) {
+        const std::string line =
+            event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
+        for (std::size_t done = 0; done < line.size();) {
+            const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
+            if (n <= 0) std::exit(3);  // the runner is gone
+            done += std::size_t(n);
+        }
+    }
+
+    // Loads and prepares what is not there yet.
+    void open(std::size_t number, std::size_t first) {
+        const WorkOrder::Pair& pair = order_.pairs.at(number);
+        const SolverEntry& entry = find_solver(order_.solver);
+        const Options options(order_.solver, entry.info.parameters, order_.options, order_.folder);
+        session_.reset();
+        shapes_ = {};
+        if (order_.exponent) {
+            shapes_ = {shape(pair.source_file, first), shape(pair.target_file, first)};
+            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
+        } else {
+            Shape source = read_shape(pair.source_file).shape, target = read_shape(pair.target_file).shape;
+            memory_.emplace();
+            shapes_ = prepare_pair(entry.info, std::move(source), std::move(target));
+            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
+            memory_->prepared();
+        }
+        json left_out = json::array();
+        const auto& built = session_->needs();
+        // Not said where other directions, copies or pairs may build it after all.
+        const bool alone = !order_.exponent && !pair.queries.symmetric && !pair.queries.target_moves;
+        for (const Need& need : entry.info.may_need) {
+            if (alone && std::find(built.begin(), built.end(), need) == built.end())
+                left_out.push_back(to_string(need));
+        }
+        send({{"event", "prepared"}, {"left_out", left_out}});
+    }
+
+    // Of a matrix; let go of where no item from `first` on needs it.
+    std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
+        if (last_use_.empty()) {
+            for (std::size_t i = 0; i < order_.items.size(); ++i) {
+                const WorkOrder::Pair& pair = order_.pairs.at(order_.items[i].pair);
+                last_use_[pair.source_file] = last_use_[pair.target_file] = i;
+            }
+        }
+        std::erase_if(loaded_, [&](const auto& known) { return last_use_.at(known.first) < first; });
+        auto& known = loaded_[file];
+        if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, *order_.exponent);
+        return known;
+    }
+
+    Query query_of(const WorkOrder::Item& item) const {
+        Query query;
+        query.quantity = item.quantity;
+        query.source_pose = item.source_pose;
+        query.target_pose = item.target_pose;
+        query.tolerance = item.tolerance;
+        query.floor = item.floor;
+        query.cutoff = item.cutoff;
+        if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
+        query.threads = item.threads;
+        query.time_limit = order_.limits.case_seconds;
+        return query;
+    }
+
+    struct Answer {
+        Result result;
+        Spent spent;
+        RowStatus status;
+    };
+
+    // Sends it; none where the solver threw or the session refused the pose.
+    std::optional<Answer> answer(const WorkOrder::Item& item, State* state) {
+        send({{"event", "begin"}, {"row", item.row}});
+        if (memory_) memory_->next_answer();
+        Trace untraced;
+        const Stopwatch watch;
+        Result result;
+        try {
+            result = session_->solve(query_of(item), state, untraced);
+        } catch (const std::bad_alloc&) {
+            broke_ = true;
+            return give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
+        } catch (const InputError& error) {  // the session refuses the pose: the solver was not asked
+            return give_up(item, RowStatus::failed, error.what());
+        } catch (const std::exception& error) {
+            broke_ = true;
+            return give_up(item, RowStatus::failed, std::string("the solver threw: ") + error.what());
+        } catch (...) {
+            broke_ = true;
+            return give_up(item, RowStatus::failed, "the solver threw something that is not a std::exception");
+        }
+        const Spent spent = watch.spent();
+        Outcome outcome;
+        outcome.status = row_status(result.status);
+        outcome.solver_status = to_string(result.status);
+        if (outcome.status != RowStatus::ok)
+            outcome.reason = result.note.empty() ? reason(result.status) : one_line(result.note);
+        outcome.cutoff_used = item.cutoff;
+        outcome.bounds = result.bounds;
+        least_upper_ = std::min(least_upper_, result.bounds.upper);
+        outcome.witness = result.witness;
+        outcome.counters = result.counters;
+        for (const auto& [name, value] : result.reported) {
+            if (const auto* real = std::get_if<double>(&value))
+                outcome.extras[one_line(name)] = *real;
+            else
+                outcome.facts[one_line(name)] = one_line(std::get<std::string>(value));
+        }
+        add_preparation(outcome);
+        outcome.solve_seconds = spent.wall_seconds;
+        outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});
+        outcome.clock = spent.several_threads ? "wall" : "cpu";
+        outcome.reported_seconds = result.reported_seconds;
+        if (memory_) outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
+        send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
+        return Answer{std::move(result), spent, outcome.status};
+    }
+
+    void answer_cold(const WorkOrder::Item& item) {
+        if (const auto first = answer(item, nullptr)) {
+            if (is_timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
+            if (item.trace) trace(item, nullptr, first->result);
+            fields(item, nullptr);
+        }
+        send({{"event", "end"}, {"row", item.row}});
+    }
+
+    // A solver that throws has left the state as nobody knows: the chain ends there. A pose that is refused is passed over.
+    void answer_chain(std::size_t begin, std::size_t end) {
+        std::vector<std::optional<Answer>> first;
+        std::unique_ptr<State> state = session_->begin();
+        broke_ = false;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (broke_) {
+                send({{"event", "begin"}, {"row", order_.items[i].row}});
+                first.push_back(
+                    give_up(order_.items[i], RowStatus::failed, "the chain of poses broke at an earlier pose"));
+            } else {
+                first.push_back(answer(order_.items[i], state.get()));
+            }
+        }
+        const auto pass = [&](auto&& at) {
+            state = session_->begin();
+            for (std::size_t i = begin; i < end; ++i) {
+                if (first[i - begin]) at(order_.items[i], *first[i - begin]);
+            }
+        };
+        double spent = 0;
+        for (int k = 0; k < order_.repeats && (k == 0 || spent < most_seconds_of_repeats(end - begin)); ++k) {
+            pass([&](const WorkOrder::Item& item, const Answer& answered) {
+                Trace untraced;
+                const Stopwatch watch;
+                (void)session_->solve(query_of(item), state.get(), untraced);
+                const Spent once = watch.spent();
+                spent += once.wall_seconds;
+                if (is_timed(answered.status)) repeated(item, {once.wall_seconds, once.cpu_seconds}, 1);
+            });
+        }
+        if (order_.items[begin].trace)
+            pass([&](const WorkOrder::Item& item, const Answer& answered) {
+                trace(item, state.get(), answered.result);
+            });
+        pass([&](const WorkOrder::Item& item, const Answer&) { fields(item, state.get()); });
+        for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
+    }
+
+    double most_seconds_of_repeats(std::size_t cases) const { return 2 * order_.limits.case_seconds * double(cases); }
+
+    // No answer, and none to time; the solver may do better on the next case.
+    std::nullopt_t give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
+        Outcome outcome;
+        outcome.status = status;
+        outcome.reason = one_line(reason);
+        outcome.cutoff_used = item.cutoff;
+        add_preparation(outcome);
+        send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
+        return std::nullopt;
+    }
+
+    void add_preparation(Outcome& outcome) const {
+        outcome.prepare_seconds = session_->prepare_seconds();
+        outcome.prepare_bytes = std::int64_t(session_->prepare_bytes());
+        for (const PreparationTime& p : session_->preparation())
+            outcome.preparation.push_back({order_.round, p.name, p.seconds, std::int64_t(p.bytes), p.shared ? 1 : 0});
+    }
+
+    std::string reason(Status status) const {
+        switch (status) {
+            case Status::time_limit:
+                return fmt::format("not within {} s: the bounds hold", order_.limits.case_seconds);
+            case Status::budget:
+                return "the budget of subdivisions was spent: the bounds hold";
+            case Status::precision_floor:
+                return "the tolerance is below what double precision can certify: the bounds hold";
+            case Status::stalled:
+                return "the solver could not go on: the bounds hold";
+            default:
+                return "";
+        }
+    }
+
+    // Fast solves are timed several at once, so that the clock's own cost stays below a thousandth.
+    void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
+        const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
+        double spent = 0;
+        for (int i = 0; i < order_.repeats && (i == 0 || spent < most_seconds_of_repeats(1)); ++i) {
+            const Timing timing = time_once(*session_, query, iterations);
+            spent += timing.wall_seconds * double(iterations);
+            repeated(item, timing, iterations);
+        }
+    }
+
+    void repeated(const WorkOrder::Item& item, const Timing& timing, std::int64_t iterations) {
+        send({{"event", "repeat"},
+              {"row", item.row},
+              {"repeat", {order_.round, number(timing.wall_seconds), number(timing.cpu_seconds), iterations}}});
+    }
+
+    void trace(const WorkOrder::Item& item, State* state, const Result& first) {
+        Trace traced(Trace::Mode::on, item.marks);
+        const Result again = session_->solve(query_of(item), state, traced);
+        json samples = json::array();
+        for (const TraceSample& s : traced.samples())
+            samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
+        // Only a run that both times came to its own end must come to the same one.
+        const bool equal = again.bounds.lower == first.bounds.lower && again.bounds.upper == first.bounds.upper;
+        send({{"event", "trace"},
+              {"row", item.row},
+              {"samples", samples},
+              {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
+    }
+
+    // The solver's own, and its stages, by solving once more; then the fields that need no solver.
+    void fields(const WorkOrder::Item& item, State* state) {
+        const bool wanted = !item.fields.empty();
+        if (!wanted && !item.stages) return;
+        json stages = json::object();
+        Fields all;
+        if (wanted) all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
+        if (item.stages || find_solver(order_.solver).info.fields) {
+            Query query = query_of(item);
+            query.wanted.fields = wanted;
+            query.wanted.stages = true;
+            Trace untraced;
+            Result result = session_->solve(query, state, untraced);
+            for (const auto& [name, value] : result.reported) {
+                const auto* real = std::get_if<double>(&value);
+                if (real && name.starts_with(stage_prefix)) stages[one_line(name)] = number(*real);
+            }
+            if (result.fields) std::move(result.fields->begin(), result.fields->end(), std::back_inserter(all));
+        }
+        const std::string sha256 = wanted ? write_fields(item.fields, all) : "";
+        send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
+    }
+
+    WorkOrder order_;
+    int events_;
+    bool broke_ = false;                                            // the solver threw, see answer_chain()
+    std::size_t search_ = 0;                                        // at hand, see WorkOrder::Item
+    double least_upper_ = std::numeric_limits<double>::infinity();  // of its answers
+    std::optional<PeakMemory> memory_;
+    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // of a matrix
+    std::map<std::filesystem::path, std::size_t> last_use_;                   // likewise: the last item
+    PreparedPair shapes_;
+    std::optional<Session> session_;
+};
+
+}  // namespace
+
+int worker_main(int events) {
+    ::fcntl(events, F_SETFD, FD_CLOEXEC);  // no business of programs that a solver starts
+    const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+    WorkOrder order = work_order_from_json(json::parse(text));
+    for (const auto& [file, hash] : order.plugins) {
+        if (sha256_of_file(file) != hash)
+            throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
+        load_plugin(file);
+    }
+    return Worker(std::move(order), events).run();
+}
+
+}  // namespace hausbench

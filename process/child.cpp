@@ -1,0 +1,283 @@
+#include "process/child.h"
+
+#include "process/family.h"
+#include "process/interrupts.h"
+#include "process/memory.h"
+#include "process/watch.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+namespace hausbench {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
+constexpr milliseconds between_looks_at_memory(20);
+
+void write_all(int descriptor, const std::string& text) {
+    for (std::size_t done = 0; done < text.size();) {
+        const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) return;  // it ended early: listen() and wait() report this
+        done += std::size_t(n);
+    }
+}
+
+// The environment of this process, with another TMPDIR if one is given.
+std::vector<std::string> environment_with(const std::string& temporary) {
+    std::vector<std::string> all;
+    if (!temporary.empty()) all.push_back("TMPDIR=" + temporary);
+    for (char** entry = environ; *entry; ++entry) {
+        if (temporary.empty() || std::strncmp(*entry, "TMPDIR=", 7) != 0) all.emplace_back(*entry);
+    }
+    return all;
+}
+
+// As execve() takes it.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+    std::vector<char*> all;
+    for (std::string& text : texts) all.push_back(text.data());
+    all.push_back(nullptr);
+    return all;
+}
+
+}  // namespace
+
+struct Child::Pipes {
+    int feed[2], events[2], output[2];
+
+    Pipes() {
+        std::signal(SIGPIPE, SIG_IGN);
+        if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0)
+            throw std::runtime_error(fmt::format("cannot open a pipe: {}", std::strerror(errno)));
+    }
+};
+
+// `child` does not return. In it only calls that are safe after the fork of a program with threads, unless it is a copy that works.
+void Child::start(Pipes& pipes, const std::function<void()>& child) {
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+    if (launch_.outlives_nothing) watch_group(0);  // it starts before `before_` is looked up, and is spared
+    own_bytes_ = resident_of(::getpid());
+    const pid_t parent = ::getpid();
+    before_ = family_of(parent);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+        ::setpgid(0, 0);
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, and count as its own
+        if (::getppid() != parent) ::_exit(127);
+        ::dup2(pipes.feed[0], STDIN_FILENO);
+        child();
+        ::_exit(127);
+    }
+    const int error = errno;
+    for (const int end : {pipes.feed[0], pipes.events[1], pipes.output[1]}) ::close(end);
+    events_ = pipes.events[0];
+    output_ = pipes.output[0];
+    ::fcntl(output_, F_SETFL, O_NONBLOCK);
+    if (pid_ > 0) {
+        ::setpgid(pid_, pid_);  // both processes call this; the order does not matter
+        if (launch_.outlives_nothing) watch_group(pid_);
+        write_all(pipes.feed[1], launch_.input);
+    }
+    ::close(pipes.feed[1]);
+    if (pid_ > 0) return;
+    ::close(events_);
+    ::close(output_);
+    throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(error)));
+}
+
+Child::Child(Launch launch) : launch_(std::move(launch)) {
+    if (!launch_.scratch.empty()) folder_.emplace(launch_.scratch);
+    const std::string temporary = folder_ ? folder_->path().string() : "";
+    Pipes pipes;
+    if (launch_.work) {
+        std::fflush(nullptr);  // or the copy would write it once more
+        start(pipes, [&] {
+            for (const int end : {pipes.feed[1], pipes.events[0], pipes.output[0]}) ::close(end);
+            ::dup2(launch_.silent ? pipes.output[1] : STDERR_FILENO, STDOUT_FILENO);
+            if (launch_.silent) ::dup2(pipes.output[1], STDERR_FILENO);
+            if (folder_) ::setenv("TMPDIR", temporary.c_str(), 1);
+            const int code = launch_.work(pipes.events[1]);
+            std::fflush(nullptr);
+            ::_exit(code);
+        });
+        return;
+    }
+    std::vector<std::string> words = launch_.command, environment = environment_with(temporary);
+    if (launch_.events) words.push_back(fmt::format("{}", pipes.events[1]));
+    const std::vector<char*> arguments = pointers_to(words), entries = pointers_to(environment);
+    start(pipes, [&] {
+        if (!launch_.folder.empty() && ::chdir(launch_.folder.c_str()) != 0) ::_exit(127);
+        ::dup2(launch_.silent ? ::open("/dev/null", O_WRONLY) : pipes.output[1], STDOUT_FILENO);
+        ::dup2(pipes.output[1], STDERR_FILENO);
+        if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
+        ::signal(SIGPIPE, SIG_DFL);
+        ::execve(arguments[0], arguments.data(), entries.data());
+    });
+}
+
+Child::~Child() {
+    kill();
+    look_for_end(0);
+    ::close(events_);
+    if (output_ >= 0) ::close(output_);
+}
+
+// Reads all output, so that the child never blocks, and keeps only the end. `output_` becomes -1 at the end of the pipe.
+void Child::read_output() {
+    char bytes[1 << 16];
+    while (output_ >= 0) {
+        const ssize_t n = ::read(output_, bytes, sizeof bytes);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0 && errno == EAGAIN) break;
+        if (n <= 0) {
+            ::close(output_);
+            output_ = -1;
+            break;
+        }
+        said_.append(bytes, std::size_t(n));
+        if (said_.size() > 2 * launch_.kept + sizeof bytes) said_.erase(0, said_.size() - launch_.kept);
+    }
+}
+
+const std::string& Child::output() {
+    read_output();
+    if (said_.size() > launch_.kept) said_.erase(0, said_.size() - launch_.kept);
+    return said_;
+}
+
+Child::Heard Child::listen(milliseconds wait, std::string& line) {
+    const auto deadline = Clock::now() + wait;
+    std::size_t searched = 0;
+    for (;;) {
+        if (const std::size_t end = buffer_.find('\n', searched); end != std::string::npos) {
+            line = buffer_.substr(0, end);
+            buffer_.erase(0, end + 1);
+            return Heard::line;
+        }
+        searched = buffer_.size();
+        const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+        pollfd on[2] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}};
+        const int ready = ::poll(on, 2, int(std::max<std::int64_t>(0, left.count())));
+        if (ready <= 0) return Heard::nothing;  // the caller checks for interrupts
+        if (on[1].revents) read_output();
+        if (!on[0].revents) {
+            if (left.count() <= 0) return Heard::nothing;
+            continue;
+        }
+        char bytes[1 << 16];
+        const ssize_t n = ::read(events_, bytes, sizeof bytes);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0 || buffer_.size() > longest_line) return Heard::closed;
+        buffer_.append(bytes, std::size_t(n));
+    }
+}
+
+Child::End Child::wait(const ChildLimits& limits) {
+    const auto begin = Clock::now();
+    auto next_look = begin;
+    End end = End::by_itself;
+    while (!status_) {
+        if (end == End::by_itself) {
+            const auto now = Clock::now();
+            if (HoldInterrupts::came()) end = End::interrupt;
+            if (std::chrono::duration<double>(now - begin).count() >= limits.seconds) end = End::time;
+            if (limits.resident_bytes < std::numeric_limits<std::int64_t>::max() && now >= next_look) {
+                if (resident_bytes() > limits.resident_bytes) end = End::memory;
+                next_look = now + between_looks_at_memory;
+            }
+            if (end != End::by_itself) kill();
+        }
+        ended_within(milliseconds(1));
+    }
+    return end;
+}
+
+// Notices its end within a millisecond, or at once if its output ends with it.
+bool Child::ended_within(milliseconds wait) {
+    const auto deadline = Clock::now() + wait;
+    for (;;) {
+        look_for_end(WNOHANG);
+        if (status_ || Clock::now() >= deadline) return bool(status_);
+        pollfd on{output_, POLLIN, 0};
+        ::poll(&on, 1, 1);
+        read_output();
+    }
+}
+
+void Child::look_for_end(int flags) {
+    if (status_) return;
+    int status = 0;
+    rusage used{};
+    pid_t ended;
+    do ended = ::wait4(pid_, &status, flags, &used);
+    while (ended < 0 && errno == EINTR);
+    if (ended == 0) return;
+    status_ = ended < 0 ? 0 : status;
+    const std::int64_t peak = std::int64_t(used.ru_maxrss) * 1024;
+    if (peak > own_bytes_ + (1 << 20)) peak_bytes_ = peak;
+    if (launch_.outlives_nothing) watch_group(0);
+    ::kill(-pid_, SIGKILL);  // the rest of its group
+    end_family(before_);     // and processes that left the group
+    read_output();           // its last; the pipe may have no end yet
+}
+
+void Child::kill() {
+    if (status_) return;
+    const std::vector<pid_t> family = family_of(pid_);
+    ::kill(-pid_, SIGKILL);                                     // its process group
+    for (const pid_t member : family) ::kill(member, SIGKILL);  // the child first: its group may not exist yet
+}
+
+std::string Child::how_it_ended() {
+    look_for_end(0);
+    if (const auto number = signal()) return fmt::format("signal {} ({})", *number, ::strsignal(*number));
+    return exit_code() == 0 ? "" : fmt::format("exit code {}", exit_code());
+}
+
+std::optional<int> Child::signal() const {
+    return status_ && WIFSIGNALED(*status_) ? std::optional<int>(WTERMSIG(*status_)) : std::nullopt;
+}
+
+int Child::exit_code() const { return status_ ? WEXITSTATUS(*status_) : 0; }
+
+std::int64_t Child::resident_bytes() const {
+    std::int64_t all = 0;
+    for (const pid_t member : family_of(pid_)) all += resident_of(member);
+    return all;
+}
+
+std::string Child::last_words(std::size_t characters) {
+    const std::string& said = output();
+    std::string text = said.substr(said.size() - std::min(said.size(), characters));
+    for (char& c : text) {
+        if (c == '\n')
+            c = ' ';
+        else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126)
+            c = '?';  // a byte that is no text
+    }
+    const auto begin = text.find_first_not_of(' ');
+    const auto last = text.find_last_not_of(' ');
+    return begin == std::string::npos ? "" : text.substr(begin, last - begin + 1);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,90 @@
+// A process of its own, with all that it starts: the one place where processes are started, listened to, limited and ended.
+#pragma once
+
+#include "process/scratch.h"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace hausbench {
+
+struct Launch {
+    std::vector<std::string> command;  // the program, by its path, and its arguments; or ...
+    // ... what a copy of this process does (fork), and its exit code. Only in a process without other threads.
+    std::function<int(int events)> work;
+    std::filesystem::path folder;  // where it runs; empty: here
+    std::string input;             // its standard input; empty: none
+    bool events = false;           // a pipe for its lines; the number of its end is the last argument
+    bool silent = false;           // its standard output goes nowhere; the output that is kept is that of errors
+    std::size_t kept = 4096;       // characters of the end of its output
+    std::string scratch;           // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
+    bool outlives_nothing = false;  // its process group ends even where this process is killed by SIGKILL; one child at a time
+};
+
+struct ChildLimits {
+    double seconds = std::numeric_limits<double>::infinity();  // by the clock, from the call of wait()
+    std::int64_t resident_bytes = std::numeric_limits<std::int64_t>::max();
+};
+
+// It runs in a process group of its own, so that Ctrl-C at the terminal reaches only this process. It ends with this process, and
+// with it all its descendants, even those that left the group: this process becomes a subreaper (prctl), so they are found.
+class Child {
+public:
+    // Throws InputError where its scratch folder, std::runtime_error where the process cannot be made.
+    explicit Child(Launch launch);
+    ~Child();  // kills it if it still runs
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    enum class Heard { line, nothing, closed };
+
+    // Waits up to `wait` for the next line of its events.
+    Heard listen(std::chrono::milliseconds wait, std::string& line);
+
+    // Waits for its end, and kills it at a limit or at a deferred interrupt (interrupts.h).
+    enum class End { by_itself, time, memory, interrupt };
+    End wait(const ChildLimits& limits);
+    bool ended_within(std::chrono::milliseconds wait);
+
+    void kill();  // the process and its descendants
+
+    // How it ended: "" for exit code 0, else "signal 11 (Segmentation fault)" or "exit code 3". Waits for it.
+    std::string how_it_ended();
+    std::optional<int> signal() const;  // once it has ended
+    int exit_code() const;              // likewise
+
+    std::int64_t resident_bytes() const;  // of it and its descendants; 0 if it has ended
+
+    // Peak resident set of the largest of its processes, once it has ended; -1 if that is below what this process had when it
+    // started it, which the kernel counts too.
+    std::int64_t peak_bytes() const { return peak_bytes_; }
+
+    // The end of its output.
+    const std::string& output();
+    std::string last_words(std::size_t characters = 400);  // on one line, as ASCII
+
+private:
+    struct Pipes;
+    void start(Pipes& pipes, const std::function<void()>& child);
+    void read_output();
+    void look_for_end(int flags);
+
+    Launch launch_;
+    std::optional<ScratchFolder> folder_;
+    pid_t pid_ = -1;
+    int events_ = -1, output_ = -1;
+    std::string buffer_, said_;  // events not yet returned; the end of its output
+    std::vector<pid_t> before_;  // this process and its descendants from before
+    std::int64_t own_bytes_ = 0, peak_bytes_ = -1;
+    std::optional<int> status_;
+};
+
+}  // namespace hausbench

@@ -1,0 +1,44 @@
+#include "process/family.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+namespace hausbench {
+
+std::vector<pid_t> family_of(pid_t process) {
+    std::vector<pid_t> all{process};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const pid_t parent = all[i];
+        // The kernel lists a child under the thread that started it.
+        std::error_code gone;
+        for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
+             !gone && thread != end; thread.increment(gone)) {
+            std::ifstream children(thread->path() / "children");
+            for (pid_t child = 0; children >> child;) all.push_back(child);
+        }
+    }
+    return all;
+}
+
+void end_family(const std::vector<pid_t>& spared) {
+    // For a second; a process blocked in the kernel dies when its call returns.
+    for (int tries = 0; tries < 1000; ++tries) {
+        bool any = false;
+        for (const pid_t member : family_of(::getpid())) {
+            if (member == ::getpid() || std::find(spared.begin(), spared.end(), member) != spared.end()) continue;
+            any = true;
+            ::kill(member, SIGKILL);
+            ::waitpid(member, nullptr, WNOHANG);  // if it is a child of this process and has ended
+        }
+        if (!any) return;
+        ::usleep(1000);
+    }
+}
+
+}  // namespace hausbench

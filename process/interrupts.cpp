@@ -1,0 +1,42 @@
+#include "process/interrupts.h"
+
+#include <array>
+#include <csignal>
+
+namespace hausbench {
+
+namespace {
+
+constexpr std::array<int, 2> held_signals = {SIGINT, SIGTERM};
+
+int holders = 0;
+volatile std::sig_atomic_t signal_that_came = 0;
+std::array<struct sigaction, held_signals.size()> actions_before;
+
+}  // namespace
+
+HoldInterrupts::HoldInterrupts() {
+    if (holders++ > 0) return;
+    signal_that_came = 0;
+    for (std::size_t i = 0; i < held_signals.size(); ++i) {
+        ::sigaction(held_signals[i], nullptr, &actions_before[i]);
+        if (actions_before[i].sa_handler != SIG_DFL) continue;  // ignored, or somebody else's
+        struct sigaction action {};
+        action.sa_handler = [](int number) { signal_that_came = number; };
+        ::sigaction(held_signals[i], &action, nullptr);
+    }
+}
+
+HoldInterrupts::~HoldInterrupts() {
+    if (--holders > 0) return;
+    for (std::size_t i = 0; i < held_signals.size(); ++i) {
+        if (actions_before[i].sa_handler == SIG_DFL) ::sigaction(held_signals[i], &actions_before[i], nullptr);
+    }
+    if (const int number = signal_that_came) ::raise(number);
+}
+
+bool HoldInterrupts::came() { return signal_that_came != 0; }
+
+void HoldInterrupts::handled() { signal_that_came = 0; }
+
+}  // namespace hausbench

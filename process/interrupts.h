@@ -1,0 +1,19 @@
+// The one way to be interrupted: by Ctrl-C, or by a signal that asks this process to end.
+#pragma once
+
+namespace hausbench {
+
+// While an instance exists, SIGINT (Ctrl-C) and SIGTERM are deferred; poll came() and stop. The last instance to be
+// destroyed delivers the signal, unless somebody said that it is handled. For one thread.
+class HoldInterrupts {
+public:
+    HoldInterrupts();
+    ~HoldInterrupts();
+    HoldInterrupts(const HoldInterrupts&) = delete;
+    HoldInterrupts& operator=(const HoldInterrupts&) = delete;
+
+    static bool came();
+    static void handled();  // it came, and what it asks for is done: it is not delivered
+};
+
+}  // namespace hausbench

@@ -1,0 +1,29 @@
+// Folders for files that live as long as a computation, and what keeps them from being left behind.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace hausbench {
+
+// A folder of its own, TMPDIR/hausbench-KIND-XXXXXX, removed with this object. A lock marks it as used, and ends with this
+// process, however that ends: the first folder that a process makes first removes those that nobody holds.
+class ScratchFolder {
+public:
+    // Throws InputError where none can be made or locked, and then leaves none behind.
+    explicit ScratchFolder(std::string_view kind);
+    ~ScratchFolder();
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    bool try_to_make(std::string pattern);
+
+    std::filesystem::path path_;
+    int lock_ = -1;
+};
+
+}  // namespace hausbench

@@ -1,0 +1,12 @@
+// What ends a process group if this process is killed and cannot.
+#pragma once
+
+#include <sys/types.h>
+
+namespace hausbench {
+
+// From now on this group, alone, is killed when this process ends, for whatever reason; 0: none. The first call starts a shell that waits
+// for that: all groups share it, since starting it would count in the times of what runs in them.
+void watch_group(pid_t group);
+
+}  // namespace hausbench
