@@ -26,7 +26,8 @@ struct Launch {
     bool silent = false;           // its standard output goes nowhere; the output that is kept is that of errors
     std::size_t kept = 4096;       // characters of the end of its output
     std::string scratch;           // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
-    bool outlives_nothing = false;  // its process group ends even where this process is killed by SIGKILL; one child at a time
+    bool outlives_nothing =
+        false;  // its process group ends even where this process is killed by SIGKILL; one child at a time
 };
 
 struct ChildLimits {

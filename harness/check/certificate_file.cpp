@@ -27,13 +27,8 @@ constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
-json model_json(const CertificateFile::Model& m) {
-    return {{"file", m.file}, {"sha256", m.sha256}, {"pose", pose_json(m.pose)}};
-}
-CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), pose_of(j.at("pose"))}; }
-
-json point_json(const Vec3& p) { return {number(p[0]), number(p[1]), number(p[2])}; }
-Vec3 point_of(const json& j) { return {number(j.at(0)), number(j.at(1)), number(j.at(2))}; }
+json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
+CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), j.at("pose")}; }
 
 template <class E> E named(const json& name, std::initializer_list<E> all) {
     for (E one : all) {
@@ -64,8 +59,8 @@ json header(const CertificateFile& c) {
             {"upper", number(c.bounds.upper)},
             {"witness",
              {{"direction", to_string(c.witness.direction)},
-              {"source_point", point_json(c.witness.source_point)},
-              {"target_point", point_json(c.witness.target_point)},
+              {"source_point", c.witness.source_point},
+              {"target_point", c.witness.target_point},
               {"source_element", c.witness.source_element},
               {"target_element", c.witness.target_element}}},
             {"certificates", std::move(certificates)}};
@@ -85,8 +80,8 @@ CertificateFile parse(const std::string& bytes) {
     c.tolerance_of = j.at("tolerance_of");
     c.bounds = {number(j.at("lower")), number(j.at("upper"))};
     const json& w = j.at("witness");
-    c.witness = {point_of(w.at("source_point")), point_of(w.at("target_point")), w.at("source_element"),
-                 w.at("target_element"), direction_of(w.at("direction"))};
+    c.witness = {w.at("source_point"), w.at("target_point"), w.at("source_element"), w.at("target_element"),
+                 direction_of(w.at("direction"))};
     std::size_t at = end + 1;
     for (const json& one : j.at("certificates")) {
         const std::size_t size = one.at("bytes").get<std::uint64_t>();
@@ -106,8 +101,7 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
     if (hash == model.sha256) return;
     throw InputError(
         fmt::format("{}: this is not the shape that the certificate is about: its coordinates and indices have the "
-                    "SHA-256 {}, not {}; "
-                    "give the file that was measured as {}",
+                    "SHA-256 {}, not {}; give the file that was measured as {}",
                     model.file, hash, model.sha256, name));
 }
 

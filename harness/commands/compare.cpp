@@ -23,10 +23,9 @@ std::string compare(const std::vector<std::filesystem::path>& files, const std::
 void add_compare(CLI::App& app, int&) {
     static std::vector<std::filesystem::path> files;
     static std::vector<std::string> solvers;
-    auto* verb = app.add_subcommand(
-        "compare",
-        "compare two results case by case: differing answers first, then ratios of times with intervals; or, with "
-        "--solver, two solvers of one result");
+    auto* verb = app.add_subcommand("compare",
+                                    "compare two results case by case: differing answers first, then ratios of times "
+                                    "with intervals; or, with --solver, two solvers of one result");
     verb->add_option("results", files, "two result files (.h5), the base first; or one with --solver")->required();
     verb->add_option("--solver", solvers,
                      "two solvers of one result, paired by scene, pose and tolerance: labels, or \"guthe(samples=8)\"")

@@ -56,12 +56,11 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched,
                         base.rows.size() - matched, candidate.rows.size() - matched);
     text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
-    text +=
-        fmt::format(
-            "time of the second / time of the first, median of paired repeats [interval], CPU or wall time ({} cases "
-            "without times)\n",
-            untimed) +
-        table;
+    text += fmt::format(
+                "time of the second / time of the first, median of paired repeats [interval], CPU or wall time ({} "
+                "cases without times)\n",
+                untimed) +
+            table;
     if (!all.empty()) text += fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), geometric_mean(all));
     return text;
 }

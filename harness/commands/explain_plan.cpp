@@ -134,13 +134,6 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
 
 }  // namespace
 
-double estimate_seconds(const Plan& plan, const fs::path& results) {
-    const Memory memory(results);
-    double total = 0;
-    for (const Job& job : plan.jobs) total += estimate(plan, job, memory).seconds;
-    return total;
-}
-
 std::string explain(const Plan& plan, const fs::path& results) {
     const Memory memory(results);
     const Experiment& e = plan.experiment;

@@ -13,7 +13,4 @@ namespace hausbench {
 // is |A| |B| distances for naive and k (|A| + |B|) for the others.
 std::string explain(const Plan& plan, const std::filesystem::path& results);
 
-// The whole run's seconds, as explain prints them.
-double estimate_seconds(const Plan& plan, const std::filesystem::path& results);
-
 }  // namespace hausbench

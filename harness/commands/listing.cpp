@@ -241,11 +241,10 @@ std::string one_model(const json& m, const Paper& paper) {
 
 std::string screen(const json& all, const Paper& paper) {
     std::string text = solvers_text(all, paper);
-    text +=
-        wrapped(fmt::format("{} experiments and {} models: `hausbench list experiments`, `list models`; `list NAME` "
-                            "says all of one solver, experiment or model, `list columns` what results hold",
-                            all["experiments"].size(), all["models"].size()),
-                0, paper.width);
+    text += wrapped(fmt::format("{} experiments and {} models: `hausbench list experiments`, `list models`; `list "
+                                "NAME` says all of one solver, experiment or model, `list columns` what results hold",
+                                all["experiments"].size(), all["models"].size()),
+                    0, paper.width);
     return text;
 }
 

@@ -3,6 +3,7 @@
 
 #include "commands/verb.h"
 #include "error.h"
+#include "record/json.h"
 
 #include <fmt/format.h>
 
@@ -18,15 +19,8 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
         const auto equals = text.find('=');
         if (equals == std::string::npos) throw InputError(fmt::format("--set {}: write it as name=value", text));
         const auto value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
-        ParameterValue& to = parameters[text.substr(0, equals)];
-        if (value.is_boolean())
-            to = value.get<bool>();
-        else if (value.is_number_integer())
-            to = value.get<std::int64_t>();
-        else if (value.is_number())
-            to = value.get<double>();
-        else
-            to = text.substr(equals + 1);
+        const bool plain = value.is_boolean() || value.is_number();
+        parameters[text.substr(0, equals)] = plain ? value.get<ParameterValue>() : text.substr(equals + 1);
     }
     return parameters;
 }
@@ -40,10 +34,9 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
         "see `hausbench list` (default: cover for meshes, scan for points, surface_enclosure for surfaces)");
     verb->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
         ->capture_default_str();
-    verb->add_option(
-            "--of", request.of,
-            "diagonal, longest: a fraction of the diagonal or of the longest side of A's box; absolute: a length in "
-            "the files' unit; lower: a fraction of the lower bound")
+    verb->add_option("--of", request.of,
+                     "diagonal, longest: a fraction of the diagonal or of the longest side of A's box; absolute: a "
+                     "length in the files' unit; lower: a fraction of the lower bound")
         ->capture_default_str()
         ->check([](const std::string& of) {
             return std::find(tolerance_units.begin(), tolerance_units.end(), of) != tolerance_units.end()
@@ -53,25 +46,23 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--symmetric", request.symmetric,
                    "h(A,B), h(B,A), each to the full tolerance, and H(A,B), the larger of the two");
     verb->add_flag("--penetration", request.penetration,
-                   "instead of a distance, how deep two closed meshes are in each other: the deepest pair of "
-                   "points, of the volume that they have in common");
+                   "instead of a distance, how deep two closed meshes are in each other: the deepest pair of points, "
+                   "of the volume that they have in common");
     verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
     verb->add_option("--cutoff", request.cutoff,
-                     "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 "
-                     "if it is above, 3 if that is open; --time-limit is then 10 unless it is given");
+                     "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 if it "
+                     "is above, 3 if that is open; --time-limit is then 10 unless it is given");
     verb->add_option("--time-limit", request.time_limit,
-                     "seconds for preparing, and as many for solving; the bounds hold also when it is reached. "
-                     "A solver that goes on is "
-                     "killed after a tenth more, and at least 1 s");
+                     "seconds for preparing, and as many for solving; the bounds hold also when it is reached. A "
+                     "solver that goes on is killed after a tenth more, and at least 1 s");
     verb->add_flag("--in-process", request.in_process,
                    "solve in this process, for debuggers: a solver that hangs or crashes then takes it along");
     verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
         ->check(CLI::Range(1, 1024));
-    verb->add_option(
-        "--fields", request.fields,
-        "write A with the distance of each vertex to B and its nearest element, and what the solver knows of each "
-        "element, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView); with --symmetric too they are "
-        "those of h(A,B)");
+    verb->add_option("--fields", request.fields,
+                     "write A with the distance of each vertex to B and its nearest element, and what the solver knows "
+                     "of each element, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView); with "
+                     "--symmetric too they are those of h(A,B)");
     verb->add_option("--certificate", request.certificate,
                      "write a proof of the upper bound, from a second run, into this file, for `verify --certificate`");
     verb->add_flag("--json", json, "print one JSON object");

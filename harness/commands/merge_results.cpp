@@ -70,74 +70,95 @@ std::string both_shards(const std::string& one, const std::string& other) {
     return text;
 }
 
-}  // namespace
+class Merger {
+public:
+    Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
+        for (std::size_t i = 0; i < merged_.rows.size(); ++i) places_[place_of(merged_.rows[i].asked)].push_back(i);
+    }
 
-ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
-    ResultFile merged = read_result(files.front());
-    std::map<std::string, std::vector<std::size_t>> places;
-    for (std::size_t i = 0; i < merged.rows.size(); ++i) places[place_of(merged.rows[i].asked)].push_back(i);
-    for (std::size_t f = 1; f < files.size(); ++f) {
-        const ResultFile next = read_result(files[f]);
-        const auto refuse = [&](const std::string& what) {
-            throw InputError(fmt::format("{} and {}: {}", files.front().string(), files[f].string(), what));
-        };
+    void add(const ResultFile& next, const fs::path& file, bool any_build) {
+        file_ = file;
         for (const char* name : {"stem", "profile", "experiment_toml"}) {
-            if (next.texts.at(name) != merged.texts.at(name))
+            if (next.texts.at(name) != merged_.texts.at(name))
                 refuse(fmt::format("their {} differs: merge results of one experiment", name));
         }
         for (const char* name : {"build", "machine"}) {
-            if (!any_build && next.texts.at(name) != merged.texts.at(name)) {
+            if (!any_build && next.texts.at(name) != merged_.texts.at(name)) {
                 refuse(fmt::format(
                     "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
             }
         }
-        merged.texts["shard"] = both_shards(merged.texts["shard"], next.texts.at("shard"));
-        merged.texts["started"] = std::min(merged.texts["started"], next.texts.at("started"));
-        merged.texts["finished"] = std::max(merged.texts["finished"], next.texts.at("finished"));
-        for (const Row& row : next.rows) {
-            std::vector<std::size_t>& here = places[place_of(row.asked)];
-            bool found = false;
-            for (std::size_t i : here) {
-                Row& mine = merged.rows[i];
-                if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
-                found = true;
-                const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
-                if (!was_run(row.outcome)) {
-                    // what is there stays
-                } else if (!was_run(mine.outcome)) {
-                    mine = row;
-                } else if (mine.asked.identity != row.asked.identity) {
-                    refuse(fmt::format("they asked for different things at {}: another model, program or limit",
-                                       name_of(row.asked)));
-                } else if (!same_answer(mine.outcome, row.outcome)) {
-                    refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
-                                       to_string(mine.outcome.status), mine.outcome.bounds.lower,
-                                       mine.outcome.bounds.upper, to_string(row.outcome.status),
-                                       row.outcome.bounds.lower, row.outcome.bounds.upper));
-                }
-                mine.asked.profile = profiles;
-            }
-            if (found) continue;
-            here.push_back(merged.rows.size());
-            merged.rows.push_back(row);
-        }
+        merged_.texts["shard"] = both_shards(merged_.texts["shard"], next.texts.at("shard"));
+        merged_.texts["started"] = std::min(merged_.texts["started"], next.texts.at("started"));
+        merged_.texts["finished"] = std::max(merged_.texts["finished"], next.texts.at("finished"));
+        for (const Row& row : next.rows) add(row);
         for (const ModelRecord& model : next.models) {
             const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
-            if (std::none_of(merged.models.begin(), merged.models.end(), same)) merged.models.push_back(model);
+            if (std::none_of(merged_.models.begin(), merged_.models.end(), same)) merged_.models.push_back(model);
         }
-        for (const LedgerEntry& entry : next.ledger) {
-            const auto same = [&](const LedgerEntry& l) {
-                return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what &&
-                       l.profile == entry.profile;
-            };
-            const auto at = std::find_if(merged.ledger.begin(), merged.ledger.end(), same);
-            if (at == merged.ledger.end())
-                merged.ledger.push_back(entry);
-            else if (std::isnan(at->seconds_saved))
-                at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+        for (const LedgerEntry& entry : next.ledger) add(entry);
+    }
+
+    ResultFile merged() { return std::move(merged_); }
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const {
+        throw InputError(fmt::format("{} and {}: {}", first_.string(), file_.string(), what));
+    }
+
+    void add(const Row& row) {
+        std::vector<std::size_t>& here = places_[place_of(row.asked)];
+        bool found = false;
+        for (std::size_t i : here) {
+            Row& mine = merged_.rows[i];
+            if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
+            found = true;
+            const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
+            if (was_run(row.outcome)) join(mine, row);
+            mine.asked.profile = profiles;
+        }
+        if (found) return;
+        here.push_back(merged_.rows.size());
+        merged_.rows.push_back(row);
+    }
+
+    void join(Row& mine, const Row& row) const {
+        const Outcome &a = mine.outcome, &b = row.outcome;
+        if (!was_run(a)) {
+            mine = row;
+        } else if (mine.asked.identity != row.asked.identity) {
+            refuse(fmt::format("they asked for different things at {}: another model, program or limit",
+                               name_of(row.asked)));
+        } else if (!same_answer(a, b)) {
+            refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
+                               to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status), b.bounds.lower,
+                               b.bounds.upper));
         }
     }
-    return merged;
+
+    void add(const LedgerEntry& entry) {
+        const auto same = [&](const LedgerEntry& l) {
+            return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what &&
+                   l.profile == entry.profile;
+        };
+        const auto at = std::find_if(merged_.ledger.begin(), merged_.ledger.end(), same);
+        if (at == merged_.ledger.end())
+            merged_.ledger.push_back(entry);
+        else if (std::isnan(at->seconds_saved))
+            at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+    }
+
+    ResultFile merged_;
+    fs::path first_, file_;
+    std::map<std::string, std::vector<std::size_t>> places_;
+};
+
+}  // namespace
+
+ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
+    Merger merger(read_result(files.front()), files.front());
+    for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
+    return merger.merged();
 }
 
 std::string missing_shards(const ResultFile& merged) {

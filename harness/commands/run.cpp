@@ -40,10 +40,9 @@ int run(const RunArguments& arguments) {
 
 void add_run(CLI::App& app, int& code) {
     static RunArguments arguments;
-    auto* verb = app.add_subcommand(
-        "run",
-        "run an experiment and write its results; resumes an interrupted run; exit code 1 if a row is unsound that the "
-        "experiment does not expect to be");
+    auto* verb = app.add_subcommand("run",
+                                    "run an experiment and write its results; resumes an interrupted run; exit code 1 "
+                                    "if a row is unsound that the experiment does not expect to be");
     take_experiment(verb, arguments);
     verb->add_option("--results", arguments.results,
                      "folder for the result file (default: results of the project, or of the working directory)");
@@ -52,9 +51,9 @@ void add_run(CLI::App& app, int& code) {
     verb->add_flag("--fresh", arguments.fresh, "start over: discard the finished cases of an earlier run");
     verb->add_flag("--any-build", arguments.any_build,
                    "keep rows that were measured by another build or on another machine");
-    verb->add_flag("--leave-nothing-out", arguments.choice.leave_nothing_out,
-                   "run every tolerance and build every structure, into STEM.everything.h5: to check that no answer "
-                   "changes");
+    verb->add_flag(
+        "--leave-nothing-out", arguments.choice.leave_nothing_out,
+        "run every tolerance and build every structure, into STEM.everything.h5: to check that no answer changes");
     verb->add_flag("--quiet", arguments.quiet, "show no progress");
     take_plugins(verb);
     verb->callback([&code] { code = run(arguments); });

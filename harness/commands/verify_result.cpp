@@ -29,15 +29,15 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& mani
         if (good.content_hash != model.sha256 && catalogue.find(model.name).source == "file") {
             const ModelInfo& info = catalogue.find(model.name);
             throw InputError(
-                fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} "
-                            "then, {} now): put that file back, or run the experiment again",
+                fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} then, {} "
+                            "now): put that file back, or run the experiment again",
                             model.name, (info.folder / info.path).string(), model.sha256, good.content_hash));
         }
         if (good.content_hash != model.sha256) {
-            throw InputError(fmt::format(
-                "model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
-                "made with",
-                model.name, model.sha256, good.content_hash));
+            throw InputError(
+                fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the "
+                            "result was made with",
+                            model.name, model.sha256, good.content_hash));
         }
         shapes[model.name] = read_shape(good.shape_file).shape;
     }

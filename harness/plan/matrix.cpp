@@ -126,7 +126,7 @@ void join_matrices(Plan& plan) {
         }
         // Chains of several tolerances stay apart, so that a pair's cases stand together.
         const bool chains = first.warm || scene.search;
-        const Key key{scene.matrix,  first.label, options_json(first.options).dump(), first.quantity,
+        const Key key{scene.matrix,  first.label, nlohmann::json(first.options).dump(), first.quantity,
                       first.threads, first.warm,  chains ? first.tolerance : 0};
         const auto [at, fresh] = number.emplace(key, groups.size());
         if (fresh) groups.emplace_back();

@@ -5,15 +5,14 @@
 #include "hash.h"
 #include "plan/command_files.h"
 #include "plan/matrix.h"
+#include "plan/scene_models.h"
 #include "registry.h"
 #include "session.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -21,18 +20,6 @@
 namespace hausbench {
 
 namespace {
-
-struct ScenePose {
-    Pose source, target;
-};
-
-struct SceneModels {
-    std::variant<ResolvedModel, MissingModel> source, target;
-    std::vector<ScenePose> poses{ScenePose{}};
-    double source_largest = 0, target_largest = 0;  // |coordinate|, where one of them moves
-    std::string missing;                            // why it cannot run, empty if it can
-    RowStatus row = RowStatus::skipped;             // the status of its rows then
-};
 
 void check_choice(const std::vector<std::string>& chosen, const std::vector<std::string>& known,
                   const std::string& what) {
@@ -56,11 +43,23 @@ bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
     return chosen(choice, scene.name) || (!group_of(scene).empty() && chosen(choice, group_of(scene)));
 }
 
+// A solver with its parameters on a scene, and what its cases have in common.
+struct SolverOnScene {
+    const ScenePlan& scene;
+    const SceneModels& models;
+    const SolverPlan& solver;
+    const ParameterMap& given;
+    const SolverEntry* entry = nullptr;   // null: it is not built
+    std::optional<Outcome> decided = {};  // where there is nothing to run
+    std::vector<double> tolerances = {};  // the finest first
+    Case common = {};
+};
+
 class Planner {
 public:
     Planner(const Experiment& experiment, const Catalogue& catalogue,
             const std::function<void(const std::string&)>& say)
-        : catalogue_(catalogue), say_(say) {
+        : catalogue_(catalogue), models_(catalogue, say) {
         plan_.experiment = experiment;
     }
 
@@ -91,7 +90,7 @@ public:
         catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             if (!chosen(choice.scenes, experiment.scenes[i])) continue;
-            const SceneModels models = resolve(experiment.scenes[i]);
+            const SceneModels models = models_.find(experiment.scenes[i]);
             for (const SolverPlan& solver : experiment.solvers) {
                 const auto& on = solver.scenes;
                 if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i])) continue;
@@ -99,148 +98,122 @@ public:
             }
         }
         if (plan_.cases.empty()) refuse_empty();
+        plan_.models = models_.found();
         join_matrices(plan_);
         check_identities();
         return std::move(plan_);
     }
 
 private:
-    std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) {
-        if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
-        say_(fmt::format("model {}", name));
-        auto result = catalogue_.resolve(name);
-        if (const auto* good = std::get_if<ResolvedModel>(&result))
-            plan_.models.push_back({&catalogue_.find(name), *good});
-        return resolved_[name] = std::move(result);
-    }
-
-    SceneModels resolve(const ScenePlan& scene) {
-        SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, 0, 0, "", RowStatus::skipped};
-        try {
-            models.source = resolve(scene.source);
-            models.target = resolve(scene.target);
-            for (const auto* side : {&models.source, &models.target}) {
-                if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
-            }
-            if (models.missing.empty()) {
-                move(scene, models);
-            }
-        } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
-            models.missing = error.what();
-            models.row = RowStatus::failed;
-        }
-        return models;
-    }
-
-    // A static side has the identity beside every pose of the other; two that move have as many poses (experiment.cpp).
-    static void move(const ScenePlan& scene, SceneModels& models) {
-        if (!moves(scene.motion) && !moves(scene.target_motion)) return;
-        const auto side = [&](const Motion& motion, const auto& model, Pose ScenePose::*pose) {
-            const Shape shape = read_shape(std::get<ResolvedModel>(model).shape_file).shape;
-            if (moves(motion)) {
-                const auto moved = poses_of(motion, shape);
-                models.poses.resize(moved.size());
-                for (std::size_t p = 0; p < moved.size(); ++p) models.poses[p].*pose = moved[p];
-            }
-            return kind_of(shape) == ShapeKind::surface ? 0.0 : magnitude(points_of(shape));
-        };
-        models.source_largest = side(scene.motion, models.source, &ScenePose::source);
-        models.target_largest = side(scene.target_motion, models.target, &ScenePose::target);
-    }
-
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
-        const Experiment& experiment = plan_.experiment;
-        const ScenePlan& scene = experiment.scenes[scene_number];
-        std::optional<Outcome> decided;  // where there is nothing to run
-        const auto decide = [&](RowStatus status, const std::string& reason) {
-            decided.emplace();
-            decided->status = status;
-            decided->reason = reason;
-        };
-        const SolverEntry* entry = nullptr;
-        for (const NotBuilt& absent : solvers_not_built()) {
-            if (absent.name != solver.name) continue;
-            decide(RowStatus::not_built, absent.reason);
+        const SolverOnScene one = look_at(plan_.experiment.scenes[scene_number], models, solver, given);
+        const std::string label = fmt::format("{} on {}", shown(one.common), one.scene.name);
+        std::size_t run = 0;
+        for (Job& job : add_cases(one)) {
+            if (job.cases.empty()) continue;
+            run += job.cases.size();
+            job.scene = scene_number;
+            job.label = label;
+            const auto &source = std::get<ResolvedModel>(models.source),
+                       &target = std::get<ResolvedModel>(models.target);
+            const QuerySet queries = queries_of(one, job);
+            job.pairs.push_back({source.shape_file, target.shape_file, queries, job.cases.size()});
+            if (queries.target_copied) note_copies(label, queries, models);
+            plan_.jobs.push_back(std::move(job));
         }
-        if (!decided) entry = &find_solver(solver.name);
-        if (!decided && !models.missing.empty()) decide(models.row, models.missing);
-        const auto* source = std::get_if<ResolvedModel>(&models.source);
-        const auto* target = std::get_if<ResolvedModel>(&models.target);
-        if (!decided) {
-            const std::string no = refusal(entry->info, source->kind, target->kind, solver.quantity);
-            if (!no.empty()) decide(RowStatus::skipped, no);
-        }
-        // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
-        const CommandFiles files = entry ? files_of(*entry, given) : CommandFiles{};
-        if (!decided && !files.missing.empty()) decide(RowStatus::skipped, files.missing);
+        note(label, one.entry, one.decided, models.poses.size() * one.tolerances.size(), run);
+    }
 
-        std::vector<double> tolerances = solver.tolerances;
-        std::sort(tolerances.begin(), tolerances.end());  // the finest first
-        Case common = without_pose(scene, models, solver, entry, given);
-        common.program_sha256 = files.sha256;
-        const auto copies = [&](double tolerance) {
-            return !decided && copies_targets(*entry, common, tolerance, models, source->kind, target->kind);
+    // Decides what can be known before anything runs.
+    SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
+                          const ParameterMap& given) {
+        SolverOnScene one{scene, models, solver, given};
+        const auto decide = [&](RowStatus status, const std::string& reason) {
+            if (one.decided || reason.empty()) return;
+            one.decided.emplace();
+            one.decided->status = status;
+            one.decided->reason = reason;
         };
+        for (const NotBuilt& absent : solvers_not_built()) {
+            if (absent.name == solver.name) decide(RowStatus::not_built, absent.reason);
+        }
+        if (!one.decided) one.entry = &find_solver(solver.name);
+        decide(models.row, models.missing);
+        if (!one.decided)
+            decide(RowStatus::skipped, refusal(one.entry->info, std::get<ResolvedModel>(models.source).kind,
+                                               std::get<ResolvedModel>(models.target).kind, solver.quantity));
+        // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
+        const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
+        decide(RowStatus::skipped, files.missing);
+        one.tolerances = solver.tolerances;
+        std::sort(one.tolerances.begin(), one.tolerances.end());  // the finest first
+        one.common = without_pose(scene, models, solver, one.entry, given);
+        one.common.program_sha256 = files.sha256;
+        return one;
+    }
+
+    // Adds a case for each pose and tolerance. Returns the jobs that run them, without their pairs: one; but a chain of warm cases has
+    // a job of its own, as it is run from its head on, in the order of the poses. So has a search at each tolerance. Pairs that cannot be
+    // run are no part of it: no answer depends on them.
+    std::vector<Job> add_cases(const SolverOnScene& one) {
+        const ScenePlan& scene = one.scene;
+        const std::vector<double>& tolerances = one.tolerances;
         // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
-        const bool reads_trace = entry && !scene.search && reads_finer(*entry, solver) &&
-                                 (!copies(tolerances.front()) || copies(tolerances.back()));
-        // A chain of warm cases has a job of its own: it is run from its head on, in the order of the poses. So has a search at each
-        // tolerance. Pairs that cannot be run are no part of it: no answer depends on them.
-        const bool chained = solver.warm || (scene.search && !decided);
+        const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver) &&
+                                 (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
+        const bool chained = one.solver.warm || (scene.search && !one.decided);
         std::vector<Job> jobs(chained ? tolerances.size() : 1);
         std::vector<std::string> alone;
-        auto& before = scene.search ? searches_[{scene.matrix, scene.source, &given}] : alone;
+        auto& before = scene.search ? searches_[{scene.matrix, scene.source, &one.given}] : alone;
         before.resize(tolerances.size());
-        for (std::size_t p = 0; p < models.poses.size(); ++p) {
+        for (std::size_t p = 0; p < one.models.poses.size(); ++p) {
             std::size_t finest = 0;
             for (std::size_t t = 0; t < tolerances.size(); ++t) {
-                Case asked = common;
+                Case asked = one.common;
                 asked.pose_index = int(p);
                 if (!scene.frames.empty()) asked.frame = scene.frames[p];
-                asked.pose = models.poses[p].source;
-                asked.target_pose = models.poses[p].target;
+                asked.pose = one.models.poses[p].source;
+                asked.target_pose = one.models.poses[p].target;
                 asked.tolerance = tolerances[t];
                 if (chained) asked.chain = before[t];
                 asked.identity = identify(asked);
                 if (chained) before[t] = asked.identity;
                 const std::size_t row = plan_.cases.size();
                 plan_.cases.push_back(std::move(asked));
-                if (decided) {
-                    plan_.decided[row] = *decided;
+                if (one.decided) {
+                    plan_.decided[row] = *one.decided;
                 } else if (t > 0 && reads_trace) {
-                    plan_.read_off(row, {finest, entry->info.ignores_tolerance});
+                    plan_.read_off(row, {finest, one.entry->info.ignores_tolerance});
                 } else {
                     if (t == 0) finest = row;
                     jobs[chained ? t : 0].cases.push_back(row);
                 }
             }
         }
-        const std::string label = fmt::format("{} on {}", shown(common), scene.name);
-        std::size_t run = 0;
-        for (Job& job : jobs) {
-            if (job.cases.empty()) continue;
-            run += job.cases.size();
-            job.scene = scene_number;
-            job.label = label;
-            const Tolerance tolerance = plan_.cases[job.cases.front()].resolved_tolerance();
-            QuerySet queries;
-            queries.moves = moves(scene.motion);
-            queries.target_moves = moves(scene.target_motion);
-            queries.symmetric = solver.quantity == Quantity::symmetric;
-            queries.threads = plan_.cases[job.cases.front()].threads;
-            queries.count = job.cases.size();
-            queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
-            queries.target_copied = copies(plan_.cases[job.cases.front()].tolerance);
-            job.pairs.push_back({source->shape_file, target->shape_file, queries, job.cases.size()});
-            if (queries.target_copied) note_copies(label, queries, models);
-            plan_.jobs.push_back(std::move(job));
-        }
-        note(label, entry, decided, models.poses.size() * tolerances.size(), run);
+        return jobs;
     }
 
-    // Of some pose, at this tolerance of the case.
-    static bool copies_targets(const SolverEntry& entry, Case asked, double tolerance, const SceneModels& models,
-                               ShapeKind source, ShapeKind target) {
+    QuerySet queries_of(const SolverOnScene& one, const Job& job) const {
+        const Case& first = plan_.cases[job.cases.front()];
+        const Tolerance tolerance = first.resolved_tolerance();
+        QuerySet queries;
+        queries.moves = moves(one.scene.motion);
+        queries.target_moves = moves(one.scene.target_motion);
+        queries.symmetric = one.solver.quantity == Quantity::symmetric;
+        queries.threads = first.threads;
+        queries.count = job.cases.size();
+        queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
+        queries.target_copied = copies_targets(one, first.tolerance);
+        return queries;
+    }
+
+    // At some pose, if it runs at all.
+    static bool copies_targets(const SolverOnScene& one, double tolerance) {
+        if (one.decided) return false;
+        const SceneModels& models = one.models;
+        const ShapeKind source = std::get<ResolvedModel>(models.source).kind,
+                        target = std::get<ResolvedModel>(models.target).kind;
+        Case asked = one.common;
         asked.tolerance = tolerance;
         Query query;
         query.quantity = asked.quantity;
@@ -250,7 +223,7 @@ private:
         return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
             query.source_pose = pose.source;
             query.target_pose = pose.target;
-            return Session::copies_targets(entry.info, query, {source, models.source_largest},
+            return Session::copies_targets(one.entry->info, query, {source, models.source_largest},
                                            {target, models.target_largest});
         });
     }
@@ -338,21 +311,21 @@ private:
         const bool both = queries.target_moves && queries.symmetric && queries.moves;
         plan_.ledger.push_back(
             {"prepared_again", label, structures_for_each_pose,
-             fmt::format("the solver offers no moving target: each pose builds what it needs over {} "
-                         "as posed, within its time",
-                         both                   ? "A and B"
-                         : queries.target_moves ? "B"
-                                                : "A"),
+             fmt::format(
+                 "the solver offers no moving target: each pose builds what it needs over {} as posed, within its time",
+                 both                   ? "A and B"
+                 : queries.target_moves ? "B"
+                                        : "A"),
              std::int64_t(models.poses.size())});
     }
 
     [[noreturn]] void refuse_empty() const {
         const Experiment& e = plan_.experiment;
         const char* what = e.scenes.empty() ? "no [[scene]]" : e.solvers.empty() ? "no [[solver]]" : "no case";
-        throw InputError(fmt::format(
-            "{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose others with "
-            "--profile, --solver and --scene",
-            e.file.string(), what, e.profile));
+        throw InputError(
+            fmt::format("{}: {} is left in profile '{}': see what 'profiles' and 'scenes' in it ask for, or choose "
+                        "others with --profile, --solver and --scene",
+                        e.file.string(), what, e.profile));
     }
 
     void check_identities() const {
@@ -369,8 +342,7 @@ private:
     }
 
     const Catalogue& catalogue_;
-    const std::function<void(const std::string&)>& say_;
-    std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
+    ModelFinder models_;
     std::map<std::string, CommandFiles> commands_;  // by line
     // Of the chain of each search, source and set of options: by tolerance, the identity of its last case.
     std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
@@ -403,34 +375,6 @@ bool unsound_expected(const Case& asked, const Experiment& experiment) {
     return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
         return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
     });
-}
-
-Shard parse_shard(const std::string& text) {
-    Shard shard{0, 0};
-    char slash = 0, rest = 0;
-    if (std::sscanf(text.c_str(), "%d%c%d%c", &shard.number, &slash, &shard.of, &rest) != 3 || slash != '/' ||
-        shard.number < 1 || shard.number > shard.of) {
-        throw InputError(fmt::format("--shard {}: write it as i/n, such as 2/3 for the second of three", text));
-    }
-    return shard;
-}
-
-std::string to_string(const Shard& shard) { return fmt::format("{}/{}", shard.number, shard.of); }
-
-void take_shard(Plan& plan, const Shard& shard) {
-    plan.shard = shard;
-    if (shard.whole()) return;
-    std::vector<Job> mine;
-    for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
-        if (int(i % std::size_t(shard.of)) == shard.number - 1) {
-            mine.push_back(std::move(plan.jobs[i]));
-            continue;
-        }
-        Outcome elsewhere;
-        elsewhere.reason = in_another_shard;
-        for (std::size_t row : plan.jobs[i].cases) plan.decided[row] = elsewhere;
-    }
-    plan.jobs = std::move(mine);
 }
 
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,

@@ -4,6 +4,7 @@
 #include "catalogue.h"
 #include "plan/experiment.h"
 #include "plan/lookup.h"
+#include "plan/shard.h"
 #include "record/row.h"
 
 #include <filesystem>
@@ -49,12 +50,6 @@ struct ModelRow {
     ResolvedModel resolved;
 };
 
-struct Shard {  // --shard 2/3: every third worker, from the second on
-    int number = 1, of = 1;
-    bool whole() const { return of == 1; }
-};
-std::string to_string(const Shard& shard);                           // "2/3"
-inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
 inline constexpr const char* not_run_yet = "not run: the sweep was interrupted; run it again to resume";
 
 struct Plan {
@@ -90,12 +85,6 @@ struct Choice {  // --solver, --scene; empty: all
     bool leave_nothing_out =
         false;  // run every tolerance, build every structure: to test that leaving out changes nothing
 };
-
-// Throws InputError for anything but "i/n" with 1 <= i <= n.
-Shard parse_shard(const std::string& text);
-
-// The rows of other shards become `skipped` and say so; `merge` puts shards together.
-void take_shard(Plan& plan, const Shard& shard);
 
 // Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for
 // each. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.

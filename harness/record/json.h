@@ -5,23 +5,39 @@
 
 #include <nlohmann/json.hpp>
 
+#include <map>
+#include <string>
+
 namespace hausbench {
 
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);
 
-ParameterValue parameter_of(const nlohmann::json& value);
-nlohmann::json options_json(const ParameterMap& options);
-
-nlohmann::json extras_json(const std::map<std::string, double>& extras);
-std::map<std::string, double> extras_of(const nlohmann::json& object);
-
 // JSON has no NaN or infinity: these become texts.
 nlohmann::json number(double value);
 double number(const nlohmann::json& json);
 
-// Twelve numbers: the rotation row by row, then the translation.
-nlohmann::json pose_json(const Pose& pose);
-Pose pose_of(const nlohmann::json& values);
+nlohmann::json extras_json(const std::map<std::string, double>& extras);
+std::map<std::string, double> extras_of(const nlohmann::json& object);
 
 }  // namespace hausbench
+
+namespace nlohmann {
+
+template <> struct adl_serializer<hausbench::ParameterValue> {
+    static void to_json(json& j, const hausbench::ParameterValue& value);
+    static void from_json(const json& j, hausbench::ParameterValue& value);
+};
+
+template <> struct adl_serializer<hausbench::Vec3> {
+    static void to_json(json& j, const hausbench::Vec3& point);
+    static void from_json(const json& j, hausbench::Vec3& point);
+};
+
+// Twelve numbers: the rotation row by row, then the translation.
+template <> struct adl_serializer<hausbench::Pose> {
+    static void to_json(json& j, const hausbench::Pose& pose);
+    static void from_json(const json& j, hausbench::Pose& pose);
+};
+
+}  // namespace nlohmann

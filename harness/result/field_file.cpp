@@ -103,8 +103,8 @@ std::string as_ply(const TriangleMesh* mesh, const Points& posed, const Properti
     if (distance != columns.end()) columns.insert(distance, {"quality", "float", distance->values});
     if (!mesh) columns.insert(columns.end(), of_elements.begin(), of_elements.end());
     std::string bytes = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\n"
-        "property double x\nproperty double y\nproperty double z\n",
+        "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\nproperty "
+        "double x\nproperty double y\nproperty double z\n",
         posed.rows());
     for (const Property& p : columns) bytes += fmt::format("property {} {}\n", p.type, p.name);
     if (mesh) {
@@ -150,8 +150,8 @@ std::string as_vtk(const TriangleMesh* mesh, const Points& posed, const Properti
     const Index cells = mesh ? mesh->triangles.rows() : posed.rows();
     const int corners = mesh ? 3 : 1, type = mesh ? 5 : 1;  // VTK_TRIANGLE, VTK_VERTEX
     std::string bytes = fmt::format(
-        "# vtk DataFile Version 3.0\ndistances of A to B, by hausbench\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
-        "POINTS {} double\n",
+        "# vtk DataFile Version 3.0\ndistances of A to B, by hausbench\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {} "
+        "double\n",
         posed.rows());
     for (Index i = 0; i < posed.rows(); ++i) {
         for (int k = 0; k < 3; ++k) append_big_endian(bytes, posed(i, k));

@@ -193,44 +193,6 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-template <class Row> void read_values(const h5::File& in, const std::string& group, const Columns<Row>& columns) {
-    for (const Column<Row>& column : columns) {
-        const std::string name = group + "/" + std::string(column.name);
-        if (!in.has(name)) continue;
-        if (std::holds_alternative<typename Column<Row>::Text>(column.value))
-            in.read_texts(name);
-        else if (std::holds_alternative<typename Column<Row>::Integer>(column.value))
-            in.read_integers(name);
-        else
-            in.read_doubles(name);
-    }
-}
-
-// All that read_trusting() asks the library for, in the same order.
-void read_every_value(const fs::path& file) {
-    const h5::File in(file, h5::Open::read);
-    for (const char* name : meta_texts) in.text_attribute("meta", name);
-    for (const char* name : meta_integers) in.integer_attribute("meta", name);
-    read_values(in, "models", model_columns());
-    read_values(in, "cases", case_columns());
-    read_values(in, "cases", outcome_columns());
-    read_values(in, "cases", check_columns());
-    for (const std::string& child : in.children("cases")) {
-        if (child.starts_with("counter_")) in.read_unsigned("cases/" + child);
-    }
-    for (const char* group : {"answers", "repeats", "preparation", "fields"}) {
-        if (in.has(group)) in.read_integers(group + std::string("/case"));
-    }
-    read_values(in, "answers", answer_columns());
-    read_values(in, "repeats", repeat_columns());
-    read_values(in, "preparation", preparation_columns());
-    for (const char* name : {"cases/trace_begin", "cases/trace_end"}) in.read_integers(name);
-    read_values(in, "trace", trace_columns());
-    if (in.has("fields/values")) in.read_doubles("fields/values");
-    read_values(in, "fields", field_columns());
-    read_values(in, "ledger", ledger_columns());
-}
-
 // The library crashes on some damaged files, and a file without a seal, changed by another program, may be one. So a copy of
 // this process reads the file first, within limits of time and memory; this process reads it only where the copy survives.
 void read_in_a_copy(const fs::path& file) {
@@ -242,7 +204,7 @@ void read_in_a_copy(const fs::path& file) {
         const rlimit nothing{0, 0};
         ::setrlimit(RLIMIT_CORE, &nothing);
         try {
-            read_every_value(file);
+            read_trusting(file);
         } catch (const std::bad_alloc&) {
             return out_of_memory;
         } catch (const std::length_error&) {

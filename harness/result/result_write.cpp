@@ -133,8 +133,8 @@ void write_result(const fs::path& file, const ResultFile& result) {
         std::error_code ignored;
         fs::remove(unfinished, ignored);
         throw InputError(
-            fmt::format("{}: cannot write the result: {}; nothing is lost: make room, or choose another folder "
-                        "(for `run` with --results), and start again",
+            fmt::format("{}: cannot write the result: {}; nothing is lost: make room, or choose another folder (for "
+                        "`run` with --results), and start again",
                         file.string(), error.what()));
     }
 }

@@ -126,8 +126,7 @@ public:
         if (!lower_.told() && !upper_.told()) {
             throw InputError(
                 "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
-                "one, or "
-                "both");
+                "one, or both");
         }
     }
     void prepare(const Scene& scene, const Prepared&) override {

@@ -26,7 +26,7 @@ struct NotAnEvent {};
 Launch launch(const WorkOrder& order) {
     Launch launch;
     launch.command = {program_path().string(), "worker", "--events"};
-    launch.input = to_json(order).dump();
+    launch.input = packed(order);
     launch.events = true;
     launch.scratch = "worker";
     return launch;
@@ -223,7 +223,7 @@ private:
 
     // The limit is for each shape that is not there yet, and for a solver that finds all of them.
     double seconds_to_prepare() const {
-        return order_.limits.prepare_seconds * (order_.exponent ? std::max(1, new_shapes_[finished_]) : 1);
+        return order_.limits.prepare_seconds * (order_.scaled ? std::max(1, new_shapes_[finished_]) : 1);
     }
 
     std::size_t place_of(std::size_t row) const {

@@ -1,14 +1,16 @@
 // Watches one worker through its cases: limits, what it says, how it ends.
 #pragma once
 
-#include "run/worker.h"
+#include "run/work_order.h"
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace hausbench {
 
 struct Supervision {
-    std::function<void(const nlohmann::json& left_out)> prepared;
+    std::function<void(const std::vector<std::string>& left_out)> prepared;
     std::function<void(std::size_t row, Outcome outcome)> finished;  // each once
     std::function<bool()> interrupted;
 };

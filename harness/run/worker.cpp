@@ -11,6 +11,7 @@
 #include "registry.h"
 #include "result/field_file.h"
 #include "run/timing.h"
+#include "run/work_order.h"
 #include "session.h"
 #include "shape_file.h"
 
@@ -75,7 +76,7 @@ private:
         const Options options(order_.solver, entry.info.parameters, order_.options, order_.folder);
         session_.reset();
         shapes_ = {};
-        if (order_.exponent) {
+        if (order_.scaled) {
             shapes_ = {shape(pair.source_file, first), shape(pair.target_file, first)};
             session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
         } else {
@@ -88,7 +89,7 @@ private:
         json left_out = json::array();
         const auto& built = session_->needs();
         // Not said where other directions, copies or pairs may build it after all.
-        const bool alone = !order_.exponent && !pair.queries.symmetric && !pair.queries.target_moves;
+        const bool alone = !order_.scaled && !pair.queries.symmetric && !pair.queries.target_moves;
         for (const Need& need : entry.info.may_need) {
             if (alone && std::find(built.begin(), built.end(), need) == built.end())
                 left_out.push_back(to_string(need));
@@ -106,7 +107,7 @@ private:
         }
         std::erase_if(loaded_, [&](const auto& known) { return last_use_.at(known.first) < first; });
         auto& known = loaded_[file];
-        if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, *order_.exponent);
+        if (!known) known = std::make_shared<PreparedShape>(read_shape(file).shape, order_.exponent);
         return known;
     }
 
@@ -331,8 +332,7 @@ private:
 
 int worker_main(int events) {
     ::fcntl(events, F_SETFD, FD_CLOEXEC);  // no business of programs that a solver starts
-    const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-    WorkOrder order = work_order_from_json(json::parse(text));
+    WorkOrder order = unpacked({std::istreambuf_iterator<char>(std::cin), {}});
     for (const auto& [file, hash] : order.plugins) {
         if (sha256_of_file(file) != hash)
             throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));

@@ -1,0 +1,210 @@
+// The process that solves for `measure`, and the one that waits for it.
+#include "commands/measurement_solve.h"
+#include "error.h"
+#include "process/child.h"
+#include "process/interrupts.h"
+#include "record/json.h"
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace hausbench {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+// --- between the two processes ----------------------------------------------------------------------------------------
+
+json result_json(const Result& r) {
+    const Witness& w = r.witness;
+    return {{"status", int(r.status)},
+            {"bounds", {number(r.bounds.lower), number(r.bounds.upper)}},
+            {"points", {w.source_point, w.target_point}},
+            {"elements", {w.source_element, w.target_element}},
+            {"direction", int(w.direction)},
+            {"note", r.note}};
+}
+
+Result result_of(const json& j) {
+    Result r;
+    const int status = j.at("status"), direction = j.at("direction");
+    if (status < 0 || status > int(Status::stalled) || direction < 0 || direction > 1)
+        throw std::runtime_error("no such status");
+    r.status = Status(status);
+    r.bounds = {number(j.at("bounds").at(0)), number(j.at("bounds").at(1))};
+    r.witness = {j.at("points").at(0), j.at("points").at(1), j.at("elements").at(0), j.at("elements").at(1),
+                 Witness::Direction(direction)};
+    r.note = j.at("note");
+    return r;
+}
+
+json answers_json(const Measured& m) {
+    const auto optional = [](const std::optional<Result>& r) { return r ? result_json(*r) : json(); };
+    return {{"event", "answer"},
+            {"result", result_json(m.result)},
+            {"directions", {optional(m.forward), optional(m.backward)}},
+            {"seconds", {m.prepare_seconds, m.solve_seconds, m.forward_seconds, m.backward_seconds}},
+            {"peak", m.peak_bytes}};
+}
+
+void take_answers(const json& j, Measured& m) {
+    m.result = result_of(j.at("result"));
+    if (const json& one = j.at("directions").at(0); !one.is_null()) m.forward = result_of(one);
+    if (const json& one = j.at("directions").at(1); !one.is_null()) m.backward = result_of(one);
+    const json& seconds = j.at("seconds");
+    m.prepare_seconds = seconds.at(0);
+    m.solve_seconds = seconds.at(1);
+    m.forward_seconds = seconds.at(2);
+    m.backward_seconds = seconds.at(3);
+    m.peak_bytes = j.at("peak");
+}
+
+enum class Trouble { input, memory, solver };
+
+// Does the work and tells how it went, as one JSON object a line.
+void tell(const MeasureWork& work, Shape source, Shape target, Measured& measured, int events) {
+    const auto send = [&](const json& event) {
+        const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+        for (std::size_t done = 0; done < line.size();) {
+            const ssize_t n = ::write(events, line.data() + done, line.size() - done);
+            if (n <= 0) ::_exit(3);  // nobody listens
+            done += std::size_t(n);
+        }
+    };
+    const auto trouble = [&](Trouble kind, const std::string& what) {
+        send({{"event", "trouble"}, {"kind", int(kind)}, {"what", one_line(what)}});
+    };
+    try {
+        prepare_and_solve(
+            work, std::move(source), std::move(target), measured,
+            [&] {
+                send({{"event", "prepared"}});
+            },
+            [&] { send(answers_json(measured)); });
+        if (measured.proven) send({{"event", "certificate"}, {"proven", number(*measured.proven)}});
+        send({{"event", "end"}});
+    } catch (const InputError& error) {
+        trouble(Trouble::input, error.what());
+    } catch (const std::bad_alloc&) {
+        trouble(Trouble::memory, "");
+    } catch (const std::exception& error) {
+        trouble(Trouble::solver, std::string("it threw: ") + error.what());
+    } catch (...) {
+        trouble(Trouble::solver, "it threw something that is not a std::exception");
+    }
+}
+
+// --- in the process that waits ----------------------------------------------------------------------------------------
+
+class Waiting {
+public:
+    Waiting(const MeasureWork& work, Child& child, Measured& measured)
+        : limit_(work.request.time_limit), child_(child), measured_(measured) {
+        allow("it was not prepared");
+    }
+
+    void run() {
+        std::string line;
+        while (!ended_) {
+            if (HoldInterrupts::came()) return;
+            switch (child_.listen(std::chrono::milliseconds(20), line)) {
+                case Child::Heard::nothing:
+                    if (Clock::now() > deadline_) return late();
+                    break;
+                case Child::Heard::closed:
+                    return closed();
+                case Child::Heard::line:
+                    hear(line);
+            }
+        }
+    }
+
+private:
+    void allow(const char* phase) {
+        phase_ = phase;
+        const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock does not hold infinity
+        deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    }
+
+    void fail(RowStatus status, const std::string& reason) {
+        child_.kill();
+        measured_.failed = NoAnswer{status, reason};
+        ended_ = true;
+    }
+
+    void late() {
+        fail(RowStatus::timeout, fmt::format("killed: {} within the time limit of {:g} s and {:g} s of grace", phase_,
+                                             limit_, grace_of(limit_)));
+    }
+
+    void closed() {
+        if (!child_.ended_within(std::chrono::seconds(1)))
+            return fail(RowStatus::failed, "its process closed its pipe");
+        const std::string how = child_.how_it_ended();
+        fail(child_.signal() ? RowStatus::signal : RowStatus::failed,
+             fmt::format("its process ended with {} before it answered", how.empty() ? "exit code 0" : how));
+    }
+
+    // A solver may have written it: nothing in it is taken for granted.
+    void hear(const std::string& line) {
+        Trouble kind{};
+        std::string what;
+        try {
+            const json event = json::parse(line);
+            const std::string name = event.at("event");
+            if (name == "prepared") return allow("it did not answer");
+            if (name == "answer") {
+                take_answers(event, measured_);
+                return allow("its fields or its certificate were not written");
+            }
+            if (name == "certificate") {
+                measured_.proven = number(event.at("proven"));
+                return;
+            }
+            if (name == "end") {
+                ended_ = true;
+                return;
+            }
+            if (name != "trouble") throw std::runtime_error(name);
+            kind = Trouble(event.at("kind").get<int>());
+            what = event.at("what");
+        } catch (const std::exception&) {
+            return fail(RowStatus::failed, "its process wrote something that is no answer");
+        }
+        if (kind == Trouble::input) throw InputError(what);
+        fail(kind == Trouble::memory ? RowStatus::out_of_memory : RowStatus::failed,
+             kind == Trouble::memory ? "it was refused memory that it asked for" : what);
+    }
+
+    double limit_;
+    Child& child_;
+    Measured& measured_;
+    const char* phase_ = "";
+    Clock::time_point deadline_;
+    bool ended_ = false;
+};
+
+}  // namespace
+
+double grace_of(double time_limit) { return std::max(1.0, 0.1 * time_limit); }
+
+void solve_outside(const MeasureWork& work, Shape source, Shape target, Measured& measured) {
+    const HoldInterrupts hold;  // destroyed after the process and its folder
+    Launch launch;
+    launch.scratch = "worker";
+    launch.work = [&](int events) {
+        tell(work, std::move(source), std::move(target), measured, events);
+        return 0;
+    };
+    Child child(std::move(launch));
+    Waiting(work, child, measured).run();
+    if (HoldInterrupts::came()) throw InputError("interrupted");
+}
+
+}  // namespace hausbench

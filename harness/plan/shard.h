@@ -1,0 +1,23 @@
+// Parts of a plan, for several machines: --shard i/n.
+#pragma once
+
+#include <string>
+
+namespace hausbench {
+
+struct Plan;
+
+struct Shard {  // --shard 2/3: every third worker, from the second on
+    int number = 1, of = 1;
+    bool whole() const { return of == 1; }
+};
+std::string to_string(const Shard& shard);                           // "2/3"
+inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
+
+// Throws InputError for anything but "i/n" with 1 <= i <= n.
+Shard parse_shard(const std::string& text);
+
+// The rows of other shards become `skipped` and say so; `merge` puts shards together.
+void take_shard(Plan& plan, const Shard& shard);
+
+}  // namespace hausbench

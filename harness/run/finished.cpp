@@ -1,0 +1,145 @@
+#include "run/finished.h"
+
+#include "error.h"
+#include "hash.h"
+#include "registry.h"
+#include "result/field_file.h"
+#include "result/provenance.h"
+#include "run/rounds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace hausbench {
+
+namespace {
+
+const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!error && !std::filesystem::is_directory(folder, error) && !error)
+        error = std::make_error_code(std::errc::not_a_directory);
+    if (error)
+        throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results",
+                                     folder.string(), error.message()));
+    return folder;
+}
+
+}  // namespace
+
+Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name, bool start_over,
+                   bool any_build)
+    : plan_(plan),
+      any_build_(any_build),
+      journal_(made_folder(folder) / (name + ".journal"), start_over && plan.whole),
+      fields_(folder / (name + ".fields")) {
+    if (start_over) {
+        std::set<std::string> asked;
+        for (const Case& one : plan.cases) asked.insert(one.identity);
+        journal_.forget(asked);
+        for (std::size_t row = 0; row < plan.cases.size(); ++row) {
+            if (const auto file = fields_file(row); !file.empty()) std::filesystem::remove(file);
+        }
+    }
+    if (plan.experiment.fields) made_folder(fields_);
+}
+
+void Finished::append(std::size_t row, int round, const Outcome& outcome) {
+    journal_.append({plan_.cases[row].identity, round}, outcome);
+}
+
+bool Finished::is_open(std::size_t row, int round) const {
+    if (const Outcome* outcome = kept(row, round)) return round == 0 && lacks_fields(row, *outcome);
+    if (round == 0) return true;
+    const Outcome* first = kept(row, 0);
+    return first && is_timed(first->status);  // else nothing to time
+}
+
+Row Finished::row(std::size_t number) const {
+    const auto from = plan_.traced.find(number);
+    Row row{plan_.cases[number], from == plan_.traced.end() ? gather(number) : read_off(number, from->second), {}};
+    row.fields = fields_of(number, row.outcome);
+    return row;
+}
+
+const Outcome* Finished::kept(std::size_t row, int round) const {
+    const auto at = journal_.outcomes().find({plan_.cases[row].identity, round});
+    if (at == journal_.outcomes().end()) return nullptr;
+    const Outcome& outcome = at->second;
+    if (!any_build_ && (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id))
+        return nullptr;
+    // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
+    if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
+    if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;
+    // Of a search whose first round was run again since.
+    const Outcome* first = round > 0 ? kept(row, 0) : nullptr;
+    if (first && first->cutoff_used != outcome.cutoff_used) return nullptr;
+    const bool traced = !plan_.marks(row).empty() || traces_chain(row);
+    if (round == 0 && outcome.status == RowStatus::ok && outcome.trace.empty() && traced) return nullptr;
+    return &outcome;
+}
+
+bool Finished::traces_chain(std::size_t row) const {
+    const Case& asked = plan_.cases[row];
+    return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.traces;
+}
+
+// Where the fields of a row belong; empty: it has none.
+std::filesystem::path Finished::fields_file(std::size_t row) const {
+    const Case& asked = plan_.cases[row];
+    if (!plan_.experiment.fields || is_surface(asked.source) || is_surface(asked.target)) return {};
+    return fields_ / (asked.identity + ".bin");
+}
+
+bool Finished::is_surface(const std::string& name) const {
+    return std::any_of(plan_.models.begin(), plan_.models.end(), [&](const ModelRow& model) {
+        return model.info->name == name && model.resolved.kind == ShapeKind::surface;
+    });
+}
+
+// Asked for, and their file is missing or another one than the row names.
+bool Finished::lacks_fields(std::size_t row, const Outcome& outcome) const {
+    const auto file = fields_file(row);
+    if (file.empty() || !is_timed(outcome.status)) return false;
+    return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
+}
+
+// None where they were not asked for, stand at a finer row, or cannot be had: the answer counts all the same.
+Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
+    const auto file = fields_file(row);
+    if (!file.empty() && !outcome.from_trace && !outcome.fields_sha256.empty()) {
+        if (auto fields = read_fields(file, outcome.fields_sha256)) return std::move(*fields);
+    }
+    outcome.fields_sha256.clear();
+    return {};
+}
+
+// One outcome a row: the rounds' repeats together.
+Outcome Finished::gather(std::size_t row) const {
+    if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
+        Outcome outcome = at->second;
+        outcome.build = build_of(plan_.cases[row].solver);
+        outcome.machine = this_machine().id;
+        return outcome;
+    }
+    if (!kept(row, 0)) {
+        Outcome outcome;
+        outcome.reason = not_run_yet;
+        return outcome;
+    }
+    std::map<int, const Outcome*> rounds;
+    for (int round = 0; round < plan_.experiment.rounds; ++round) {
+        if (const Outcome* outcome = kept(row, round)) rounds[round] = outcome;
+    }
+    return gather_rounds(rounds);
+}
+
+Outcome Finished::read_off(std::size_t row, const FromTrace& from) const {
+    const Outcome fine = gather(from.of);
+    const double gap = plan_.cases[row].resolved_tolerance().gap(fine.bounds.lower);
+    return from.ignores_tolerance ? read_off_answer(fine, gap) : read_off_trace(fine, gap);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,16 @@
+// What a run left out, as far as that is known only afterwards.
+#pragma once
+
+#include "plan/plan.h"
+#include "run/finished.h"
+
+#include <vector>
+
+namespace hausbench {
+
+// Adds to the ledger of the plan: how long the rows that were read off others would have taken, and what structures that served
+// several poses or pairs would have cost if they had been built for each.
+void note_savings(const Plan& plan, const Finished& finished, const std::vector<Row>& rows,
+                  std::vector<LedgerEntry>& ledger);
+
+}  // namespace hausbench
