@@ -8,9 +8,9 @@
 #include "model_table.h"
 #include "shape_file.h"
 #include "surface_file.h"
+#include "toml_reader.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <set>
@@ -21,12 +21,6 @@ namespace {
 // Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
 // changes.
 constexpr std::string_view shapes_version = "1";
-
-template <class List> std::vector<std::string> names_of(const List& list) {
-    std::vector<std::string> names;
-    for (const auto& one : list) names.push_back(one.name);
-    return names;
-}
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
     Sha256 hash;
@@ -44,17 +38,10 @@ Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::pat
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(manifest, ignored))
         throw InputError(manifest.string() + ": cannot be opened: set HAUSBENCH_ROOT to the checkout");
-    toml::table root;
-    try {
-        root = toml::parse_file(manifest.string());
-    } catch (const toml::parse_error& error) {
-        throw InputError(
-            fmt::format("{}: line {}: {}", manifest.string(), error.source().begin.line, error.description()));
-    }
-    for (const auto& [key, node] : root)
-        if (key.str() != "model" || !node.is_table())
-            throw InputError(fmt::format("{}: line {}: '{}' is not [model.NAME]", manifest.string(),
-                                         node.source().begin.line, key.str()));
+    const toml::table root = parse_toml(manifest);
+    const TomlReader reader(manifest, root);
+    reader.allow({"model"});
+    reader.refuse_other_keys();
     add(manifest, read_models(manifest, root, ModelsOf::manifest));
     const std::filesystem::path corpus_file = corpus_beside(manifest);
     if (corpus_file.empty()) return;
@@ -105,48 +92,51 @@ void Catalogue::make_folders() const {
                                      (cache_ / "shapes").string(), error.message()));
 }
 
-std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
-    const ModelInfo& model = find(name);
-    std::filesystem::path file, origin_shape;
-    std::string file_sha256, input;  // input: what of the key is not in the manifest's table
+std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo& model) const {
+    if (model.source == "generated") return Input{};
     if (model.source == "derived") {
-        auto origin = resolve(model.from);
+        const auto origin = resolve(model.from);
         if (const auto* missing = std::get_if<MissingModel>(&origin))
             return MissingModel{fmt::format("its origin '{}' is missing: {}", model.from, missing->reason)};
-        input = std::get<ResolvedModel>(origin).content_hash;
-        origin_shape = std::get<ResolvedModel>(origin).shape_file;
-    } else if (model.source != "generated") {
-        const bool local = model.source == "file";
-        file = local ? model.folder / model.path
-                     : cache_ / "raw" / model.sha256 / model.path.substr(model.path.rfind('/') + 1);
-        if (!std::filesystem::exists(file))
-            return MissingModel{local ? fmt::format("file {} does not exist", file.string())
-                                      : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
-        input = file_sha256 = sha256_of_file(file);
-        if (!model.sha256.empty() && input != model.sha256)
-            throw InputError(
-                fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", name, file.string(), input,
-                            local ? "model's table" : "manifest", model.sha256,
-                            local ? "put the right file there, or correct sha256" : "delete it and fetch it again"));
-        input += file.filename().string();  // the extension chooses the reader
+        const auto& shape = std::get<ResolvedModel>(origin);
+        return Input{shape.shape_file, "", shape.content_hash};
     }
+    const bool local = model.source == "file";
+    const std::filesystem::path path(model.path);
+    const std::filesystem::path file = local ? model.folder / path : cache_ / "raw" / model.sha256 / path.filename();
+    if (!std::filesystem::exists(file))
+        return MissingModel{local ? fmt::format("file {} does not exist", file.string())
+                                  : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
+    const std::string found = sha256_of_file(file);
+    if (!model.sha256.empty() && found != model.sha256)
+        throw InputError(
+            fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", model.name, file.string(), found,
+                        local ? "model's table" : "manifest", model.sha256,
+                        local ? "put the right file there, or correct sha256" : "delete it and fetch it again"));
+    return Input{file, found, found + file.filename().string()};  // the extension chooses the reader
+}
 
-    const std::filesystem::path shape_file = cache_ / "shapes" / (key_of(model, input) + ".h5");
+LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
+    if (model.source == "generated")
+        return {model.surface ? Shape(*model.surface) : generate(model.recipe, model.numbers), {"generated"}};
+    if (model.source != "derived") return load_isolated(program_, input.file, model.format);
+    if (made_in_a_process(model.recipe) && !program_.empty())
+        return derive_isolated(program_, model.recipe, model.numbers, input.file);
+    return derive(model.recipe, model.numbers, read_shape(input.file));
+}
+
+std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
+    const ModelInfo& model = find(name);
+    const auto found = input_of(model);
+    if (const auto* missing = std::get_if<MissingModel>(&found)) return *missing;
+    const Input& input = std::get<Input>(found);
+    const std::filesystem::path shape_file = cache_ / "shapes" / (key_of(model, input.identity) + ".h5");
     LoadedShape loaded;
     if (std::filesystem::exists(shape_file)) {
         loaded = read_shape(shape_file);
     } else {
         try {
-            if (model.source == "derived") {
-                loaded = made_in_a_process(model.recipe) && !program_.empty()
-                             ? derive_isolated(program_, model.recipe, model.numbers, origin_shape)
-                             : derive(model.recipe, model.numbers, read_shape(origin_shape));
-            } else if (model.source == "generated") {
-                loaded.shape = model.surface ? Shape(*model.surface) : generate(model.recipe, model.numbers);
-                loaded.report.format = "generated";
-            } else {
-                loaded = load_isolated(program_, file, model.format);
-            }
+            loaded = made(model, input);
         } catch (const InputError& error) {
             throw InputError(fmt::format("model '{}': {}", name, error.what()));
         }
@@ -155,15 +145,16 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
         make_folders();
         write_shape(shape_file, loaded);
     }
+    const Points& points = points_of(loaded.shape);
     return ResolvedModel{shape_file,
                          content_hash(loaded.shape),
                          loaded.report,
                          kind_of(loaded.shape),
                          element_count(loaded.shape),
-                         static_cast<Index>(points_of(loaded.shape).rows()),
-                         diagonal(points_of(loaded.shape)),
-                         longest_side(points_of(loaded.shape)),
-                         file_sha256};
+                         static_cast<Index>(points.rows()),
+                         diagonal(points),
+                         longest_side(points),
+                         input.sha256};
 }
 
 }  // namespace hausbench

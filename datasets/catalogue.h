@@ -71,6 +71,15 @@ public:
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:
+    // What a model is made from: of a derived one the shape of its origin, else the file that is read, if there is one.
+    struct Input {
+        std::filesystem::path file;
+        std::string sha256;    // of a file that is read
+        std::string identity;  // of its contents
+    };
+    std::variant<Input, MissingModel> input_of(const ModelInfo& model) const;
+    LoadedShape made(const ModelInfo& model, const Input& input) const;
+
     std::filesystem::path cache_, program_;
     std::vector<ModelInfo> models_;
     std::map<std::string, std::size_t> index_;  // of models_, by name

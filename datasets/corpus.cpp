@@ -2,9 +2,9 @@
 
 #include "error.h"
 #include "model_table.h"
+#include "toml_reader.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <set>
@@ -12,36 +12,8 @@
 namespace hausbench {
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const toml::node& at, const std::string& what) {
-    throw InputError(fmt::format("{}: line {}: {}", file.string(), at.source().begin.line, what));
-}
-
-toml::table parsed(const std::filesystem::path& file) {
-    try {
-        return toml::parse_file(file.string());
-    } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}: line {}: {}", file.string(), error.source().begin.line, error.description()));
-    }
-}
-
-struct Listed {
-    std::string name;
-    const toml::node* at;
-};
-
-// Of `manifest`: the models of manifest.toml that belong to the corpus.
-std::vector<Listed> of_manifest(const std::filesystem::path& file, const toml::table& root) {
-    std::vector<Listed> names;
-    const toml::node* node = root.get("manifest");
-    if (!node) return names;
-    if (!node->is_array()) refuse(file, *node, "'manifest' must be a list of names of models");
-    for (const toml::node& item : *node->as_array()) {
-        const auto name = item.value_exact<std::string>();
-        if (!name) refuse(file, item, "'manifest' must be a list of names of models");
-        names.push_back({*name, &item});
-    }
-    return names;
-}
+// The models of manifest.toml that belong to the corpus.
+std::vector<std::string> of_manifest(const TomlReader& corpus) { return corpus.texts("manifest", "names of models"); }
 
 ModelInfo by_rule(const CorpusRule& rule, const std::string& from) {
     ModelInfo model;
@@ -72,11 +44,10 @@ std::filesystem::path corpus_beside(const std::filesystem::path& manifest) {
 }
 
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest) {
-    const toml::table root = parsed(file);
-    for (const auto& [key, node] : root)
-        if (key.str() != "manifest" && key.str() != "model")
-            refuse(file, node,
-                   fmt::format("unknown key '{}'{}", key.str(), nearest_hint(key.str(), {"manifest", "model"})));
+    const toml::table root = parse_toml(file);
+    const TomlReader reader(file, root);
+    reader.allow({"manifest", "model"});
+    reader.refuse_other_keys();
     Corpus corpus;
     corpus.models = read_models(file, root, ModelsOf::manifest);
     for (ModelInfo& model : corpus.models) {
@@ -85,16 +56,16 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
     }
     std::set<std::string> there;
     for (const ModelInfo& model : manifest) there.insert(model.name);
-    for (const auto& [name, at] : of_manifest(file, root)) {
+    for (std::size_t i = 0; const std::string& name : of_manifest(reader)) {
+        const toml::node& at = *reader.find("manifest")->as_array()->get(i++);
         if (!there.contains(name))
-            refuse(file, *at,
-                   fmt::format("'manifest' names '{}', which datasets/manifest.toml does not have{}", name,
-                               nearest_hint(name, {there.begin(), there.end()})));
+            reader.fail(at, fmt::format("'manifest' names '{}', which datasets/manifest.toml does not have{}", name,
+                                        nearest_hint(name, {there.begin(), there.end()})));
         corpus.names.push_back(name);
     }
     std::sort(corpus.names.begin(), corpus.names.end());
     const auto twice = std::adjacent_find(corpus.names.begin(), corpus.names.end());
-    if (twice != corpus.names.end()) refuse(file, root, fmt::format("'{}' is listed twice: remove one", *twice));
+    if (twice != corpus.names.end()) reader.fail(fmt::format("'{}' is listed twice: remove one", *twice));
     for (const std::string& name : corpus.names)
         for (const CorpusRule& rule : corpus_rules())
             if (!there.contains(name + rule.ending)) corpus.models.push_back(by_rule(rule, name));
@@ -102,11 +73,10 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
 }
 
 std::vector<std::string> corpus_names(const std::filesystem::path& file) {
-    const toml::table root = parsed(file);
-    std::vector<std::string> names;
+    const toml::table root = parse_toml(file);
+    std::vector<std::string> names = of_manifest(TomlReader(file, root));
     if (const toml::table* models = root["model"].as_table())
         for (const auto& [key, table] : *models) names.emplace_back(key.str());
-    for (const Listed& one : of_manifest(file, root)) names.push_back(one.name);
     std::sort(names.begin(), names.end());
     return names;
 }

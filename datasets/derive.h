@@ -39,7 +39,13 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
 // expected.
 TriangleMesh subdivide(const TriangleMesh& mesh);
 
-// Merges vertices with equal coordinates (-0 = +0) into the first of them.
+// For each row, the first row with equal coordinates (-0 = +0); none may be NaN. O(n) expected.
+std::vector<Index> first_equal(const Points& points);
+
+// The mesh of these triangles without the vertices that none of them names; the others keep their order.
+TriangleMesh without_unused(const Points& vertices, const Triangles& triangles);
+
+// Merges vertices with equal coordinates into the first of them.
 TriangleMesh weld(const TriangleMesh& mesh);
 
 // In derive_cgal.cpp. They first make the soup a manifold: weld it, orient the faces, split edges of more than two faces.

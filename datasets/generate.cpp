@@ -2,7 +2,6 @@
 
 #include "derive.h"
 #include "error.h"
-#include "point_recipes.h"
 
 #include <fmt/format.h>
 
@@ -71,7 +70,7 @@ void move_to_unit_sphere(Points& points) {
     }
 }
 
-TriangleMesh icosphere(int level, double radius) {
+TriangleMesh icosphere(const Given& g) {
     const double golden = (1 + std::sqrt(5.0)) / 2;
     std::vector<Vec3> corners;
     for (const double a : {-1.0, 1.0})
@@ -94,15 +93,16 @@ TriangleMesh icosphere(int level, double radius) {
             }
     TriangleMesh mesh = builder.mesh();
     move_to_unit_sphere(mesh.vertices);
-    for (int i = 0; i < level; ++i) {
+    for (int i = 0; i < g.whole("level"); ++i) {
         mesh = subdivide(mesh);
         move_to_unit_sphere(mesh.vertices);
     }
-    mesh.vertices *= radius;
+    mesh.vertices *= g.real("radius");
     return mesh;
 }
 
-TriangleMesh cube(int n) {
+TriangleMesh cube(const Given& g) {
+    const int n = g.whole("subdivisions");
     MeshBuilder builder;
     std::map<std::array<int, 3>, Index> numbers;
     const auto at = [&](std::array<int, 3> place) {
@@ -131,7 +131,9 @@ TriangleMesh cube(int n) {
     return builder.mesh();
 }
 
-TriangleMesh torus(int rings, int sides, double major, double minor) {
+TriangleMesh torus(const Given& g) {
+    const int rings = g.whole("rings"), sides = g.whole("sides");
+    const double major = g.real("major"), minor = g.real("minor");
     MeshBuilder builder;
     for (int i = 0; i < rings; ++i) {
         const Circle around = circle_point(i, rings);
@@ -151,7 +153,9 @@ TriangleMesh torus(int rings, int sides, double major, double minor) {
 
 // A rectangle from bore to rim, swept around the axis. The rim follows the teeth: each has a quarter tip, a quarter root and
 // straight flanks between them.
-TriangleMesh gear(int teeth, int steps, int rings, int layers, double outer, double root, double bore, double height) {
+TriangleMesh gear(const Given& g) {
+    const int steps = g.whole("steps"), rings = g.whole("rings"), layers = g.whole("layers");
+    const double outer = g.real("outer"), root = g.real("root"), bore = g.real("bore"), height = g.real("height");
     const auto rim = [&](int step) {
         const double phase = 4.0 * step / steps;  // tip, flank, root, flank
         if (phase <= 1) return outer;
@@ -159,7 +163,7 @@ TriangleMesh gear(int teeth, int steps, int rings, int layers, double outer, dou
         if (phase <= 3) return root;
         return root + (outer - root) * (phase - 3);
     };
-    const int around = teeth * steps, across = 2 * (rings + layers);
+    const int around = g.whole("teeth") * steps, across = 2 * (rings + layers);
     MeshBuilder builder;
     for (int i = 0; i < around; ++i) {
         const Circle turn = circle_point(i, around);
@@ -180,7 +184,9 @@ TriangleMesh gear(int teeth, int steps, int rings, int layers, double outer, dou
     return builder.mesh();
 }
 
-TriangleMesh plane(int n, double z) {
+TriangleMesh plane(const Given& g) {
+    const int n = g.whole("n");
+    const double z = g.real("z");
     MeshBuilder builder;
     for (int i = 0; i <= n; ++i)
         for (int j = 0; j <= n; ++j)
@@ -193,11 +199,11 @@ TriangleMesh plane(int n, double z) {
     return builder.mesh();
 }
 
-TriangleMesh needle(double ratio) {
+TriangleMesh needle(const Given& g) {
     MeshBuilder builder;
     builder.vertex(-0.5, 0, 0);
     builder.vertex(0.5, 0, 0);
-    builder.vertex(0, 1 / ratio, 0);
+    builder.vertex(0, 1 / g.real("ratio"), 0);
     builder.triangle(0, 1, 2);
     return builder.mesh();
 }
@@ -205,57 +211,34 @@ TriangleMesh needle(double ratio) {
 }  // namespace
 
 const std::vector<Recipe>& recipes() {
-    static const NumberSpec count{"count", true, 1, 1e8}, seed{"seed", true, 0, 0x1p53};
-    static const std::vector<Recipe> list = {
-        {"icosphere", {{"level", true, 0, 10}, {"radius", false, 1e-100, 1e100}}},
-        {"cube", {{"subdivisions", true, 1, 4096}}},
-        {"torus",
-         {{"rings", true, 3, 16384},
-          {"sides", true, 3, 16384},
-          {"major", false, 1e-100, 1e100},
-          {"minor", false, 1e-100, 1e100}}},
-        {"gear",
-         {{"teeth", true, 3, 4096},
-          {"steps", true, 4, 4096},
-          {"rings", true, 1, 4096},
-          {"layers", true, 1, 4096},
-          {"outer", false, 1e-100, 1e100},
-          {"root", false, 1e-100, 1e100},
-          {"bore", false, 1e-100, 1e100},
-          {"height", false, 1e-100, 1e100}}},
-        {"plane", {{"n", true, 1, 16384}, {"z", false, -1e100, 1e100}}},
-        {"needle", {{"ratio", false, 1e-100, 1e100}}},
-        {"gaussian_points",
-         {count,
-          seed,
-          {"sigma", false, 0, 1e100},
-          {"x", false, -1e100, 1e100},
-          {"y", false, -1e100, 1e100},
-          {"z", false, -1e100, 1e100}}},
-        {"uniform_points", {count, seed}},
-        {"box_points", {count, seed, {"x", false, 0, 1e100}, {"y", false, 0, 1e100}, {"z", false, 0, 1e100}}},
-        {"curve_points", {count, seed}},
-        {"shell_points",
-         {count,
-          seed,
-          {"radius", false, 0, 1e100},
-          {"x", false, -1e100, 1e100},
-          {"y", false, -1e100, 1e100},
-          {"z", false, -1e100, 1e100}}},
-        {"cluster_points",
-         {count,
-          seed,
-          {"clusters", true, 1, 1e8},
-          {"layout", true, 0, 0x1p53},
-          {"spread", false, 0, 1e100},
-          {"sigma", false, 0, 1e100},
-          {"shrink", false, 0, 1}}}};
+    static const std::vector<Recipe> list = [] {
+        std::vector<Recipe> all = {
+            {"icosphere", {whole_number("level", 0, 10), length("radius")}, icosphere},
+            {"cube", {whole_number("subdivisions", 1, 4096)}, cube},
+            {"torus",
+             {whole_number("rings", 3, 16384), whole_number("sides", 3, 16384), length("major"), length("minor")},
+             torus},
+            {"gear",
+             {whole_number("teeth", 3, 4096), whole_number("steps", 4, 4096), whole_number("rings", 1, 4096),
+              whole_number("layers", 1, 4096), length("outer"), length("root"), length("bore"), length("height")},
+             gear},
+            {"plane", {whole_number("n", 1, 16384), coordinate("z")}, plane},
+            {"needle", {length("ratio")}, needle}};
+        const std::vector<Recipe> points = point_recipes();
+        all.insert(all.end(), points.begin(), points.end());
+        return all;
+    }();
     return list;
 }
 
+const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what) {
+    for (const Recipe& recipe : list)
+        if (recipe.name == name) return recipe;
+    throw InputError(fmt::format("{} '{}'{}", what, name, nearest_hint(name, names_of(list))));
+}
+
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers) {
-    std::vector<std::string> known;
-    for (const NumberSpec& spec : recipe.numbers) known.push_back(spec.name);
+    const std::vector<std::string> known = names_of(recipe.numbers);
     for (const auto& [name, value] : numbers)
         if (std::find(known.begin(), known.end(), name) == known.end())
             throw InputError(
@@ -277,30 +260,7 @@ void check_numbers(const std::string& where, const Recipe& recipe, const Numbers
 }
 
 Shape generate(const std::string& recipe, const Numbers& numbers) {
-    const auto real = [&](const char* name) { return numbers.at(name); };
-    const auto whole = [&](const char* name) { return static_cast<int>(numbers.at(name)); };
-    const auto seed = [&] { return static_cast<std::uint64_t>(numbers.at("seed")); };
-    const auto xyz = [&] { return Vec3(real("x"), real("y"), real("z")); };
-    if (recipe == "icosphere") return icosphere(whole("level"), real("radius"));
-    if (recipe == "cube") return cube(whole("subdivisions"));
-    if (recipe == "torus") return torus(whole("rings"), whole("sides"), real("major"), real("minor"));
-    if (recipe == "gear")
-        return gear(whole("teeth"), whole("steps"), whole("rings"), whole("layers"), real("outer"), real("root"),
-                    real("bore"), real("height"));
-    if (recipe == "plane") return plane(whole("n"), real("z"));
-    if (recipe == "needle") return needle(real("ratio"));
-    if (recipe == "gaussian_points") return gaussian_points(whole("count"), seed(), real("sigma"), xyz());
-    if (recipe == "uniform_points") return box_points(whole("count"), seed(), Vec3::Ones());
-    if (recipe == "box_points") return box_points(whole("count"), seed(), xyz());
-    if (recipe == "curve_points") return curve_points(whole("count"), seed());
-    if (recipe == "shell_points") return shell_points(whole("count"), seed(), real("radius"), xyz());
-    if (recipe == "cluster_points")
-        return cluster_points(whole("count"), seed(),
-                              {whole("clusters"), static_cast<std::uint64_t>(real("layout")), real("spread"),
-                               real("sigma"), real("shrink")});
-    std::vector<std::string> known;
-    for (const Recipe& r : recipes()) known.push_back(r.name);
-    throw InputError("no recipe '" + recipe + "'" + nearest_hint(recipe, known));
+    return find_recipe(recipes(), recipe, "no recipe").make({numbers});
 }
 
 }  // namespace hausbench

@@ -4,6 +4,8 @@
 
 #include "scene.h"
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,10 +22,37 @@ struct NumberSpec {
     bool required = true;                 // the others are absent from Numbers if they are not given
 };
 
+inline NumberSpec whole_number(const char* name, double least, double most) { return {name, true, least, most}; }
+inline NumberSpec seed_number(const char* name = "seed") { return whole_number(name, 0, 0x1p53); }
+inline NumberSpec coordinate(const char* name) { return {name, false, -1e100, 1e100}; }
+inline NumberSpec length(const char* name, double least = 1e-100) { return {name, false, least, 1e100}; }
+
+// What a recipe makes a shape from: its numbers; those of derive.h also from a shape.
+struct Given {
+    const Numbers& numbers;
+    const Shape* origin = nullptr;
+
+    double real(const char* name) const { return numbers.at(name); }
+    Index whole(const char* name) const { return static_cast<Index>(numbers.at(name)); }
+    std::uint64_t seed(const char* name = "seed") const { return static_cast<std::uint64_t>(numbers.at(name)); }
+    Vec3 xyz() const { return {real("x"), real("y"), real("z")}; }
+    const Points& points() const { return points_of(*origin); }
+};
+
 struct Recipe {
     std::string name;
     std::vector<NumberSpec> numbers;
+    std::function<Shape(const Given&)> make;
 };
+
+template <class List> std::vector<std::string> names_of(const List& list) {
+    std::vector<std::string> names;
+    for (const auto& one : list) names.push_back(one.name);
+    return names;
+}
+
+// Throws InputError for an unknown name, which begins with `what` ("unknown recipe") and names the nearest.
+const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what);
 
 // icosphere        level, radius: an icosahedron, each triangle split in four `level` times, vertices moved to the sphere;
 //                  20 * 4^level triangles
@@ -44,6 +73,7 @@ struct Recipe {
 //                  point i belongs to cluster i mod `clusters`, the c-th of standard deviation sigma shrink^c, as in
 //                  gaussian_points (sigma 0: duplicates; spread 0: all scales around one point)
 const std::vector<Recipe>& recipes();
+std::vector<Recipe> point_recipes();  // those of them that make points; point_recipes.cpp
 
 // `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction
 // where a whole number is required, or a number out of range.

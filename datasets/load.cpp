@@ -1,60 +1,24 @@
 #include "load.h"
 
+#include "derive.h"
 #include "error.h"
+#include "parse.h"
 #include "readers.h"
 #include "surface_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <memory>
 #include <set>
-#include <unordered_map>
 
 namespace hausbench {
 namespace readers {
 namespace {
-
-// Bits of the three coordinates; -0 counts as +0.
-struct PointKey {
-    std::array<double, 3> x;
-    bool operator==(const PointKey&) const = default;
-};
-
-struct PointKeyHash {
-    std::size_t operator()(const PointKey& key) const {
-        std::uint64_t mixed = 0;
-        for (const double value : key.x) {
-            std::uint64_t bits = 0;
-            std::memcpy(&bits, &value, sizeof bits);
-            mixed = (mixed ^ bits) * 0x9e3779b97f4a7c15u;
-            mixed ^= mixed >> 32;
-        }
-        return mixed;
-    }
-};
-
-void merge_equal(Soup& soup) {
-    std::unordered_map<PointKey, std::size_t, PointKeyHash> first;
-    first.reserve(soup.points.size());
-    std::vector<std::size_t> becomes(soup.points.size());
-    std::vector<Vec3> kept;
-    for (std::size_t v = 0; v < soup.points.size(); ++v) {
-        const Vec3& p = soup.points[v];
-        const auto [at, fresh] = first.try_emplace(PointKey{{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}}, kept.size());
-        if (fresh) kept.push_back(p);
-        becomes[v] = at->second;
-    }
-    for (auto& face : soup.faces)
-        for (std::size_t& v : face) v = becomes[v];
-    soup.points = std::move(kept);
-    soup.point_lines.clear();
-}
 
 std::string line_of(const std::vector<std::uint32_t>& lines, std::size_t i) {
     return i < lines.size() ? fmt::format("line {}: ", lines[i]) : "";
@@ -88,19 +52,8 @@ std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
 }
 
-}  // namespace
-
-LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool merge) {
-    check(name, soup);
-    report.objects = soup.objects;
-    const auto as_points = [](const std::vector<Vec3>& points) {
-        Points rows(static_cast<Eigen::Index>(points.size()), 3);
-        for (std::size_t v = 0; v < points.size(); ++v) rows.row(static_cast<Eigen::Index>(v)) = points[v];
-        return rows;
-    };
-    if (soup.faces.empty()) return {PointSet{as_points(soup.points)}, report};
-    if (merge) merge_equal(soup);
-
+// The triangles of all faces, three corners each.
+std::vector<Index> triangles_of(const Soup& soup, std::int64_t& polygons) {
     std::vector<Index> corners;
     for (const auto& face : soup.faces) {
         if (face.size() < 3) continue;
@@ -108,46 +61,61 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
             for (const std::size_t v : face) corners.push_back(static_cast<Index>(v));
             continue;
         }
-        ++report.polygons;
+        ++polygons;
         const std::vector<std::size_t> polygon = without_repeats(face);
         std::vector<Vec3> positions;
         for (const std::size_t v : polygon) positions.push_back(soup.points[v]);
         for (const auto& triple : triangulate(positions))
             for (const std::size_t k : triple) corners.push_back(static_cast<Index>(polygon[k]));
     }
+    return corners;
+}
+
+}  // namespace
+
+void add_point(const std::string& name, std::string_view line, std::uint32_t number, Soup& soup) {
+    Vec3 point;
+    for (double& coordinate : point) {
+        const std::string_view word = next_word(line);
+        const auto value = decimal(word);
+        if (word.empty())
+            refuse(name, number, fmt::format("vertex {} (from 0) does not have three coordinates", soup.points.size()));
+        if (!value) refuse(name, number, fmt::format("'{}' is no number", shown(word)));
+        coordinate = *value;
+    }
+    soup.points.push_back(point);
+    soup.point_lines.push_back(number);
+}
+
+LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool merge) {
+    check(name, soup);
+    report.objects = soup.objects;
+    report.float32 = soup.float32;
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    const Points points =
+        Eigen::Map<const Points>(soup.points.front().data(), static_cast<Eigen::Index>(soup.points.size()), 3);
+    if (soup.faces.empty()) return {PointSet{points}, report};
+    if (merge) {
+        const std::vector<Index> first = first_equal(points);
+        for (auto& face : soup.faces)
+            for (std::size_t& v : face) v = static_cast<std::size_t>(first[v]);
+    }
+    const std::vector<Index> corners = triangles_of(soup, report.polygons);
     if (corners.empty()) throw InputError(name + ": none of its faces has three corners");
     if (corners.size() / 3 > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
         throw InputError(name + ": holds more triangles than are numbered");
-
-    std::vector<Index> becomes(soup.points.size(), -1);
-    for (const Index v : corners) becomes[static_cast<std::size_t>(v)] = 0;
-    std::vector<Vec3> used;
-    for (std::size_t v = 0; v < becomes.size(); ++v)
-        if (becomes[v] == 0) {
-            becomes[v] = static_cast<Index>(used.size());
-            used.push_back(soup.points[v]);
-        }
-    if (report.unreferenced) report.unreferenced = static_cast<std::int64_t>(soup.points.size() - used.size());
-    for (Index& v : corners) v = becomes[static_cast<std::size_t>(v)];
-    const Triangles triangles =
-        Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-    return {TriangleMesh{as_points(used), triangles}, report};
+    TriangleMesh mesh = without_unused(
+        points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3));
+    // A format that repeats vertices has none without a face.
+    if (report.unreferenced && !merge) report.unreferenced = points.rows() - mesh.vertices.rows();
+    return {std::move(mesh), report};
 }
 
 }  // namespace readers
 
 namespace {
 
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    return text;
-}
-
-std::string upper_case(std::string text) {
-    for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
-    return text;
-}
+using readers::lower_case;
 
 std::string extension_of(const std::filesystem::path& file) {
     std::filesystem::path base = file.filename();
@@ -214,20 +182,21 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
         throw InputError(fmt::format(
             "{}: {} is not read, since no library of Debian 12 reads it: convert it to .xyz or .ply, for example with "
             "`las2txt -parse xyz` or `pdal translate`",
-            name, upper_case(kind)));
-    const bool lines = kind == "xyz" || kind == "pts" || kind == "csv";
-    if (kind != "obj" && kind != "ply" && kind != "stl" && kind != "off" && kind != "pcd" && !lines)
-        return readers::load_with_assimp(file, format);
-
-    std::string bytes = read_all(file);
+            name,
+            kind == "las"   ? "LAS"
+            : kind == "laz" ? "LAZ"
+                            : "E57"));
+    using Read = readers::Soup (*)(const std::string& name, std::string_view bytes);
+    static const std::map<std::string, Read> own = {
+        {"obj", readers::read_obj}, {"off", readers::read_off}, {"ply", readers::read_ply}, {"stl", readers::read_stl},
+        {"pcd", readers::read_pcd}, {"xyz", readers::read_xyz}, {"pts", readers::read_xyz}, {"csv", readers::read_csv}};
+    const auto read = own.find(kind);
+    if (read == own.end()) return readers::load_with_assimp(file, format);
+    const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     LoadReport report;
     report.format = kind;
-    readers::Soup soup = lines           ? readers::read_point_lines(name, bytes, kind)
-                         : kind == "pcd" ? readers::read_pcd(name, bytes)
-                                         : readers::read_with_cgal(name, std::move(bytes), kind);
-    report.float32 = soup.float32;
-    return readers::finish(name, std::move(soup), report, kind == "stl");
+    return readers::finish(name, read->second(name, bytes), report, kind == "stl");
 }
 
 }  // namespace hausbench

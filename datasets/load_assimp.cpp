@@ -1,4 +1,5 @@
 #include "error.h"
+#include "parse.h"
 #include "readers.h"
 
 #include <assimp/Importer.hpp>
@@ -34,6 +35,32 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumChildren; ++i) count(scene, *node.mChildren[i], tally);
 }
 
+// Null where assimp cannot read it: the importer knows why. `extension` is the file's own.
+const aiScene* read_scene(Assimp::Importer& importer, const std::filesystem::path& file, const std::string& extension,
+                          const std::string& format) {
+    if (format.empty() || format == extension)
+        return importer.ReadFile(file.string(), 0);  // not from memory: the file may refer to others in its folder
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str());
+}
+
+Soup soup_of(const aiScene& scene) {
+    Soup soup;
+    soup.float32 = true;
+    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+        const aiMesh& mesh = *scene.mMeshes[m];
+        const std::size_t base = soup.points.size();
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+            soup.points.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
+        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+            auto& face = soup.faces.emplace_back();
+            for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k) face.push_back(base + mesh.mFaces[f].mIndices[k]);
+        }
+    }
+    return soup;
+}
+
 }  // namespace
 
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format) {
@@ -42,14 +69,7 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     std::string extension = file.extension().string();
     if (!extension.empty()) extension.erase(0, 1);
     Assimp::Importer importer;
-    const aiScene* scene = nullptr;
-    if (format.empty() || format == extension) {
-        scene = importer.ReadFile(name, 0);  // not from memory: the file may refer to other files in its folder
-    } else {
-        std::ifstream in(file, std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-        scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str());
-    }
+    const aiScene* scene = read_scene(importer, file, extension, format);
     Tally tally;
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
@@ -65,25 +85,11 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     }
     if (tally.meshes == 0)
         throw InputError(name + ": assimp finds no mesh in it; if there is one, convert it to OBJ, PLY, STL or OFF");
-
-    Soup soup;
-    soup.objects = std::max<std::int64_t>(tally.meshes, 1);
-    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene->mMeshes[m];
-        const std::size_t base = soup.points.size();
-        for (unsigned v = 0; v < mesh.mNumVertices; ++v)
-            soup.points.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
-        for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-            auto& face = soup.faces.emplace_back();
-            for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k) face.push_back(base + mesh.mFaces[f].mIndices[k]);
-        }
-    }
+    Soup soup = soup_of(*scene);
+    soup.objects = tally.meshes;
     LoadReport report;
-    report.format = format.empty() ? extension : format;
-    std::transform(report.format.begin(), report.format.end(), report.format.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    report.format = lower_case(format.empty() ? extension : format);
     report.precision = "float32";
-    report.float32 = true;
     report.unreferenced = std::nullopt;
     report.polygons = tally.polygons;
     return finish(name, std::move(soup), report, true);

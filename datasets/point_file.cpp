@@ -6,24 +6,15 @@
 // .csv file a header without these names is passed over. In a .csv file no line has more columns than the header: decimal commas, or a
 // separator within quotes, would move the numbers.
 #include "error.h"
+#include "parse.h"
 #include "point_lines.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdlib>
 
 namespace hausbench::readers {
 namespace {
-
-constexpr std::string_view blanks = " \t\r\v\f";
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(blanks);
-    return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
 
 std::string_view unquoted(std::string_view text) {
     const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
@@ -32,27 +23,16 @@ std::string_view unquoted(std::string_view text) {
 
 void split(std::string_view line, std::vector<std::string_view>& fields) {
     fields.clear();
-    const char mark = line.find(';') != std::string_view::npos   ? ';'
-                      : line.find(',') != std::string_view::npos ? ','
-                                                                 : 0;
-    for (std::size_t at = 0; at < line.size();) {
-        if (mark) {
-            const std::size_t end = std::min(line.find(mark, at), line.size());
-            fields.push_back(unquoted(trimmed(line.substr(at, end - at))));
-            at = end + 1;
-        } else {
-            at = std::min(line.find_first_not_of(blanks, at), line.size());
-            const std::size_t end = std::min(line.find_first_of(blanks, at), line.size());
-            if (end > at) fields.push_back(unquoted(line.substr(at, end - at)));
-            at = end;
-        }
+    const char separator = line.find(';') == std::string_view::npos ? ',' : ';';
+    if (line.find(separator) == std::string_view::npos) {
+        for (auto word = next_word(line); !word.empty(); word = next_word(line)) fields.push_back(unquoted(word));
+        return;
     }
-}
-
-std::string lower_case(std::string_view text) {
-    std::string out(text);
-    for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-    return out;
+    while (!line.empty()) {
+        const std::string_view field = line.substr(0, line.find(separator));
+        fields.push_back(unquoted(trimmed(field)));
+        line.remove_prefix(std::min(field.size() + 1, line.size()));
+    }
 }
 
 // Names begin like no number: a line that does is a point, and wrong if it cannot be read.
@@ -62,38 +42,22 @@ bool names(const std::vector<std::string_view>& fields) {
     });
 }
 
-// The numbers of the columns x, y and z; how many of the names are there is in `found`.
-std::array<std::size_t, 3> named_columns(const std::vector<std::string_view>& names, int& found) {
-    std::array<std::size_t, 3> columns{};
-    found = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const auto at = std::find_if(names.begin(), names.end(), [&](std::string_view name) {
-            return lower_case(name) == std::string(1, "xyz"[k]);
-        });
-        if (at == names.end()) continue;
-        columns[k] = static_cast<std::size_t>(at - names.begin());
-        ++found;
-    }
-    return columns;
-}
-
 }  // namespace
-
-std::optional<double> decimal(std::string_view text) {
-    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (end != text.data() + text.size() || text.empty()) return std::nullopt;
-    // Too large for a double, or so small that it rounds to a subnormal or to zero, which from_chars does not do; strtod rounds right too.
-    if (error == std::errc::result_out_of_range) value = std::strtod(std::string(text).c_str(), nullptr);
-    return value;
-}
 
 PointLines::PointLines(std::string name, std::array<std::size_t, 3> columns, std::uint64_t announced)
     : name_(std::move(name)), columns_(columns), announced_(announced), counted_(true), begun_(true) {}
 
-void PointLines::refuse(std::uint32_t number, const std::string& why) const {
-    throw InputError(fmt::format("{}: line {}: {}", name_, number, why));
+void PointLines::add_lines(std::string_view bytes, std::uint32_t first) {
+    while (!bytes.empty()) {
+        std::string_view line = next_line(bytes);
+        for (;; ++first) {  // old Macs wrote only \r
+            const std::size_t end = line.find('\r');
+            add(line.substr(0, end), first);
+            if (end == std::string_view::npos) break;
+            line.remove_prefix(end + 1);
+        }
+        ++first;
+    }
 }
 
 void PointLines::add(std::string_view line, std::uint32_t number) {
@@ -106,11 +70,9 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
         if (!begun_) begun_ = take_header(number);
         return;
     }
-    std::uint64_t count = 0;
-    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), count);
-    const bool whole = end == line.data() + line.size() && error == std::errc();
-    if (fields_.size() == 1 && whole && counts_ && soup_.points.size() == announced_) {
-        announced_ += std::min(count, std::uint64_t{1} << 40);
+    const auto count = whole<std::uint64_t>(line);
+    if (fields_.size() == 1 && count && counts_ && soup_.points.size() == announced_) {
+        announced_ += std::min(*count, std::uint64_t{1} << 40);
         counted_ = begun_ = true;
         count_line_ = number;
         return;
@@ -122,19 +84,27 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
     }
     begun_ = true;
     if (fields_.size() > named_)
-        refuse(number, fmt::format("{} columns, and the header names {}: write decimals with a point, and no separator "
-                                   "within a field",
-                                   fields_.size(), named_));
+        refuse(name_, number,
+               fmt::format("{} columns, and the header names {}: write decimals with a point, and no separator "
+                           "within a field",
+                           fields_.size(), named_));
     add_point(number);
 }
 
 bool PointLines::take_header(std::uint32_t number) {
+    std::array<std::size_t, 3> columns{};
     int found = 0;
-    const auto columns = named_columns(fields_, found);
-    if (found == 1 || found == 2)
-        refuse(number, "the header names only some of x, y and z: name all three columns, or none of them");
-    if (found == 3) columns_ = columns;
-    return found == 3;
+    for (std::size_t i = fields_.size(); i-- > 0;)  // the first of two columns of one name counts
+        for (std::size_t k = 0; k < 3; ++k)
+            if (lower_case(fields_[i]) == std::string(1, "xyz"[k])) {
+                columns[k] = i;
+                found |= 1 << k;
+            }
+    if (found == 0) return false;
+    if (found != 7)
+        refuse(name_, number, "the header names only some of x, y and z: name all three columns, or none of them");
+    columns_ = columns;
+    return true;
 }
 
 void PointLines::add_point(std::uint32_t number) {
@@ -143,23 +113,24 @@ void PointLines::add_point(std::uint32_t number) {
         const std::size_t column = columns_[k];
         const auto where = [&] { return fmt::format("column {} ({})", column + 1, "xyz"[k]); };
         if (column >= fields_.size())
-            refuse(number, fields_.size() < 3 ? fmt::format("{} column{}, and a point needs x, y and z", fields_.size(),
-                                                            fields_.size() == 1 ? "" : "s")
-                                              : where() + " is missing");
+            refuse(name_, number,
+                   fields_.size() < 3 ? fmt::format("{} column{}, and a point needs x, y and z", fields_.size(),
+                                                    fields_.size() == 1 ? "" : "s")
+                                      : where() + " is missing");
         const std::string_view field = fields_[column];
         const auto value = decimal(field);
         if (!value) {
             const bool comma = field.find(',') != std::string_view::npos;
-            refuse(number, field.empty() ? where() + " is empty"
-                           : comma       ? fmt::format("{} is '{}': write decimals with a point, not a comma", where(),
-                                                       one_line(std::string(field.substr(0, 40))))
-                                         : fmt::format("{} is '{}', which is no number: a point begins with x, y and z",
-                                                       where(), one_line(std::string(field.substr(0, 40)))));
+            refuse(name_, number,
+                   field.empty() ? where() + " is empty"
+                   : comma ? fmt::format("{} is '{}': write decimals with a point, not a comma", where(), shown(field))
+                           : fmt::format("{} is '{}', which is no number: a point begins with x, y and z", where(),
+                                         shown(field)));
         }
         point[static_cast<Eigen::Index>(k)] = *value;
     }
     if (counted_ && soup_.points.size() >= announced_)
-        refuse(number, fmt::format("another point, though {} announces {}", announcer(), announced_));
+        refuse(name_, number, fmt::format("another point, though {} announces {}", announcer(), announced_));
     soup_.points.push_back(point);
     soup_.point_lines.push_back(number);
 }
@@ -175,25 +146,20 @@ Soup PointLines::finish() {
     return std::move(soup_);
 }
 
-void each_text_line(std::string_view bytes, std::uint32_t first,
-                    const std::function<void(std::string_view, std::uint32_t)>& take) {
-    std::size_t feed = std::min(bytes.find('\n'), bytes.size());
-    for (std::size_t at = 0; at < bytes.size(); ++first) {
-        if (feed < at) feed = std::min(bytes.find('\n', at), bytes.size());
-        const std::size_t end =
-            at + std::min(bytes.substr(at, feed - at).find('\r'), feed - at);  // old Macs wrote only \r
-        take(bytes.substr(at, end - at), first);
-        at = end + (bytes.substr(end, 2) == "\r\n" ? 2 : 1);
-    }
-}
+namespace {
 
-Soup read_point_lines(const std::string& name, std::string_view bytes, const std::string& format) {
+Soup read_lines(const std::string& name, std::string_view bytes, bool csv) {
     if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
     if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
         throw InputError(name + ": is binary or UTF-16, not lines of decimal numbers: write it as UTF-8 text");
-    PointLines points(name, format == "csv");
-    each_text_line(bytes, 1, [&](std::string_view line, std::uint32_t number) { points.add(line, number); });
+    PointLines points(name, csv);
+    points.add_lines(bytes, 1);
     return points.finish();
 }
+
+}  // namespace
+
+Soup read_xyz(const std::string& name, std::string_view bytes) { return read_lines(name, bytes, false); }
+Soup read_csv(const std::string& name, std::string_view bytes) { return read_lines(name, bytes, true); }
 
 }  // namespace hausbench::readers

@@ -3,19 +3,10 @@
 
 #include "readers.h"
 
-#include <functional>
 #include <limits>
-#include <optional>
 #include <string_view>
 
 namespace hausbench::readers {
-
-// The double nearest to a decimal number; infinite beyond the largest. None where the text is no number.
-std::optional<double> decimal(std::string_view text);
-
-// Calls take(line, number) for each line, the first of which has the number `first`.
-void each_text_line(std::string_view bytes, std::uint32_t first,
-                    const std::function<void(std::string_view, std::uint32_t)>& take);
 
 class PointLines {
 public:
@@ -24,12 +15,12 @@ public:
     // After a header, with so many points to come.
     PointLines(std::string name, std::array<std::size_t, 3> columns, std::uint64_t announced);
 
-    // Throws InputError that names file, line and column.
-    void add(std::string_view line, std::uint32_t number);
+    // The first line has the number `first`. Throws InputError that names file, line and column.
+    void add_lines(std::string_view bytes, std::uint32_t first);
     Soup finish();
 
 private:
-    [[noreturn]] void refuse(std::uint32_t number, const std::string& why) const;
+    void add(std::string_view line, std::uint32_t number);
     bool take_header(std::uint32_t number);  // true where the line names x, y and z
     void add_point(std::uint32_t number);
     std::string announcer() const;

@@ -1,9 +1,7 @@
-#include "point_recipes.h"
-
+#include "generate.h"
 #include "random.h"
 
 #include <cmath>
-#include <vector>
 
 namespace hausbench {
 namespace {
@@ -24,56 +22,75 @@ Vec3 uniform(const Random& random, std::uint64_t which) {
     return {random.uniform(3 * which), random.uniform(3 * which + 1), random.uniform(3 * which + 2)};
 }
 
-// One point for each number of the sequence.
-template <class F> PointSet each(Index count, F&& point) {
-    PointSet set{Points(count, 3)};
-    for (Index i = 0; i < count; ++i) set.points.row(i) = point(static_cast<std::uint64_t>(i)).transpose();
+// point(random, i) for each i below `count`.
+template <class F> PointSet each(const Given& g, F&& point) {
+    const Random random(g.seed());
+    PointSet set{Points(g.whole("count"), 3)};
+    for (Index i = 0; i < set.points.rows(); ++i)
+        set.points.row(i) = point(random, static_cast<std::uint64_t>(i)).transpose();
     return set;
 }
 
-}  // namespace
-
-PointSet gaussian_points(Index count, std::uint64_t seed, double sigma, const Vec3& centre) {
-    const Random random(seed);
-    return each(count, [&](std::uint64_t i) -> Vec3 { return centre + sigma * normal(random, i); });
+PointSet gaussian_points(const Given& g) {
+    const double sigma = g.real("sigma");
+    return each(g, [&, centre = g.xyz()](const Random& random, std::uint64_t i) -> Vec3 {
+        return centre + sigma * normal(random, i);
+    });
 }
 
-PointSet box_points(Index count, std::uint64_t seed, const Vec3& size) {
-    const Random random(seed);
-    return each(count, [&](std::uint64_t i) -> Vec3 { return uniform(random, i).cwiseProduct(size); });
+PointSet box_points(const Given& g, const Vec3& size) {
+    return each(g,
+                [&](const Random& random, std::uint64_t i) -> Vec3 { return uniform(random, i).cwiseProduct(size); });
 }
 
-PointSet curve_points(Index count, std::uint64_t seed) {
-    const Random random(seed);
-    return each(count, [&](std::uint64_t i) -> Vec3 {
+PointSet curve_points(const Given& g) {
+    return each(g, [](const Random& random, std::uint64_t i) -> Vec3 {
         const double t = random.uniform(i);
         return {t, t * t, t * t * t};
     });
 }
 
-PointSet shell_points(Index count, std::uint64_t seed, double radius, const Vec3& centre) {
-    const Random random(seed);
-    return each(count, [&](std::uint64_t i) -> Vec3 {
+PointSet shell_points(const Given& g) {
+    const double radius = g.real("radius");
+    return each(g, [&, centre = g.xyz()](const Random& random, std::uint64_t i) -> Vec3 {
         const Vec3 v = normal(random, i);
         const double length = std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
         return length > 0 ? Vec3(centre + radius * (v / length)) : Vec3(centre + Vec3(radius, 0, 0));
     });
 }
 
-PointSet cluster_points(Index count, std::uint64_t seed, const Clusters& clusters) {
-    const Random random(seed), layout(clusters.layout);
+PointSet cluster_points(const Given& g) {
+    const Random layout(g.seed("layout"));
     std::vector<Vec3> centres;
     std::vector<double> sigmas;
-    double sigma = clusters.sigma;
-    for (Index c = 0; c < clusters.count; ++c) {
-        centres.emplace_back(clusters.spread * uniform(layout, static_cast<std::uint64_t>(c)));
+    double sigma = g.real("sigma");
+    for (Index c = 0; c < g.whole("clusters"); ++c) {
+        centres.emplace_back(g.real("spread") * uniform(layout, static_cast<std::uint64_t>(c)));
         sigmas.push_back(sigma);
-        sigma *= clusters.shrink;
+        sigma *= g.real("shrink");
     }
-    return each(count, [&](std::uint64_t i) -> Vec3 {
+    return each(g, [&](const Random& random, std::uint64_t i) -> Vec3 {
         const auto c = static_cast<std::size_t>(i) % centres.size();
         return centres[c] + sigmas[c] * normal(random, i);
     });
+}
+
+}  // namespace
+
+std::vector<Recipe> point_recipes() {
+    const NumberSpec count = whole_number("count", 1, 1e8), seed = seed_number(), x = coordinate("x"),
+                     y = coordinate("y"), z = coordinate("z");
+    return {{"gaussian_points", {count, seed, length("sigma", 0), x, y, z}, gaussian_points},
+            {"uniform_points", {count, seed}, [](const Given& g) { return box_points(g, Vec3::Ones()); }},
+            {"box_points",
+             {count, seed, length("x", 0), length("y", 0), length("z", 0)},
+             [](const Given& g) { return box_points(g, g.xyz()); }},
+            {"curve_points", {count, seed}, curve_points},
+            {"shell_points", {count, seed, length("radius", 0), x, y, z}, shell_points},
+            {"cluster_points",
+             {count, seed, whole_number("clusters", 1, 1e8), seed_number("layout"), length("spread", 0),
+              length("sigma", 0), NumberSpec{"shrink", false, 0, 1}},
+             cluster_points}};
 }
 
 }  // namespace hausbench

@@ -5,17 +5,16 @@
 #pragma once
 
 #include "scene.h"
-
-#include <toml++/toml.h>
+#include "toml_reader.h"
 
 #include <filesystem>
 #include <string>
 
 namespace hausbench {
 
-// Reads these two keys of a table; other keys are ignored. `where` begins every message. Throws InputError for a missing key,
-// an invalid polynomial (with the column), a box that is not three pairs of numbers or has no volume.
-AlgebraicSurface surface_of(const toml::table& table, const std::string& where);
+// Reads these two keys; other keys are ignored. Throws InputError for a missing key, an invalid polynomial (with the column), a box that
+// is not three pairs of numbers or has no volume.
+AlgebraicSurface read_surface(const TomlReader& table);
 
 // Throws InputError also for invalid TOML and for other keys.
 AlgebraicSurface read_surface_file(const std::filesystem::path& file);

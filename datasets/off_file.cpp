@@ -1,0 +1,117 @@
+// OFF as text: a header, which may lack its keyword, then a line for each vertex and for each face; colours, normals and texture
+// coordinates behind the numbers that count are passed over.
+#include "error.h"
+#include "parse.h"
+#include "readers.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+
+namespace hausbench::readers {
+namespace {
+
+struct Line {
+    std::string_view text;
+    std::uint32_t number;
+};
+
+struct Header {
+    bool four = false;  // 4OFF: a fourth number divides the three
+    std::size_t points = 0, faces = 0, lines = 0;
+};
+
+std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
+    const auto value = whole<std::size_t>(word);
+    // The shortest line of either kind has two characters; a header with a larger count is wrong and would cost memory.
+    if (!value || *value > size / 2)
+        throw InputError(fmt::format("{}: the header announces {} {}, which a file of {} bytes cannot hold", name,
+                                     shown(word), what, size));
+    return *value;
+}
+
+Header header_of(const std::string& name, const std::vector<Line>& lines, std::size_t size) {
+    Header header;
+    std::string_view keyword;
+    std::vector<std::string_view> counts;
+    for (; header.lines < lines.size() && counts.size() < 2; ++header.lines) {
+        auto [line, number] = lines[header.lines];
+        for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
+            if (!keyword.empty() || !counts.empty() || !std::isalpha(static_cast<unsigned char>(word.back()))) {
+                counts.push_back(word);
+                continue;
+            }
+            keyword = word;
+            if (!word.ends_with("OFF") || word.find('n') != std::string_view::npos)
+                refuse(
+                    name, number,
+                    fmt::format("'{}' is no OFF header that is read (OFF, with ST, C, N or 4 before it)", shown(word)));
+        }
+    }
+    if (counts.size() < 2) throw InputError(name + ": has no OFF header with the number of vertices and faces");
+    header.four = keyword.find('4') != std::string_view::npos;
+    header.points = count_of(name, counts[0], "vertices", size);
+    header.faces = count_of(name, counts[1], "faces", size);
+    return header;
+}
+
+void add_vertex(const std::string& name, Line line, bool four, Soup& soup) {
+    add_point(name, line.text, line.number, soup);
+    if (!four) return;
+    for (int k = 0; k < 3; ++k) next_word(line.text);
+    const auto weight = decimal(next_word(line.text));
+    if (!weight) refuse(name, line.number, "a vertex of 4OFF needs four numbers");
+    soup.points.back() /= *weight;
+}
+
+// Some files write whole numbers with a decimal point.
+std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
+    const auto value = decimal(word);
+    if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)
+        return std::nullopt;
+    return static_cast<std::size_t>(*value);
+}
+
+void add_face(const std::string& name, Line line, Soup& soup) {
+    const std::size_t most = line.text.size();
+    const auto corners = number_below(most, next_word(line.text));
+    if (!corners) refuse(name, line.number, fmt::format("face {} (from 0) cannot be read", soup.faces.size()));
+    std::vector<std::size_t> face;
+    while (face.size() < *corners) {
+        const auto index = number_below(soup.points.size(), next_word(line.text));
+        if (!index)
+            refuse(name, line.number,
+                   fmt::format("face {} (from 0) does not name {} of the {} vertices", soup.faces.size(), *corners,
+                               soup.points.size()));
+        face.push_back(*index);
+    }
+    soup.faces.push_back(std::move(face));
+    soup.face_lines.push_back(line.number);
+}
+
+}  // namespace
+
+Soup read_off(const std::string& name, std::string_view bytes) {
+    if (bytes.find('\0') != std::string_view::npos)
+        throw InputError(name + ": a binary OFF file is not read: convert it to text");
+    std::vector<Line> lines;  // that are not empty
+    std::string_view rest = bytes;
+    for (std::uint32_t number = 1; !rest.empty(); ++number) {
+        const std::string_view line = next_line(rest);
+        const std::string_view text = trimmed(line.substr(0, line.find('#')));
+        if (!text.empty()) lines.push_back({text, number});
+    }
+    const Header header = header_of(name, lines, bytes.size());
+    const std::size_t there = lines.size() - header.lines;
+    if (there < header.points)
+        throw InputError(fmt::format("{}: ends after {} of {} vertices", name, there, header.points));
+    if (there - header.points < header.faces)
+        throw InputError(fmt::format("{}: ends after {} of {} faces", name, there - header.points, header.faces));
+    Soup soup;
+    for (std::size_t i = 0; i < header.points; ++i) add_vertex(name, lines[header.lines + i], header.four, soup);
+    for (std::size_t i = 0; i < header.faces; ++i) add_face(name, lines[header.lines + header.points + i], soup);
+    return soup;
+}
+
+}  // namespace hausbench::readers

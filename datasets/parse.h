@@ -1,0 +1,49 @@
+// Lines, words and numbers, which the readers of files share; private to datasets/.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace hausbench::readers {
+
+// Throws InputError: "NAME: line 3: WHY".
+[[noreturn]] void refuse(const std::string& name, std::uint32_t line, const std::string& why);
+
+// A word of a file, fit for a message: the first 40 characters, on one line.
+std::string shown(std::string_view word);
+
+std::string lower_case(std::string_view text);  // of ASCII letters
+
+constexpr std::string_view blanks = " \t\r\v\f";
+std::string_view trimmed(std::string_view text);
+
+// Removes the next word from `line` and returns it; empty at the end.
+std::string_view next_word(std::string_view& line);
+
+// Removes the first line, up to \n, from `bytes` and returns it, without a \r before its end.
+std::string_view next_line(std::string_view& bytes);
+
+// The nearest number of this precision to a decimal one; infinite beyond the largest. None where the text is no number.
+template <class Real = double> std::optional<Real> decimal(std::string_view text);
+
+// None where the text is no whole number, or one that does not fit.
+template <class Integer> std::optional<Integer> whole(std::string_view text) {
+    Integer value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+// How a file stores a number in bytes: F(loat), I(nteger) or U(nsigned), as PCD calls them, of 1, 2, 4 or 8 bytes.
+struct Stored {
+    char kind = 'F';
+    std::uint64_t size = 4;
+
+    bool known() const;
+    bool is_float32() const { return kind == 'F' && size == 4; }
+    double value(const char* at) const;  // in the order of bytes of this machine
+};
+
+}  // namespace hausbench::readers

@@ -1,0 +1,94 @@
+// STL. A file is binary if its size fits, whether or not it begins with "solid"; keywords of a text may be in any case.
+#include "error.h"
+#include "parse.h"
+#include "readers.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace hausbench::readers {
+namespace {
+
+constexpr std::size_t header = 84, facet = 50;  // bytes
+
+// Of a binary file, if it is one.
+std::size_t facets_of(std::string_view bytes) {
+    std::uint32_t facets = 0;
+    if (bytes.size() >= header) std::memcpy(&facets, bytes.data() + 80, sizeof facets);
+    return facets;
+}
+
+Soup read_binary(const std::string& name, std::string_view bytes) {
+    const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
+    // A longer one was usually transferred as text: its coordinates are wrong.
+    if (bytes.size() != expected)
+        throw InputError(fmt::format("{}: is {}, or no STL file: {} facets take {} bytes, {} bytes found", name,
+                                     bytes.size() < expected ? "truncated" : "damaged", facets, expected,
+                                     bytes.size()));
+    Soup soup;
+    soup.float32 = true;
+    soup.points.reserve(3 * facets);
+    for (std::size_t f = 0; f < facets; ++f) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::array<float, 3> corner;
+            std::memcpy(corner.data(), bytes.data() + header + f * facet + 12 * (k + 1), sizeof corner);
+            soup.points.emplace_back(corner[0], corner[1], corner[2]);
+            if (!soup.points.back().allFinite())
+                throw InputError(fmt::format(
+                    "{}: vertex {} of facet {} (both from 0) has a coordinate that is not finite", name, k, f));
+        }
+        soup.faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+    }
+    return soup;
+}
+
+Soup read_text(const std::string& name, std::string_view bytes) {
+    Soup soup;
+    soup.objects = 0;
+    bool in_solid = false, in_facet = false;
+    for (std::uint32_t number = 1; !bytes.empty(); ++number) {
+        std::string_view line = next_line(bytes);
+        const std::string keyword = lower_case(next_word(line));
+        const std::size_t first = 3 * soup.faces.size(), corners = soup.points.size() - first;  // of this facet
+        if (keyword == "solid") {
+            if (in_solid) refuse(name, number, "a solid begins inside another");
+            in_solid = true;
+            ++soup.objects;
+        } else if (keyword == "facet") {
+            if (in_facet) refuse(name, number, "a facet begins inside another");
+            in_facet = true;
+        } else if (keyword == "vertex") {
+            if (in_facet) add_point(name, line, number, soup);
+        } else if (keyword == "endfacet") {
+            if (in_facet && corners != 3)
+                refuse(name, number, fmt::format("a facet of {} vertices ends here", corners));
+            if (in_facet) soup.faces.push_back({first, first + 1, first + 2});
+            in_facet = false;
+        } else if (keyword == "endsolid") {
+            in_solid = false;
+        } else if (!keyword.empty() && keyword != "outer" && keyword != "endloop") {
+            refuse(name, number, fmt::format("'{}' is no word of an STL file", shown(keyword)));
+        }
+    }
+    if (in_solid || in_facet)
+        throw InputError(fmt::format("{}: ends inside a solid, after {} facets: truncated", name, soup.faces.size()));
+    return soup;
+}
+
+}  // namespace
+
+Soup read_stl(const std::string& name, std::string_view bytes) {
+    const std::string_view start = bytes.substr(0, 512);
+    const std::size_t first = start.find_first_not_of(" \t\r\n");
+    const bool solid = first != std::string_view::npos && lower_case(start.substr(first, 5)) == "solid" &&
+                       start.find('\0') == std::string_view::npos;
+    if (bytes.size() >= header && (!solid || bytes.size() == header + facet * facets_of(bytes)))
+        return read_binary(name, bytes);
+    if (!solid)
+        throw InputError(name +
+                         ": is no STL file: neither begins with 'solid' nor has the 84 bytes of a binary header");
+    return read_text(name, bytes);
+}
+
+}  // namespace hausbench::readers

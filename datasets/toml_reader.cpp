@@ -1,0 +1,120 @@
+#include "toml_reader.h"
+
+#include "error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hausbench {
+
+toml::table parse_toml(const std::filesystem::path& file) {
+    try {
+        return toml::parse_file(file.string());
+    } catch (const toml::parse_error& error) {
+        throw InputError(fmt::format("{}: line {}: {}", file.string(), error.source().begin.line, error.description()));
+    }
+}
+
+TomlReader::TomlReader(std::filesystem::path file, const toml::table& table, std::string name, std::string before_line)
+    : file_(std::move(file)), table_(table), name_(std::move(name)), before_line_(std::move(before_line)) {}
+
+std::string TomlReader::where(const toml::node& node) const {
+    return fmt::format("{}{}{}", file_.string(), before_line_, node.source().begin.line);
+}
+
+void TomlReader::fail(const toml::node& node, const std::string& what) const {
+    throw InputError(where(node) + ": " + what);
+}
+
+const toml::node* TomlReader::find(std::string_view key) const {
+    allow({std::string(key)});
+    return table_.get(key);
+}
+
+const toml::node& TomlReader::required(std::string_view key) const {
+    const toml::node* node = find(key);
+    if (!node) fail(fmt::format("'{}' is missing{}", key, in_table()));
+    return *node;
+}
+
+void TomlReader::allow(const std::vector<std::string>& keys) const {
+    for (const std::string& key : keys)
+        if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+}
+
+void TomlReader::refuse_other_keys() const {
+    for (const auto& [key, node] : table_)
+        if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
+            fail(node, fmt::format("unknown key '{}'{}{}", key.str(), in_table(), nearest_hint(key.str(), known_)));
+}
+
+std::string TomlReader::text(std::string_view key, const std::string& otherwise) const {
+    const toml::node* node = find(key);
+    if (!node) return otherwise;
+    const auto value = node->value_exact<std::string>();
+    if (!value) fail(*node, fmt::format("'{}' must be a text in quotes", key));
+    return *value;
+}
+
+std::string TomlReader::text(std::string_view key) const {
+    required(key);
+    return text(key, "");
+}
+
+bool TomlReader::flag(std::string_view key, bool otherwise) const {
+    const toml::node* node = find(key);
+    if (!node) return otherwise;
+    const auto value = node->value_exact<bool>();
+    if (!value) fail(*node, fmt::format("'{}' must be true or false", key));
+    return *value;
+}
+
+int TomlReader::count(std::string_view key, int least, int otherwise) const {
+    constexpr int most = 1'000'000;
+    const toml::node* node = find(key);
+    if (!node) return otherwise;
+    const auto value = node->value_exact<std::int64_t>();
+    if (!value || *value < least || *value > most)
+        fail(*node, fmt::format("'{}' must be a whole number from {} to {}", key, least, most));
+    return int(*value);
+}
+
+double TomlReader::number(const toml::node& node, std::string_view key) const {
+    if (!node.is_number()) fail(node, fmt::format("'{}' must be a number", key));
+    const double value = *node.value<double>();
+    if (!std::isfinite(value)) fail(node, fmt::format("'{}' must be a finite number", key));
+    return value;
+}
+
+double TomlReader::positive(const toml::node& node, std::string_view key, double most) const {
+    const double value = number(node, key);
+    if (!(value > 0)) fail(node, fmt::format("'{}' must be above 0, not {}", key, value));
+    if (value > most) fail(node, fmt::format("'{}' must be at most {}, not {}", key, most, value));
+    return value;
+}
+
+double TomlReader::length(std::string_view key, double otherwise) const {
+    const toml::node* node = find(key);
+    if (!node) return otherwise;
+    const double value = number(*node, key);
+    if (value < 0) fail(*node, fmt::format("'{}' must be at least 0, not {}", key, value));
+    return value;
+}
+
+std::vector<std::string> TomlReader::texts(std::string_view key, std::string_view of) const {
+    std::vector<std::string> values;
+    const toml::node* node = find(key);
+    if (!node) return values;
+    const toml::array* array = node->as_array();
+    if (!array) fail(*node, fmt::format("'{}' must be a list of {}", key, of));
+    for (const toml::node& item : *array) {
+        const auto value = item.value_exact<std::string>();
+        if (!value) fail(item, fmt::format("'{}' must be a list of {}", key, of));
+        values.push_back(*value);
+    }
+    return values;
+}
+
+}  // namespace hausbench

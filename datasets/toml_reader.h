@@ -1,0 +1,54 @@
+// Tables of a TOML file, key by key. Every message names the file, the line and the key, and for a wrong key the nearest known one.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+// Throws InputError that names file and line.
+toml::table parse_toml(const std::filesystem::path& file);
+
+// All but find() and where() throw InputError for a value that is not as asked for. `otherwise` is what a missing key stands for.
+class TomlReader {
+public:
+    // `name` is the table's in messages, such as "[[scene]]"; `before_line` stands between file and line there.
+    TomlReader(std::filesystem::path file, const toml::table& table, std::string name = "",
+               std::string before_line = ": line ");
+
+    const toml::node* find(std::string_view key) const;  // null: it is missing
+    const toml::node& required(std::string_view key) const;
+    std::string text(std::string_view key) const;
+    std::string text(std::string_view key, const std::string& otherwise) const;
+    bool flag(std::string_view key, bool otherwise) const;
+    int count(std::string_view key, int least, int otherwise) const;    // least .. 1000000
+    double number(const toml::node& node, std::string_view key) const;  // finite
+    double positive(const toml::node& node, std::string_view key,
+                    double most = std::numeric_limits<double>::max()) const;
+    double length(std::string_view key, double otherwise) const;  // 0 or more
+    std::vector<std::string> texts(std::string_view key,
+                                   std::string_view of = "texts") const;  // empty where it is missing
+
+    // Known are the keys that a function above was asked for, and these.
+    void allow(const std::vector<std::string>& keys) const;
+    void refuse_other_keys() const;
+
+    std::string where(const toml::node& node) const;  // "FILE: line 3"
+    [[noreturn]] void fail(const toml::node& node, const std::string& what) const;
+    [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
+
+private:
+    std::string in_table() const { return name_.empty() ? "" : " in " + name_; }
+
+    std::filesystem::path file_;
+    const toml::table& table_;
+    std::string name_, before_line_;
+    mutable std::vector<std::string> known_;
+};
+
+}  // namespace hausbench
