@@ -86,25 +86,31 @@ Interval SurfaceTree::derivative(int axis, const Box& box, Counters& counters) {
 Vec3 SurfaceTree::onto(Vec3 y) const {
     const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
     for (int step = 0; step < 8; ++step) {
-        Vec3 free = Vec3::Ones();
-        for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
-            Vec3 g;
-            const double f = polynomial().value(y, g);
-            if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return y;
-            g = g.cwiseProduct(free);
-            const double size = g.squaredNorm();
-            if (!(size > 0)) return y;
-            const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
-            if (to == inside) {
-                y = to;
-                break;
-            }
-            for (int k = 0; k < 3; ++k) {
-                if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
-            }
-        }
+        if (!step_onto(y, ulp)) break;
     }
     return y;
+}
+
+// One step of it. False: the point is on the surface but for rounding, or nothing leads there.
+bool SurfaceTree::step_onto(Vec3& y, double ulp) const {
+    Vec3 free = Vec3::Ones();
+    for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
+        Vec3 g;
+        const double f = polynomial().value(y, g);
+        if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return false;
+        g = g.cwiseProduct(free);
+        const double size = g.squaredNorm();
+        if (!(size > 0)) return false;
+        const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
+        if (to == inside) {
+            y = to;
+            return true;
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
+        }
+    }
+    return true;
 }
 
 std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, const Vec3& start) const {
@@ -161,53 +167,11 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// The nearest point of the tangent plane in the box, repeated, each moved onto the surface; then Newton's method.
-std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess, Counters& counters) const {
+// Descends over tangent planes; these do not lead to the foot where the surface turns within the distance, but Newton's method does.
+std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
-    Vec3 y = onto(clamped(guess, box_));
-    double distance = (p - y).squaredNorm();
-    for (int step = 0; step < 24; ++step) {
-        Vec3 g, to = p;
-        const double f = polynomial().value(y, g);
-        for (int tries = 0; tries < 3; ++tries) {
-            const double size = g.squaredNorm();
-            if (!(size > 0)) break;
-            const Vec3 foot = to - ((f + g.dot(to - y)) / size) * g, inside = clamped(foot, box_);
-            if (foot == inside) {
-                to = foot;
-                break;
-            }
-            for (int k = 0; k < 3; ++k) {
-                if (foot[k] == inside[k]) continue;
-                to[k] = inside[k];  // stays on that side of the box, and the plane is met in the others
-            }
-            Vec3 free = g;
-            for (int k = 0; k < 3; ++k) {
-                if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
-            }
-            const double left = free.squaredNorm();
-            if (!(left > 0)) break;
-            to = clamped(Vec3(to - ((f + g.dot(to - y)) / left) * free), box_);
-            break;
-        }
-        to = onto(clamped(to, box_));
-        const double next = (p - to).squaredNorm();
-        if (!(next < distance)) {  // too far along the tangent: half the way, a few times
-            to = onto(Vec3(0.5 * (y + to)));
-            const double half = (p - to).squaredNorm();
-            if (!(half < distance)) break;
-            distance = half;
-        } else {
-            const bool done = next > distance * (1 - 1e-13);
-            distance = next;
-            if (done) {
-                y = to;
-                break;
-            }
-        }
-        y = to;
-    }
-    // Tangent planes do not lead to the foot where the surface turns within the distance; Newton's method does.
+    Vec3 y = descend(p, onto(clamped(seed, box_)));
+    const double distance = (p - y).squaredNorm();
     Vec3 g;
     polynomial().value(y, g);
     if (g.cross(p - y).squaredNorm() > 1e-10 * g.squaredNorm() * distance) {
@@ -218,7 +182,49 @@ std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess
     return prove(y, counters);
 }
 
-Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p) {
+// From a point on the surface: the nearest point of its tangent plane in the box, moved onto the surface, as long as that is nearer.
+Vec3 SurfaceTree::descend(const Vec3& p, Vec3 y) const {
+    double distance = (p - y).squaredNorm();
+    for (int step = 0; step < 24; ++step) {
+        Vec3 to = onto(clamped(tangent_foot(p, y), box_));
+        const double next = (p - to).squaredNorm();
+        if (next < distance) {
+            const bool settled = next > distance * (1 - 1e-13);
+            distance = next;
+            y = to;
+            if (settled) break;
+        } else {  // too far along the tangent: half the way, a few times
+            to = onto(Vec3(0.5 * (y + to)));
+            const double half = (p - to).squaredNorm();
+            if (!(half < distance)) break;
+            distance = half;
+            y = to;
+        }
+    }
+    return y;
+}
+
+// The point nearest to p of the plane that is tangent at y. Where that is outside the box, about the nearest one inside.
+Vec3 SurfaceTree::tangent_foot(const Vec3& p, const Vec3& y) const {
+    Vec3 g;
+    const double f = polynomial().value(y, g);
+    const double size = g.squaredNorm();
+    if (!(size > 0)) return p;
+    const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot, box_);
+    if (foot == inside) return foot;
+    Vec3 to = p;
+    for (int k = 0; k < 3; ++k) {  // stays on that side of the box, and the plane is met in the others
+        if (foot[k] != inside[k]) to[k] = inside[k];
+    }
+    Vec3 free = g;
+    for (int k = 0; k < 3; ++k) {
+        if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
+    }
+    const double left = free.squaredNorm();
+    return left > 0 ? Vec3(to - ((f + g.dot(to - y)) / left) * free) : to;
+}
+
+Vec3 seed_on(const SurfaceTree::Node& piece, const Vec3& p) {
     const LinearForm& f = piece.form;
     const Vec3 normal = f.slope.cwiseQuotient(f.half);
     const double size = normal.squaredNorm(), rest = 0.5 * (f.rest.inf() + f.rest.sup());
@@ -235,7 +241,7 @@ double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p) {
         gap[std::size_t(k)] = Interval(std::max(std::max(before, after), 0.0));
     }
     double best = CGAL::sqrt(squared(gap)).inf();
-    const Vec3 n = p - guess_on(piece, p);
+    const Vec3 n = p - seed_on(piece, p);
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return best;
     const double shown =
@@ -250,7 +256,7 @@ double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p) {
         far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
     const double corners = CGAL::sqrt(squared(far)).sup();
     // |y - p|^2 is the square along n plus the square across it, which is at most that of p - c and that of the box.
-    const Vec3 n = guess_on(piece, f.middle) - p;
+    const Vec3 n = seed_on(piece, f.middle) - p;
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;
     const Interval before = along(n, f.middle, p);

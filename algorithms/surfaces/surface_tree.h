@@ -54,13 +54,16 @@ public:
     };
     std::optional<CriticalPoint> newton(const Vec3& p, const Vec3& start) const;
 
-    // A proven point near the point of the surface that is nearest to p, searched for from a guess; where several are
+    // A proven point near the point of the surface that is nearest to p, searched for from a seed; where several are
     // near, any. Empty where none could be proven, which says nothing.
-    std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& guess, Counters& counters) const;
+    std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& seed, Counters& counters) const;
 
 private:
     std::optional<SurfacePoint> prove(const Vec3& p, Counters& counters) const;
     Vec3 onto(Vec3 y) const;
+    bool step_onto(Vec3& y, double ulp) const;
+    Vec3 descend(const Vec3& p, Vec3 y) const;
+    Vec3 tangent_foot(const Vec3& p, const Vec3& y) const;
 
     Box box_;
     FormEvaluator evaluator_;
@@ -68,8 +71,8 @@ private:
     std::vector<Node> nodes_;
 };
 
-// A guess at the point of a piece (box and linear enclosure) next to p.
-Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p);
+// About the point of a piece (box and linear enclosure) that is nearest to p; nothing is proven.
+Vec3 seed_on(const SurfaceTree::Node& piece, const Vec3& p);
 
 // No point of the piece is nearer to p; and none, of any box, farther (a bound that is first-order in the box's size only
 // where p sees the piece at a slant). Proof: for n of length 1 and any l, n.(y - c) = q.u with q = n r, and on the surface
