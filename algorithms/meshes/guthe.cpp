@@ -88,11 +88,19 @@ public:
 private:
     Result search();
     void push_triangles();
+    double squared_to_farthest(const Piece& piece, Index triangle);
     bool settle(const Piece& piece) {
         return bounds_.settle(piece.upper, piece.source, piece.level, most_levels(split_));
     }
     void push(const Piece& piece);
     void split(const Piece& piece);
+
+    // Of the parts of a cut: the squared distance that none exceeds, and the triangle of B that shows it.
+    struct PartBounds {
+        std::array<double, 4> least;
+        std::array<Index, 4> best{};
+    };
+    PartBounds bound_parts(const Cut<MeasuredPoint>& cut, Index best_of_whole);
 
     const TriangleMesh& a_;
     const Target& target_;
@@ -112,23 +120,14 @@ void Search::push(const Piece& piece) {
     queue_.push(piece);
 }
 
+// The least over the triangles nearest to its corners.
 void Search::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
         Piece piece{vertices_.corners(i), 0, i, 0, 0};
         double least = std::numeric_limits<double>::infinity();
         for (const MeasuredPoint& corner : piece.corners) {
-            const Triangle near = target_.triangle(corner.triangle);
-            double most = 0;
-            for (const MeasuredPoint& other : piece.corners) {
-                if (other.triangle == corner.triangle) {
-                    most = std::max(most, other.squared);
-                } else {
-                    ++counters_.point_triangle_distances;
-                    most = std::max(most, target_.squared_distance(other.point, near));
-                }
-            }
-            ++counters_.bound_tests;
+            const double most = squared_to_farthest(piece, corner.triangle);
             if (most < least) {
                 least = most;
                 piece.best = corner.triangle;
@@ -139,6 +138,22 @@ void Search::push_triangles() {
     }
 }
 
+// The largest squared distance of a corner to a triangle of B that is nearest to one of them.
+double Search::squared_to_farthest(const Piece& piece, Index triangle) {
+    const Triangle near = target_.triangle(triangle);
+    double most = 0;
+    for (const MeasuredPoint& corner : piece.corners) {
+        if (corner.triangle == triangle) {
+            most = std::max(most, corner.squared);
+        } else {
+            ++counters_.point_triangle_distances;
+            most = std::max(most, target_.squared_distance(corner.point, near));
+        }
+    }
+    ++counters_.bound_tests;
+    return most;
+}
+
 void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
@@ -146,17 +161,24 @@ void Search::split(const Piece& piece) {
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
+    const PartBounds bounds = bound_parts(cut, piece.best);
+    for (std::size_t c = 0; c < cut.piece_count; ++c) {
+        const double upper = std::min(piece.upper, bounds_.at_most(bounds.least[c], level));
+        push({cut.corners(c), upper, piece.source, bounds.best[c], level});
+    }
+}
+
+// The least over the triangles nearest to any vertex of the cut, and the one that was best for the whole piece.
+Search::PartBounds Search::bound_parts(const Cut<MeasuredPoint>& cut, Index best_of_whole) {
     PointBlock block;
-    std::array<Index, 7> near{piece.best};
+    std::array<Index, 7> near{best_of_whole};
     for (std::size_t lane = 0; lane < block_width; ++lane) {
         const MeasuredPoint& vertex = cut.vertices[std::min(lane, cut.vertex_count - 1)];
         for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = vertex.point[k];
         if (lane < cut.vertex_count) near[lane + 1] = vertex.triangle;
     }
-
-    std::array<double, 4> least;
-    std::array<Index, 4> best{};
-    least.fill(std::numeric_limits<double>::infinity());
+    PartBounds bounds;
+    bounds.least.fill(std::numeric_limits<double>::infinity());
     for (std::size_t s = 0; s <= cut.vertex_count; ++s) {
         if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
         BlockFeet feet;
@@ -167,16 +189,13 @@ void Search::split(const Piece& piece) {
             ++counters_.bound_tests;
             const auto& corners = cut.pieces[c];
             const double most = std::max({squared[corners[0]], squared[corners[1]], squared[corners[2]]});
-            if (most < least[c]) {
-                least[c] = most;
-                best[c] = near[s];
+            if (most < bounds.least[c]) {
+                bounds.least[c] = most;
+                bounds.best[c] = near[s];
             }
         }
     }
-    for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const double upper = std::min(piece.upper, bounds_.at_most(least[c], level));
-        push({cut.corners(c), upper, piece.source, best[c], level});
-    }
+    return bounds;
 }
 
 Result Search::search() {

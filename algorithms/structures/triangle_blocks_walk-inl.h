@@ -268,65 +268,73 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
     }
 }
 
+// A node on the way to the nearest leaf, and which of its children are left.
+struct WalkStep {
+    OrderedChildren children;
+    const BoxNode* node;
+    double base;                 // negative: the keys are squares
+    std::uint32_t level, first;  // of the children
+
+    // Returns the least key.
+    HWY_INLINE std::int32_t set(const BoxNode& at, const Vec3& point, const Reach& reach) {
+        const LocalPoint local(at.units, point);
+        node = &at;
+        base = -1;
+        if (HWY_LIKELY(local.is_near())) return children.set(at, local);
+        if (local.is_filtered()) {
+            base = local.base();
+            return children.set_far(at, local, base);
+        }
+        return local.beyond(at.units, reach.at(at.units)) ? OrderedChildren::none : children.set_unknown(at.count);
+    }
+    HWY_INLINE float limit(const Reach& reach) const {
+        return HWY_LIKELY(base < 0) ? box_limit(*node, reach) : far_limit(*node, base, reach);
+    }
+    HWY_INLINE bool beyond(std::int32_t key, const Reach& reach) const {
+        return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(reach));
+    }
+    HWY_INLINE std::uint32_t child(std::int32_t key) const {
+        return first + static_cast<std::uint32_t>(key & OrderedChildren::child_bits);
+    }
+
+    // The nearest leaf, and then the others as they come: none has to wait for another then. False: leaf() wants no more.
+    template <class Leaf> HWY_INLINE bool visit_leaves(std::int32_t least, const Reach& reach, const Leaf& leaf) const {
+        if (beyond(least, reach)) return true;
+        if (!leaf(std::size_t{child(least)})) return false;
+        const auto nearest = static_cast<unsigned>(least & OrderedChildren::child_bits);
+        for (unsigned mask = children.within(limit(reach)) & ~(1U << nearest); mask != 0; mask &= mask - 1) {
+            const auto c = static_cast<std::uint32_t>(std::countr_zero(mask));
+            if (!beyond(children.key[c], reach) && !leaf(std::size_t{first + c})) return false;
+        }
+        return true;
+    }
+};
+
 // Calls leaf(number) for leaves that may have something within `reach`, which it may lower, and ends where it returns false. Nearest
 // child first.
 template <class Leaf>
 HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const Reach& reach,
                               std::uint64_t& visits, const Leaf& leaf) {
-    struct Step {
-        OrderedChildren children;
-        const BoxNode* node;
-        double base;                 // negative: the keys are squares
-        std::uint32_t level, first;  // of the children
-    };
-    Step path[most_levels];
+    WalkStep path[most_levels];
     std::size_t depth = 0;
     std::uint32_t level = static_cast<std::uint32_t>(tree.level_begin.size()), index = 0;
-    const auto limit = [&](const Step& step) {
-        return HWY_LIKELY(step.base < 0) ? box_limit(*step.node, reach) : far_limit(*step.node, step.base, reach);
-    };
-    const auto beyond = [&](const Step& step, std::int32_t key) {
-        return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(step));
-    };
     while (true) {
         const BoxNode& node = tree.nodes[tree.level_begin[level - 1] + index];
         visits += static_cast<std::uint64_t>(node.count);
-        const LocalPoint local(node.units, point);
-        Step* step = path + depth++;
-        std::int32_t next = OrderedChildren::none;
-        step->base = -1;
-        if (HWY_LIKELY(local.is_near())) {
-            next = step->children.set(node, local);
-        } else if (local.is_filtered()) {
-            step->base = local.base();
-            next = step->children.set_far(node, local, step->base);
-        } else if (!local.beyond(node.units, reach.at(node.units))) {
-            next = step->children.set_unknown(node.count);
-        }
-        step->node = &node;
+        WalkStep* step = path + depth++;
+        std::int32_t next = step->set(node, point, reach);
         step->level = level - 1;
         step->first = static_cast<std::uint32_t>(index * frames_width);
         if (step->level == 0) {
-            // The nearest leaf, and then the others as they come: none has to wait for another then.
-            if (!beyond(*step, next)) {
-                const auto nearest = static_cast<unsigned>(next & OrderedChildren::child_bits);
-                if (!leaf(std::size_t{step->first + nearest})) return;
-                for (unsigned mask = step->children.within(limit(*step)) & ~(1U << nearest); mask != 0;
-                     mask &= mask - 1) {
-                    const auto c = static_cast<std::uint32_t>(std::countr_zero(mask));
-                    if (beyond(*step, step->children.key[c])) continue;
-                    if (!leaf(std::size_t{step->first + c})) return;
-                }
-            }
-            if (--depth == 0) return;
+            if (!step->visit_leaves(next, reach, leaf) || --depth == 0) return;
             next = (--step)->children.least();
         }
-        while (beyond(*step, next)) {
+        while (step->beyond(next, reach)) {
             if (--depth == 0) return;
             next = (--step)->children.least();
         }
         step->children.remove(next);
-        index = step->first + static_cast<std::uint32_t>(next & OrderedChildren::child_bits);
+        index = step->child(next);
         level = step->level;
     }
 }
