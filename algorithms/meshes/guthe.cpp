@@ -95,13 +95,6 @@ private:
     void push(const Piece& piece);
     void split(const Piece& piece);
 
-    // Of the parts of a cut: the squared distance that none exceeds, and the triangle of B that shows it.
-    struct PartBounds {
-        std::array<double, 4> least;
-        std::array<Index, 4> best{};
-    };
-    PartBounds bound_parts(const Cut<MeasuredPoint>& cut, Index best_of_whole);
-
     const TriangleMesh& a_;
     const Target& target_;
     const Points& points_;
@@ -154,6 +147,16 @@ double Search::squared_to_farthest(const Piece& piece, Index triangle) {
     return most;
 }
 
+PointBlock block_of(const Cut<MeasuredPoint>& cut) {
+    PointBlock block;
+    for (std::size_t lane = 0; lane < block_width; ++lane) {
+        const Vec3& point = cut.vertices[std::min(lane, cut.vertex_count - 1)].point;
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = point[k];
+    }
+    return block;
+}
+
+// Each part is bounded by the triangles nearest to any vertex of the cut, and by the one that was best for the whole piece.
 void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
@@ -161,24 +164,12 @@ void Search::split(const Piece& piece) {
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
-    const PartBounds bounds = bound_parts(cut, piece.best);
-    for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const double upper = std::min(piece.upper, bounds_.at_most(bounds.least[c], level));
-        push({cut.corners(c), upper, piece.source, bounds.best[c], level});
-    }
-}
-
-// The least over the triangles nearest to any vertex of the cut, and the one that was best for the whole piece.
-Search::PartBounds Search::bound_parts(const Cut<MeasuredPoint>& cut, Index best_of_whole) {
-    PointBlock block;
-    std::array<Index, 7> near{best_of_whole};
-    for (std::size_t lane = 0; lane < block_width; ++lane) {
-        const MeasuredPoint& vertex = cut.vertices[std::min(lane, cut.vertex_count - 1)];
-        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = vertex.point[k];
-        if (lane < cut.vertex_count) near[lane + 1] = vertex.triangle;
-    }
-    PartBounds bounds;
-    bounds.least.fill(std::numeric_limits<double>::infinity());
+    const PointBlock block = block_of(cut);
+    std::array<Index, 7> near{piece.best};
+    for (std::size_t v = 0; v < cut.vertex_count; ++v) near[v + 1] = cut.vertices[v].triangle;
+    std::array<double, 4> least;
+    std::array<Index, 4> best{};
+    least.fill(std::numeric_limits<double>::infinity());
     for (std::size_t s = 0; s <= cut.vertex_count; ++s) {
         if (std::find(near.begin(), near.begin() + s, near[s]) != near.begin() + s) continue;
         BlockFeet feet;
@@ -189,13 +180,16 @@ Search::PartBounds Search::bound_parts(const Cut<MeasuredPoint>& cut, Index best
             ++counters_.bound_tests;
             const auto& corners = cut.pieces[c];
             const double most = std::max({squared[corners[0]], squared[corners[1]], squared[corners[2]]});
-            if (most < bounds.least[c]) {
-                bounds.least[c] = most;
-                bounds.best[c] = near[s];
+            if (most < least[c]) {
+                least[c] = most;
+                best[c] = near[s];
             }
         }
     }
-    return bounds;
+    for (std::size_t c = 0; c < cut.piece_count; ++c) {
+        const double upper = std::min(piece.upper, bounds_.at_most(least[c], level));
+        push({cut.corners(c), upper, piece.source, best[c], level});
+    }
 }
 
 Result Search::search() {
