@@ -8,6 +8,7 @@
 
 #include "cover_groups.h"
 #include "cover_proofs.h"
+#include "cover_room.h"
 #include "elements.h"
 #include "kernel/deadline.h"
 #include "offset_cover.h"
@@ -15,7 +16,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,10 +33,10 @@ struct CoverScene {
     double magnitude;  // as in kernel/rounding.h
     double least_gap;  // of tau above the lower bound
     ElementBounds* elements;
-    CoverProofs*
-        proofs;  // of a certificate; null: none is wanted. With one, or with elements, workers work one after another
-    Index*
-        partner;  // as in WarmStart, of each triangle of A; null: there is none. Each is read and written by one worker alone
+    // Of a certificate; null: none is wanted. With one, or with elements, workers work one after another.
+    CoverProofs* proofs;
+    // As in WarmStart, of each triangle of A; null: there is none. Each is read and written by one worker alone.
+    Index* partner;
 };
 
 // A triangle of A, or a part of one.
@@ -47,7 +47,16 @@ struct CoverPiece {
     KnownUpper upper;
     Landmark landmark;
     int level = 0;  // halvings, as kernel/rounding.h counts them
+
+    double farthest_corner(const Vec3& from) const;  // its distance
+    std::size_t longest_edge() const;                // from the corner of this number to the next one
 };
+
+// The unit of a place is at least this part of the magnitude.
+inline constexpr double least_place = 0x1p-100;
+
+// From so many halvings of a triangle on, a piece is covered by some of the triangles of B near it, if there are too many.
+inline constexpr int halvings_for_all_near = 8;
 
 // Of one part of the work.
 struct CoverOutcome {
@@ -56,25 +65,6 @@ struct CoverOutcome {
     std::vector<Cluster> groups;
     std::vector<CoverPiece> undecided;
     Counters counters;
-};
-
-// Room for covering, a few hundred kB. Where small shapes are measured one after the other, making it anew would take longer than the search:
-// each thread keeps what is given back.
-class CoverRoom {
-public:
-    struct Covers {
-        OffsetCover<float> rough;
-        OffsetCover<double> exact;
-    };
-
-    CoverRoom();
-    ~CoverRoom();
-    CoverRoom(CoverRoom&&) = default;
-
-    Covers& operator*() const { return *covers_; }
-
-private:
-    std::unique_ptr<Covers> covers_;
 };
 
 class CoverWorker final : CoverHost {
@@ -125,13 +115,13 @@ private:
     void settle(double upper, Index source);
     void settle(const CoverPiece& piece);
     void settle(const Cluster& cluster);
+    std::array<CoverPiece, 2> halve(const CoverPiece& piece);
+    bool is_open(CoverPiece& half);
 
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
-    void halve_piece(const CoverPiece& piece);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
-    template <class Part> void halve(const CoverPiece& piece, const Part& part);
-    bool decide_whole(const CoverPiece& piece, bool whatever);
+    bool decide_whole(const CoverPiece& piece);
     void count();
 
     CoverScene scene_;
