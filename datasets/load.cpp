@@ -1,6 +1,7 @@
 #include "load.h"
 
 #include "error.h"
+#include "kernel/splitmix.h"
 #include "readers.h"
 #include "surface_file.h"
 
@@ -32,7 +33,7 @@ struct PointKeyHash {
         for (const double value : key.x) {
             std::uint64_t bits = 0;
             std::memcpy(&bits, &value, sizeof bits);
-            mixed = (mixed ^ bits) * 0x9e3779b97f4a7c15u;
+            mixed = (mixed ^ bits) * golden_step;
             mixed ^= mixed >> 32;
         }
         return mixed;

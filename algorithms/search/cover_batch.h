@@ -3,6 +3,7 @@
 
 #include "cover_worker.h"
 #include "kernel/box.h"
+#include "kernel/splitmix.h"
 
 #include <array>
 #include <bit>
@@ -57,7 +58,7 @@ private:
     // The same for the same bits.
     static std::size_t slot_of(const Vec3& at) {
         std::uint64_t mixed = 0;
-        for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15;
+        for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * golden_step;
         return mixed >> 58;
     }
 };
