@@ -236,21 +236,16 @@ SolverEntry guthe_solver() {
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),
-         .unit = "",
-         .paper_value = "",
          .description = "the distance of a point to a triangle; textbook: not certified, to show how it fails",
          .choices = {"robust", "textbook"}},
         {.name = "certify",
          .default_value = true,
-         .unit = "",
-         .paper_value = "",
-         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
-         .choices = {}},
+         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost"},
         split_parameter(),
         regions_parameter(true, "as described: only regions that can attain the maximum"),
     };
     info.may_need.push_back(need<TriangleOctree>(Side::source));
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
+    return {info, make_solver<Guthe>};
 }
 
 }  // namespace hausbench

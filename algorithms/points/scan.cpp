@@ -25,9 +25,9 @@
 // the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
+#include "points/point_solver.h"
 #include "points/scan_near.h"
 #include "points/scan_passes.h"
-#include "solver.h"
 #include "structures/near_grid.h"
 
 #include <algorithm>
@@ -186,33 +186,25 @@ private:
 }  // namespace
 
 SolverEntry scan_solver() {
-    SolverInfo info;
-    info.name = "scan";
-    info.title = "scan (ours)";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("scan", "scan (ours)", "");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.threads = true;
     info.parameters = {
         {.name = "cells_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .paper_value = "",
          .description =
              "from this many undecided points of A times points of B near them on, these are sorted into cells",
-         .choices = {},
          .least = 0,
          .most = 1e18},
         {.name = "tree_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .paper_value = "",
          .description = "from this many pairs that the cells leave undecided on, a tree is built",
-         .choices = {},
          .least = 0,
          .most = 1e18},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scan>(options); }};
+    return {info, make_solver<Scan>};
 }
 
 }  // namespace hausbench

@@ -32,8 +32,7 @@ std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std
 }
 
 void take(const CellFindings& found, ScanState& state) {
-    state.counters.point_distances += found.counters.point_distances;
-    state.counters.closest_point_queries += found.counters.closest_point_queries;
+    state.counters += found.counters;
     if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
 }
 

@@ -12,7 +12,7 @@
 //     within u (2 t |b - a| + |x|) of the point of the edge ab that it stands for: the difference and the product err by u each in proportion
 //     to themselves, the sum by u|x|, and |x| <= sqrt(3) < 1.74. That is what its `slack` counts, in units of u, on top of the larger
 //     one of those of a and b, which are off their edges themselves. So every point of the piece is within the largest slack of the polygons.
-//   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= reach.
+//   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= extent.
 #pragma once
 
 #include "cover_certificate.h"
@@ -76,13 +76,13 @@ template <class T> struct CoverPoints {
 // Who searches: asked where double precision is used.
 class CoverHost {
 public:
-    // The exact distance of a point of the piece is wanted. The host may raise its threshold. Returns a triangle of B that is nearest.
+    // The exact distance of a point of the piece is wanted. The host may increase its threshold. Returns a triangle of B that is nearest.
     virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
     // In units of the place.
     virtual double threshold() const = 0;
 
-    // Whether a point at this distance, in units of the place, may raise the threshold much.
+    // Whether a point at this distance, in units of the place, may increase the threshold much.
     virtual bool promising(double distance) const = 0;
 
     // Counts one cut. False: time or budget is spent.
@@ -95,9 +95,9 @@ protected:
 // Covers pieces at one place. Reused from place to place, so that room is made once.
 template <class T> struct OffsetCover {
     NearTriangles<T> near;
-    double reach = 1.75;   // |p| of all points, in units of the place, is at most this
+    double extent = 1.75;  // |p| of all points, in units of the place, is at most this
     double threshold = 0;  // in units of the place
-    double enough = 0;     // likewise: an upper bound that is no larger need not be any smaller
+    double early_out = 0;  // likewise: an upper bound that is no larger need not be any smaller
     std::vector<T>
         limit;  // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
     std::vector<T> squared;       // rows of as many as `near` has, one a point
@@ -116,7 +116,7 @@ template <class T> struct OffsetCover {
     // In units of the place: no computed distance of a point of a polygon to triangle k is smaller than the exact one by more.
     double error(const NearTriangles<T>& frames, std::size_t k) const {
         const double size = static_cast<double>(frames.row(frame_row::count)[k]);
-        return frame_roundoff<T> * (near_error<T> * (reach + size) + most_slack) + frame_underflow<T>;
+        return frame_roundoff<T> * (near_error<T> * (extent + size) + most_slack) + frame_underflow<T>;
     }
 
     // After `near` has changed, or to change the threshold. What is in `within` is not looked at again.

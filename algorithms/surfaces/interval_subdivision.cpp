@@ -83,28 +83,22 @@ SolverEntry interval_subdivision_solver() {
     info.parameters = {
         {.name = "depth",
          .default_value = std::int64_t{6},
-         .unit = "",
          .paper_value = "6",
          .description = "of the octree: 2^depth voxels an axis",
-         .choices = {},
          .least = 1,
          .most = 10},
         {.name = "form",
          .default_value = std::string("modified_affine"),
-         .unit = "",
          .paper_value = "modified affine arithmetic",
          .description = "how the polynomial is bounded over a cell",
          .choices = {std::begin(form_names), std::end(form_names)}},
         {.name = "pairs",
          .default_value = std::string("all"),
-         .unit = "",
          .paper_value = "all",
          .description = "pairs of voxels whose distance is computed; 'pruned' leaves out those that cannot matter",
          .choices = {"all", "pruned"}},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<IntervalSubdivision>(options);
-            }};
+    return {info, make_solver<IntervalSubdivision>};
 }
 
 }  // namespace hausbench

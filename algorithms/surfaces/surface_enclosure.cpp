@@ -82,15 +82,11 @@ SolverEntry surface_enclosure_solver() {
         {.name = "most_cells",
          .default_value = std::int64_t{4000000},
          .unit = "boxes",
-         .paper_value = "",
          .description = "in both trees together, of about 150 bytes each; beyond, the solver stalls",
-         .choices = {},
          .least = 1000,
          .most = 1e9},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<SurfaceEnclosure>(options);
-            }};
+    return {info, make_solver<SurfaceEnclosure>};
 }
 
 }  // namespace hausbench

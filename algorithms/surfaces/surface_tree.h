@@ -5,7 +5,7 @@
 #pragma once
 
 #include "kernel/counters.h"
-#include "kernel/interval_form.h"
+#include "surface_piece.h"
 
 #include <Eigen/LU>
 
@@ -22,9 +22,7 @@ struct SurfacePoint {
 
 class SurfaceTree {
 public:
-    struct Node {
-        Box box;
-        LinearForm form;          // of the polynomial over the box
+    struct Node : SurfacePiece {
         std::int32_t first = -1;  // child; -1: not split yet
         std::int32_t count = 0;   // children kept
         std::int32_t depth = 0;
@@ -70,14 +68,5 @@ private:
     std::array<FormEvaluator, 3> derivatives_;
     std::vector<Node> nodes_;
 };
-
-// About the point of a piece (box and linear enclosure) that is nearest to p; nothing is proven.
-Vec3 seed_on(const SurfaceTree::Node& piece, const Vec3& p);
-
-// No point of the piece is nearer to p; and none, of any box, farther (a bound that is first-order in the box's size only
-// where p sees the piece at a slant). Proof: for n of length 1 and any l, n.(y - c) = q.u with q = n r, and on the surface
-// slope.u = -e, so q.u = (q - l slope).u - l e <= sum |q - l slope| + sup(-l e).
-double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p);
-double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p);
 
 }  // namespace hausbench
