@@ -1,13 +1,15 @@
 #include "surface_tree.h"
 
+#include "surface_descent.h"
+
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace hausbench {
 namespace {
 
 constexpr int deepest = 46;  // by then a box is a few ulps wide
-
-Vec3 clamped(const Vec3& p, const Box& box) { return p.cwiseMax(box.low).cwiseMin(box.high); }
 
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
 
@@ -49,37 +51,6 @@ LinearForm SurfaceTree::form(const Box& box, Counters& counters) {
 Interval SurfaceTree::derivative(int axis, const Box& box, Counters& counters) {
     ++counters.polynomial_evaluations;
     return derivatives_[static_cast<std::size_t>(axis)].range(Form::modified_affine, box);
-}
-
-// Newton's method along the gradient, in the coordinates that the box leaves free.
-Vec3 SurfaceTree::onto(Vec3 y) const {
-    const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
-    for (int step = 0; step < 8; ++step) {
-        if (!step_onto(y, ulp)) break;
-    }
-    return y;
-}
-
-// One step of it. False: the point is on the surface but for rounding, or nothing leads there.
-bool SurfaceTree::step_onto(Vec3& y, double ulp) const {
-    Vec3 free = Vec3::Ones();
-    for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
-        Vec3 g;
-        const double f = polynomial().value(y, g);
-        if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return false;
-        g = g.cwiseProduct(free);
-        const double size = g.squaredNorm();
-        if (!(size > 0)) return false;
-        const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
-        if (to == inside) {
-            y = to;
-            return true;
-        }
-        for (int k = 0; k < 3; ++k) {
-            if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
-        }
-    }
-    return true;
 }
 
 std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, const Vec3& start) const {
@@ -139,58 +110,17 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
 // Descends over tangent planes; these do not lead to the foot where the surface turns within the distance, but Newton's method does.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
-    Vec3 y = descend(p, onto(clamped(seed, box_)));
+    const SurfaceDescent surface(polynomial(), box_);
+    Vec3 y = surface.descend(p, surface.onto(seed));
     const double distance = (p - y).squaredNorm();
     Vec3 g;
     polynomial().value(y, g);
     if (g.cross(p - y).squaredNorm() > 1e-10 * g.squaredNorm() * distance) {
         const auto better = newton(p, y);
-        if (better && better->at == clamped(better->at, box_) && (p - better->at).squaredNorm() < distance)
-            y = onto(better->at);
+        if (better && surface.holds(better->at) && (p - better->at).squaredNorm() < distance)
+            y = surface.onto(better->at);
     }
     return prove(y, counters);
-}
-
-// From a point on the surface: the nearest point of its tangent plane in the box, moved onto the surface, as long as that is nearer.
-Vec3 SurfaceTree::descend(const Vec3& p, Vec3 y) const {
-    double distance = (p - y).squaredNorm();
-    for (int step = 0; step < 24; ++step) {
-        Vec3 to = onto(clamped(tangent_foot(p, y), box_));
-        const double next = (p - to).squaredNorm();
-        if (next < distance) {
-            const bool settled = next > distance * (1 - 1e-13);
-            distance = next;
-            y = to;
-            if (settled) break;
-        } else {  // too far along the tangent: half the way, a few times
-            to = onto(Vec3(0.5 * (y + to)));
-            const double half = (p - to).squaredNorm();
-            if (!(half < distance)) break;
-            distance = half;
-            y = to;
-        }
-    }
-    return y;
-}
-
-// The point nearest to p of the plane that is tangent at y. Where that is outside the box, about the nearest one inside.
-Vec3 SurfaceTree::tangent_foot(const Vec3& p, const Vec3& y) const {
-    Vec3 g;
-    const double f = polynomial().value(y, g);
-    const double size = g.squaredNorm();
-    if (!(size > 0)) return p;
-    const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot, box_);
-    if (foot == inside) return foot;
-    Vec3 to = p;
-    for (int k = 0; k < 3; ++k) {  // stays on that side of the box, and the plane is met in the others
-        if (foot[k] != inside[k]) to[k] = inside[k];
-    }
-    Vec3 free = g;
-    for (int k = 0; k < 3; ++k) {
-        if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
-    }
-    const double left = free.squaredNorm();
-    return left > 0 ? Vec3(to - ((f + g.dot(to - y)) / left) * free) : to;
 }
 
 }  // namespace hausbench

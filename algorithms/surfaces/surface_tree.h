@@ -7,8 +7,6 @@
 #include "kernel/counters.h"
 #include "surface_piece.h"
 
-#include <Eigen/LU>
-
 #include <optional>
 
 namespace hausbench {
@@ -58,10 +56,6 @@ public:
 
 private:
     std::optional<SurfacePoint> prove(const Vec3& p, Counters& counters) const;
-    Vec3 onto(Vec3 y) const;
-    bool step_onto(Vec3& y, double ulp) const;
-    Vec3 descend(const Vec3& p, Vec3 y) const;
-    Vec3 tangent_foot(const Vec3& p, const Vec3& y) const;
 
     Box box_;
     FormEvaluator evaluator_;
