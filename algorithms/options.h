@@ -19,11 +19,11 @@ std::string to_string(const ParameterValue& value);
 struct ParameterSpec {
     std::string name;
     ParameterValue default_value;  // its alternative is the parameter's type
-    std::string unit;              // "" where it has none
-    std::string paper_value;       // as printed in the paper, "" where the paper has no such parameter
+    std::string unit = {};         // "" where it has none
+    std::string paper_value = {};  // as printed in the paper, "" where the paper has no such parameter
     std::string description;
-    std::vector<std::string> choices;     // for text parameters: the only values allowed, empty for any
-    double least = -1e300, most = 1e300;  // for numbers: the allowed range, ends included
+    std::vector<std::string> choices = {};  // for text parameters: the only values allowed, empty for any
+    double least = -1e300, most = 1e300;    // for numbers: the allowed range, ends included
     // For texts: what is wrong with a value and how to fix it; empty if it is valid. A parameter with an invalid default is
     // required.
     std::string (*problem)(const std::string& value) = nullptr;

@@ -145,4 +145,8 @@ inline bool may_bound_a_distance(const Bounds& bounds) {
 // it does; empty where it can.
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, Quantity quantity = Quantity::directed);
 
+// The larger of two distances, such as those of both directions, from the bounds of each: `whole` becomes that of both, with what shows its
+// lower bound and why its upper bound is no smaller. Counters add up.
+void keep_larger(Result& whole, const Result& other);
+
 }  // namespace hausbench

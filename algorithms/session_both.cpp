@@ -5,13 +5,6 @@
 #include <cmath>
 
 namespace hausbench {
-namespace {
-
-void add(Counters& sum, const Counters& more) {
-    for (const CounterField& field : counter_fields) sum.*field.member += more.*field.member;
-}
-
-}  // namespace
 
 // One direction of H(A,B), in scaled units; its witness names points of A and of B as that of H does.
 Result Session::one_of_both(Query query, bool backward, Chain* chain, Trace& trace) const {
@@ -52,27 +45,31 @@ Session::Opening Session::open(Query query, const Clock& clock, Trace& trace) co
         }
         asked.time_limit = clock.left(limit);
         const Result backward = one_of_both(asked, true, nullptr, trace);
-        add(opening.spent, forward.counters);
-        add(opening.spent, backward.counters);
+        opening.spent += forward.counters;
+        opening.spent += backward.counters;
         opening.backward = backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower;
         if (opening.backward || forward.bounds.lower > 0) return opening;
     }
     return opening;
 }
 
-// Adds what is known of the other direction; `backward`: that is h(B,A).
-void Session::join(Result& whole, const Result& other, bool backward) {
+void keep_larger(Result& whole, const Result& other) {
     if (other.bounds.lower > whole.bounds.lower) {
         whole.bounds.lower = other.bounds.lower;
         whole.witness = other.witness;
     }
-    // Where the bounds of H are still apart, it is the direction with the larger upper bound that keeps them apart, and says why.
-    // A NaN is no bound at all.
+    // Where the bounds are still apart, it is the one with the larger upper bound that keeps them apart, and says why. A NaN is no bound at all.
     if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
         whole.bounds.upper = other.bounds.upper;
         whole.status = other.status;
         whole.note = other.note;
     }
+    whole.counters += other.counters;
+}
+
+// Adds what is known of the other direction; `backward`: that is h(B,A).
+void Session::join(Result& whole, const Result& other, bool backward) {
+    keep_larger(whole, other);
     if (!whole.fields) whole.fields = other.fields;
     // The proof of one direction alone proves nothing of H.
     if (whole.certificates.empty() || other.certificates.empty())
@@ -80,7 +77,6 @@ void Session::join(Result& whole, const Result& other, bool backward) {
     else
         whole.certificates.insert(backward ? whole.certificates.end() : whole.certificates.begin(),
                                   other.certificates.begin(), other.certificates.end());  // that of h(A,B) first
-    add(whole.counters, other.counters);
     whole.reported.insert(other.reported.begin(), other.reported.end());
     whole.reported_seconds += other.reported_seconds;
     whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
@@ -97,7 +93,7 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
     const double before = opening.forward ? opening.begin : clock.elapsed();
     asked.time_limit = clock.left(query.time_limit);
     Result whole = opening.forward ? std::move(*opening.forward) : one_of_both(asked, opening.backward, chain, one);
-    add(whole.counters, opening.spent);
+    whole.counters += opening.spent;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     // Until the other direction has a bound, H(A,B) has none from above.
     for (const TraceSample& sample : one.samples())

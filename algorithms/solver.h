@@ -248,4 +248,9 @@ struct SolverEntry {
     std::unique_ptr<Solver> (*make)(const Options&);
 };
 
+// For SolverEntry::make, of a solver that is constructed from its options.
+template <class AnySolver> std::unique_ptr<Solver> make_solver(const Options& options) {
+    return std::make_unique<AnySolver>(options);
+}
+
 }  // namespace hausbench

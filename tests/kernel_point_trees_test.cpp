@@ -3,7 +3,7 @@
 #include "points/exact.h"
 #include "random.h"
 #include "scenes.h"
-#include "structures/point_octree.h"
+#include "structures/octree_cursor.h"
 #include "structures/rtree.h"
 
 #include <gtest/gtest.h>

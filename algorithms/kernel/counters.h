@@ -19,6 +19,7 @@ struct Counters {
     std::uint64_t polynomial_evaluations = 0;  // a polynomial bounded over a box
 
     bool operator==(const Counters&) const = default;
+    Counters& operator+=(const Counters& more);
 };
 
 struct CounterField {
@@ -38,5 +39,10 @@ inline constexpr std::array<CounterField, 9> counter_fields{{
     {"box_distances", &Counters::box_distances},
     {"polynomial_evaluations", &Counters::polynomial_evaluations},
 }};
+
+inline Counters& Counters::operator+=(const Counters& more) {
+    for (const CounterField& field : counter_fields) this->*field.member += more.*field.member;
+    return *this;
+}
 
 }  // namespace hausbench

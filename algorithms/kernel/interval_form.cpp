@@ -43,7 +43,7 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
 }
 
 // Each power from the one before, times m + h u.
-void FormEvaluator::raise(const Vec3& middle, const Vec3& half) {
+void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Interval m(middle[Eigen::Index(k)]), h(half[Eigen::Index(k)]);
         Power next{{}, Interval(0.0), Interval(0.0), 0};
@@ -121,7 +121,7 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
 LinearForm FormEvaluator::linear(const Box& box) {
     LinearForm form;
     centre(box, form.middle, form.half);
-    raise(form.middle, form.half);
+    set_powers(form.middle, form.half);
     const int top[3] = {std::min(polynomial_.degree(0), kept), std::min(polynomial_.degree(1), kept),
                         std::min(polynomial_.degree(2), kept)};
     const auto each = [&](auto&& visit) {

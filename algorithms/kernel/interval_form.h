@@ -53,8 +53,8 @@ private:
         int top;  // min(p, kept)
     };
 
-    void raise(const Vec3& middle, const Vec3& half);  // into powers_
-    void add(const Polynomial::Term& term);            // to sums_, rest_ and others_
+    void set_powers(const Vec3& middle, const Vec3& half);
+    void add(const Polynomial::Term& term);  // to sums_, rest_ and others_
     void add_beyond(const Power& x, const Power& y, const Power& z);
     Interval& sum_of(int i, int j, int k) { return sums_[std::size_t((i * (kept + 1) + j) * (kept + 1) + k)]; }
     Interval affine(const Vec3& middle, const Vec3& half) const;

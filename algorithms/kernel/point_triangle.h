@@ -1,50 +1,14 @@
 // Closest point of a triangle, robust for degenerate ones, with a proven error.
 #pragma once
 
-#include "box.h"
-#include "geometry.h"
+#include "triangle.h"
 
 namespace hausbench {
-
-struct Triangle {
-    Vec3 a, b, c;
-};
-
-inline Triangle triangle_of(const TriangleMesh& mesh, Index triangle) {
-    const auto corners = mesh.triangles.row(triangle);
-    return {mesh.vertices.row(corners[0]), mesh.vertices.row(corners[1]), mesh.vertices.row(corners[2])};
-}
-
-// Written out, so that the order of the sums is fixed.
-inline double dot(const Vec3& x, const Vec3& y) { return (x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]; }
-inline double squared_length(const Vec3& x) { return dot(x, x); }
-
-inline Box box_of(const Triangle& t) {
-    Box box;
-    box.low = t.a.cwiseMin(t.b).cwiseMin(t.c);
-    box.high = t.a.cwiseMax(t.b).cwiseMax(t.c);
-    return box;
-}
 
 struct TrianglePoint {
     double squared_distance;  // squared_length(p - point), as rounded
     Vec3 point;               // inside the box of the triangle, exactly; no coordinate is -0
 };
-
-// Which corner the longest edge begins at.
-inline int longest_edge(const Triangle& t) {
-    const double ab = squared_length(t.b - t.a), bc = squared_length(t.c - t.b), ca = squared_length(t.a - t.c);
-    if (bc > ab && bc >= ca) return 1;
-    return ca > ab ? 2 : 0;
-}
-
-// The same triangle turned so that a and b are the ends of its longest edge.
-inline Triangle longest_edge_first(const Triangle& t) {
-    const int edge = longest_edge(t);
-    if (edge == 1) return {t.b, t.c, t.a};
-    if (edge == 2) return {t.c, t.a, t.b};
-    return t;
-}
 
 // The point of the triangle closest to p. Coordinates up to 2^400; zero-area triangles (segments, points) are fine.
 // The kernel for eight triangles at a time (point_triangle-inl.h) returns the same bits.
@@ -74,7 +38,7 @@ inline Triangle longest_edge_first(const Triangle& t) {
 // The computed distance f = fl(sqrt(squared_distance)) errs by another 4u f (rounding.h).
 TrianglePoint closest_point(const Vec3& p, const Triangle& triangle);
 
-// A proven lower bound of the exact distance from p to the triangle; q is what closest_point returned, or any guess.
+// A proven lower bound of the exact distance from p to the triangle; q is what closest_point returned, or any point.
 //
 // For every n != 0, no point of the triangle is closer than min over vertices v of n.(p - v) / |n|. Several n are tried:
 // p - q, its parts perpendicular to an edge, and the normal. Rounding: w = fl(p - v) errs by u|w_k| in each coordinate,

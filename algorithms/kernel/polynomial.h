@@ -36,7 +36,7 @@ public:
 
     Polynomial derivative(int axis) const;  // sets the rounding mode for itself, too
 
-    // In double arithmetic, for guesses that are proven otherwise. O(terms).
+    // In double arithmetic, for what is proven otherwise. O(terms).
     double value(const Vec3& at) const;
     double value(const Vec3& at, Vec3& gradient) const;
 

@@ -38,10 +38,12 @@ HWY_INLINE void store(V value, float* to) {
 }
 HWY_INLINE void store(V value, double* to) { hn::StoreU(value, D(), to); }
 
-// Lanes `lane` and on.
-template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t lane, TriangleFrames<T>& frames) {
+// Corners turned so that ab is the longest edge.
+struct Corners {
+    Vector a, b, c;
+};
+HWY_INLINE Corners longest_edge_first(const CornerRows& corners, std::size_t lane) {
     const D d;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
     const auto corner = [&](std::size_t v) HWY_ATTR {
         return Vector{hn::Load(d, corners.row[3 * v] + lane), hn::Load(d, corners.row[3 * v + 1] + lane),
                       hn::Load(d, corners.row[3 * v + 2] + lane)};
@@ -54,34 +56,43 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     const V pq = squared_edge(p, q), qr = squared_edge(q, r), rp = squared_edge(r, p);
     const auto qr_longest = hn::And(hn::Gt(qr, pq), hn::Ge(qr, rp));
     const auto rp_longest = hn::AndNot(qr_longest, hn::Gt(rp, pq));
-    const Vector a = choose(qr_longest, q, choose(rp_longest, r, p));
-    const Vector b = choose(qr_longest, r, choose(rp_longest, p, q));
-    const Vector c = choose(qr_longest, p, choose(rp_longest, q, r));
+    return {choose(qr_longest, q, choose(rp_longest, r, p)), choose(qr_longest, r, choose(rp_longest, p, q)),
+            choose(qr_longest, p, choose(rp_longest, q, r))};
+}
 
+// The axis h in the plane: that of g, made orthogonal to e again once its length is 1, as rounding has left a part along e that may be
+// large beside it. Flat: any direction across e; the axis that is not near e, less its part along e.
+HWY_INLINE Vector direction_across(const Vector& e, const Vector& g, hn::Mask<D> is_flat) {
+    const D d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
+    const auto near_x = hn::Ge(hn::Abs(e.x), hn::Set(d, 0.6));
+    const Vector axis{hn::IfThenZeroElse(near_x, one), hn::IfThenElseZero(near_x, one), zero};
+    Vector h = of_length_one(choose(is_flat, axis, g));
+    for (int step = 0; step < 2; ++step) h = of_length_one(minus(h, times(dot(h, e), e)));
+    return h;
+}
+HWY_INLINE Vector cross(const Vector& e, const Vector& h) {
+    return {hn::Sub(hn::Mul(e.y, h.z), hn::Mul(e.z, h.y)), hn::Sub(hn::Mul(e.z, h.x), hn::Mul(e.x, h.z)),
+            hn::Sub(hn::Mul(e.x, h.y), hn::Mul(e.y, h.x))};
+}
+
+// Lanes `lane` and on.
+template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t lane, TriangleFrames<T>& frames) {
+    const D d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
+    const auto [a, b, c] = longest_edge_first(corners, lane);
     const Vector ab = minus(b, a), w = minus(c, a);
     const V length = hn::Sqrt(dot(ab, ab));
     const auto is_point = hn::Not(hn::Gt(length, zero));
     const Vector e = choose(is_point, {one, zero, zero}, times(inverse_or_one(length), ab));
     const V x_c = dot(w, e);
-    // What of w is not along e, made orthogonal to e again once its length is 1: rounding has left a part along e that may be large
-    // beside it.
     const Vector g = minus(w, times(x_c, e));
     const auto is_flat =
         hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length)));  // points too
-    // Flat: any direction across e; the axis that is not near e, less its part along e.
-    const auto near_x = hn::Ge(hn::Abs(e.x), hn::Set(d, 0.6));
-    const Vector axis{hn::IfThenZeroElse(near_x, one), hn::IfThenElseZero(near_x, one), zero};
-    Vector h = of_length_one(choose(is_flat, axis, g));
-    for (int step = 0; step < 2; ++step) h = of_length_one(minus(h, times(dot(h, e), e)));
-    const Vector n{hn::Sub(hn::Mul(e.y, h.z), hn::Mul(e.z, h.y)), hn::Sub(hn::Mul(e.z, h.x), hn::Mul(e.x, h.z)),
-                   hn::Sub(hn::Mul(e.x, h.y), hn::Mul(e.y, h.x))};
-    const V y_c = hn::Max(dot(w, h), zero), beside_b = hn::Sub(x_c, length);
-    const V ac = hn::Sqrt(hn::Add(hn::Mul(x_c, x_c), hn::Mul(y_c, y_c)));
-    const V bc = hn::Sqrt(hn::Add(hn::Mul(beside_b, beside_b), hn::Mul(y_c, y_c)));
-    const V ac_inverse = inverse_or_one(ac), bc_inverse = inverse_or_one(bc);
+    const Vector h = direction_across(e, g, is_flat);
 
     const auto put = [&](std::size_t row, V value) HWY_ATTR { store(value, frames.row[row] + lane); };
-    const Vector axes[3] = {e, h, n};
+    const Vector axes[3] = {e, h, cross(e, h)};
     for (std::size_t k = 0; k < 3; ++k) {
         put(3 * k, axes[k].x);
         put(3 * k + 1, axes[k].y);
@@ -89,13 +100,17 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
         put(frame_row::shift + k, hn::Neg(dot(a, axes[k])));
     }
     put(frame_row::length, length);
-    // Flat: ac and bc run along ab, and nothing beside that line is on the inner side of both.
-    put(frame_row::ac, hn::IfThenElse(is_flat, one, hn::Mul(x_c, ac_inverse)));
-    put(frame_row::ac + 1, hn::IfThenZeroElse(is_flat, hn::Mul(y_c, ac_inverse)));
-    put(frame_row::ac_length, hn::IfThenElse(is_flat, length, ac));
-    put(frame_row::bc, hn::IfThenElse(is_flat, hn::Neg(one), hn::Mul(beside_b, bc_inverse)));
-    put(frame_row::bc + 1, hn::IfThenZeroElse(is_flat, hn::Mul(y_c, bc_inverse)));
-    put(frame_row::bc_length, hn::IfThenElse(is_flat, length, bc));
+    const V y_c = hn::Max(dot(w, h), zero);
+    // The edge to c from a corner that c is (x, y_c) away from. Flat: it runs along ab, and nothing beside that line is on the inner side of
+    // both edges.
+    const auto put_edge = [&](std::size_t direction, std::size_t edge_length, V x, V along_ab) HWY_ATTR {
+        const V size = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y_c, y_c))), inverse = inverse_or_one(size);
+        put(direction, hn::IfThenElse(is_flat, along_ab, hn::Mul(x, inverse)));
+        put(direction + 1, hn::IfThenZeroElse(is_flat, hn::Mul(y_c, inverse)));
+        put(edge_length, hn::IfThenElse(is_flat, length, size));
+    };
+    put_edge(frame_row::ac, frame_row::ac_length, x_c, one);
+    put_edge(frame_row::bc, frame_row::bc_length, hn::Sub(x_c, length), hn::Neg(one));
 }
 
 template <class T> void make(const CornerRows& corners, TriangleFrames<T>& frames) {

@@ -9,7 +9,7 @@
 //    to them are found. If all three corners of a triangle are within tau of one triangle S of B, all of it is, as the tau-offset of S
 //    is convex; if not, several are tried together (search/offset_cover.h).
 // 3. What single precision cannot decide is done again at the end, in double precision, with a tau that is nearly final. A point that no
-//    triangle of B is within tau of is measured exactly: it raises l, and tau with it. Where tau is nearer to l than double precision tells
+//    triangle of B is within tau of is measured exactly: it updates the lower bound l, and tau with it. Where tau is nearer to l than double precision tells
 //    apart at the place of a piece, that piece gets a bound that is above tau by as much.
 // There is no queue, and no bound is ever made better: a triangle is covered once. Most are by step 2, with no query of their own.
 //
@@ -104,8 +104,8 @@ private:
     void measure_groups();
     void cover_clusters(std::size_t begin, std::size_t end);
     void decide_all(std::size_t clusters_left);
-    template <class Item, class Rest>
-    void in_rounds(std::size_t count, std::size_t of_part, const Item& item, const Rest& upper_of_rest);
+    template <class Item, class UpperOfRest>
+    void in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest);
     void merge(CoverOutcome outcome);
     bool asks() const { return query_.floor > 0 || query_.cutoff < std::numeric_limits<double>::infinity(); }
     template <class List> static double upper_of(const List& list, std::size_t from) {
@@ -134,8 +134,8 @@ private:
 };
 
 // The outcomes of one round are merged in the order of its parts. `upper_of_rest(i)`: of what is left from item i on, for the trace.
-template <class Item, class Rest>
-void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item, const Rest& upper_of_rest) {
+template <class Item, class UpperOfRest>
+void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest) {
     const bool one_by_one = query_.budget < std::numeric_limits<std::uint64_t>::max();
     if (one_by_one) of_part = 1;
     std::size_t parts = 1;
@@ -213,7 +213,7 @@ void Search::cover_clusters(std::size_t begin, std::size_t end) {
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
-// Those that may be far first, as they may raise l.
+// Those that may be far first, as they may update l.
 void Search::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);

@@ -88,6 +88,7 @@ public:
 private:
     Result search();
     void push_triangles();
+    double squared_to_farthest(const Piece& piece, Index triangle);
     bool settle(const Piece& piece) {
         return bounds_.settle(piece.upper, piece.source, piece.level, most_levels(split_));
     }
@@ -112,23 +113,14 @@ void Search::push(const Piece& piece) {
     queue_.push(piece);
 }
 
+// The least over the triangles nearest to its corners.
 void Search::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
         Piece piece{vertices_.corners(i), 0, i, 0, 0};
         double least = std::numeric_limits<double>::infinity();
         for (const MeasuredPoint& corner : piece.corners) {
-            const Triangle near = target_.triangle(corner.triangle);
-            double most = 0;
-            for (const MeasuredPoint& other : piece.corners) {
-                if (other.triangle == corner.triangle) {
-                    most = std::max(most, other.squared);
-                } else {
-                    ++counters_.point_triangle_distances;
-                    most = std::max(most, target_.squared_distance(other.point, near));
-                }
-            }
-            ++counters_.bound_tests;
+            const double most = squared_to_farthest(piece, corner.triangle);
             if (most < least) {
                 least = most;
                 piece.best = corner.triangle;
@@ -139,6 +131,32 @@ void Search::push_triangles() {
     }
 }
 
+// The largest squared distance of a corner to a triangle of B that is nearest to one of them.
+double Search::squared_to_farthest(const Piece& piece, Index triangle) {
+    const Triangle near = target_.triangle(triangle);
+    double most = 0;
+    for (const MeasuredPoint& corner : piece.corners) {
+        if (corner.triangle == triangle) {
+            most = std::max(most, corner.squared);
+        } else {
+            ++counters_.point_triangle_distances;
+            most = std::max(most, target_.squared_distance(corner.point, near));
+        }
+    }
+    ++counters_.bound_tests;
+    return most;
+}
+
+PointBlock block_of(const Cut<MeasuredPoint>& cut) {
+    PointBlock block;
+    for (std::size_t lane = 0; lane < block_width; ++lane) {
+        const Vec3& point = cut.vertices[std::min(lane, cut.vertex_count - 1)].point;
+        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = point[k];
+    }
+    return block;
+}
+
+// Each part is bounded by the triangles nearest to any vertex of the cut, and by the one that was best for the whole piece.
 void Search::split(const Piece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
@@ -146,14 +164,9 @@ void Search::split(const Piece& piece) {
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
-    PointBlock block;
+    const PointBlock block = block_of(cut);
     std::array<Index, 7> near{piece.best};
-    for (std::size_t lane = 0; lane < block_width; ++lane) {
-        const MeasuredPoint& vertex = cut.vertices[std::min(lane, cut.vertex_count - 1)];
-        for (int k = 0; k < 3; ++k) block.coordinate[k][lane] = vertex.point[k];
-        if (lane < cut.vertex_count) near[lane + 1] = vertex.triangle;
-    }
-
+    for (std::size_t v = 0; v < cut.vertex_count; ++v) near[v + 1] = cut.vertices[v].triangle;
     std::array<double, 4> least;
     std::array<Index, 4> best{};
     least.fill(std::numeric_limits<double>::infinity());
@@ -223,21 +236,16 @@ SolverEntry guthe_solver() {
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),
-         .unit = "",
-         .paper_value = "",
          .description = "the distance of a point to a triangle; textbook: not certified, to show how it fails",
          .choices = {"robust", "textbook"}},
         {.name = "certify",
          .default_value = true,
-         .unit = "",
-         .paper_value = "",
-         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost",
-         .choices = {}},
+         .description = "account for rounding; off: bounds hold in exact arithmetic only, to measure the cost"},
         split_parameter(),
         regions_parameter(true, "as described: only regions that can attain the maximum"),
     };
     info.may_need.push_back(need<TriangleOctree>(Side::source));
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Guthe>(options); }};
+    return {info, make_solver<Guthe>};
 }
 
 }  // namespace hausbench

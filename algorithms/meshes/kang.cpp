@@ -16,7 +16,6 @@ SolverEntry kang_solver() {
     info.may_need.push_back(need<TriangleGrid>(Side::target));
     info.parameters.push_back({.name = "closest",
                                .default_value = std::string("grid"),
-                               .unit = "",
                                .paper_value = "grid",
                                .description = "what closest points of B are found by: a uniform grid, or a BVH",
                                .choices = {"grid", "bvh"}});

@@ -28,10 +28,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-void add(Counters& sum, const Counters& more) {
-    for (const CounterField& field : counter_fields) sum.*field.member += more.*field.member;
-}
-
 class Penetration final : public Solver {
 public:
     explicit Penetration(const Options& options)
@@ -65,7 +61,7 @@ public:
             if (each_part_) describe(part, i + 1, result.reported);
             measured +=
                 std::size_t(common.parts[i].of_source.triangles.rows() + common.parts[i].of_target.triangles.rows());
-            take(result, part);
+            keep_larger(result, part);
         }
         result.reported["parts"] = double(common.parts.size());
         result.reported["triangles measured"] = double(measured);
@@ -136,19 +132,6 @@ private:
         }
     }
 
-    static void take(Result& whole, const Result& part) {
-        add(whole.counters, part.counters);
-        if (part.bounds.lower > whole.bounds.lower) {
-            whole.bounds.lower = part.bounds.lower;
-            whole.witness = part.witness;
-        }
-        if (part.bounds.upper > whole.bounds.upper) {
-            whole.bounds.upper = part.bounds.upper;
-            whole.status = part.status;
-            whole.note = part.note;
-        }
-    }
-
     static Result ended(const Query& query, Result result) {
         if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
             result.status = *answer;
@@ -177,19 +160,14 @@ SolverEntry penetration_solver() {
     info.parameters = {
         {.name = "solver",
          .default_value = std::string("cover"),
-         .unit = "",
          .paper_value = "tang",
          .description = "what measures H of the two sides of each part of the common volume, with its defaults",
          .choices = {"cover", "tang", "guthe", "kang", "zheng", "sacht"}},
         {.name = "each_part",
          .default_value = false,
-         .unit = "",
-         .paper_value = "",
-         .description = "measure every part to the full tolerance and report its bounds and witness",
-         .choices = {}},
+         .description = "measure every part to the full tolerance and report its bounds and witness"},
     };
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Penetration>(options); }};
+    return {info, make_solver<Penetration>};
 }
 
 }  // namespace hausbench

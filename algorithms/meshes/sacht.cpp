@@ -40,18 +40,14 @@ SolverEntry sacht_solver() {
     SolverInfo info = cascade_info("sacht", "Sacht & Jacobson", "sacht2024");
     info.parameters.push_back({.name = "order",
                                .default_value = std::string("1234"),
-                               .unit = "",
                                .paper_value = "1234",
                                .description = "which of the upper bounds u1 to u4 are computed, in which order",
-                               .choices = {},
                                .problem = problem_of_order});
     info.parameters.push_back(
         {.name = "max_factor",
          .default_value = 1e7,
-         .unit = "",
          .paper_value = "1e7; 1e3 in Fig. 10",
          .description = "end with status budget at this many triangles and pieces for each triangle of A",
-         .choices = {},
          .least = 1});
     return {info, [](const Options& options) {
                 Cascade cascade = cascade_of(options, order_of(options.text("order")));

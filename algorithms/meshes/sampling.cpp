@@ -264,13 +264,10 @@ SolverEntry sampling_solver() {
          .description = "the longest distance of neighbouring samples along an edge of A, as a fraction of the "
                         "diagonal of A's box; the "
                         "gap is at most 0.58 of it",
-         .choices = {},
          .least = 1e-6,
          .most = 1},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> {
-                return std::make_unique<SamplingSolver>(options);
-            }};
+    return {info, make_solver<SamplingSolver>};
 }
 
 }  // namespace hausbench

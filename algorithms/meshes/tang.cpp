@@ -245,22 +245,17 @@ SolverEntry tang_solver() {
     info.parameters = {
         {.name = "volumes",
          .default_value = std::string("swept_spheres"),
-         .unit = "",
          .paper_value = "swept_spheres",
          .description = "of the nodes of both BVHs",
          .choices = {"swept_spheres", "boxes"}},
         {.name = "group",
          .default_value = true,
-         .unit = "",
          .paper_value = "true",
-         .description = "the three corners of a triangle of A go through the BVH of B together; off: each by itself",
-         .choices = {}},
+         .description = "the three corners of a triangle of A go through the BVH of B together; off: each by itself"},
         {.name = "lemma4",
          .default_value = false,
-         .unit = "",
          .paper_value = "true, for closed models",
-         .description = "where B is closed: bound a piece by moving it through B",
-         .choices = {}},
+         .description = "where B is closed: bound a piece by moving it through B"},
     };
     for (ParameterSpec& parameter : cutting_parameters()) info.parameters.push_back(std::move(parameter));
     return {info, make};

@@ -9,7 +9,7 @@
 // chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
 #include "kernel/posed_box.h"
 #include "points/exact.h"
-#include "solver.h"
+#include "points/point_solver.h"
 #include "structures/point_octree.h"
 
 #include <array>
@@ -114,20 +114,14 @@ private:
 }  // namespace
 
 SolverEntry adaptive_solver() {
-    SolverInfo info;
-    info.name = "adaptive";
-    info.title = "NOHD/OHD framework";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("adaptive", "NOHD/OHD framework", "zhang2017");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
     info.parameters = {{.name = "theta",
                         .default_value = 0.33,
                         .unit = "of the smaller box",
                         .paper_value = "0.33",
                         .description = "overlap of the boxes up to which EARLYBREAK is chosen",
-                        .choices = {},
                         .least = 0,
                         .most = 1}};
     for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
@@ -135,8 +129,7 @@ SolverEntry adaptive_solver() {
             if (spec.name != "early_break" && spec.name != "culling") info.parameters.push_back(spec);
         }
     }
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Adaptive>(options); }};
+    return {info, make_solver<Adaptive>};
 }
 
 }  // namespace hausbench

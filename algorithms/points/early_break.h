@@ -1,4 +1,4 @@
-// The inner loop of EARLYBREAK, which OHD also uses for its first lower bound, and the options of OHD.
+// The inner loop of EARLYBREAK, which OHD also uses for its first lower bound.
 #pragma once
 
 #include "kernel/deadline.h"
@@ -7,7 +7,6 @@
 #include "points/shuffle.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace hausbench {
@@ -54,32 +53,12 @@ inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const
     return true;
 }
 
-// The first ceil(lambda |A|) of a random order.
-inline std::vector<Index> first_of_order(Index count, double lambda, Generator& random) {
-    std::vector<Index> order = order_of(count, true, random);
-    order.resize(static_cast<std::size_t>(std::ceil(lambda * count)));
-    return order;
-}
-
-inline std::vector<ParameterSpec> ohd_parameters() {
-    return {
-        {.name = "lambda",
-         .default_value = 0.01,
-         .unit = "of |A|",
-         .paper_value = "1/100",
-         .description = "outer loops of EARLYBREAK that give the first lower bound",
-         .choices = {},
-         .least = 0,
-         .most = 1},
-        {.name = "seed",
-         .default_value = std::int64_t{1},
-         .unit = "",
-         .paper_value = "",
-         .description = "of the generator that shuffles both sets",
-         .choices = {},
-         .least = 0,
-         .most = 9e15},
-    };
+inline ParameterSpec seed_parameter() {
+    return {.name = "seed",
+            .default_value = std::int64_t{1},
+            .description = "of the generator that shuffles both sets",
+            .least = 0,
+            .most = 9e15};
 }
 
 }  // namespace hausbench

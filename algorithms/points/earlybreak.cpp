@@ -5,7 +5,7 @@
 // return a stale minimum). The exclusion of common points is h(A, B) = h(A \ B, B): the inner set stays the whole of B.
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
 #include "points/early_break.h"
-#include "solver.h"
+#include "points/point_solver.h"
 
 #include <algorithm>
 #include <array>
@@ -88,37 +88,20 @@ private:
 }  // namespace
 
 SolverEntry earlybreak_solver() {
-    SolverInfo info;
-    info.name = "earlybreak";
-    info.title = "EARLYBREAK";
-    info.paper = "taha2015";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("earlybreak", "EARLYBREAK", "taha2015");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.parameters = {
-        {.name = "seed",
-         .default_value = std::int64_t{1},
-         .unit = "",
-         .paper_value = "",
-         .description = "of the generator that shuffles both sets",
-         .choices = {},
-         .least = 0,
-         .most = 9e15},
+        seed_parameter(),
         {.name = "shuffle",
          .default_value = true,
-         .unit = "",
          .paper_value = "randomize(A), randomize(B)",
-         .description = "scan both sets in random order",
-         .choices = {}},
+         .description = "scan both sets in random order"},
         {.name = "exclude_common",
          .default_value = false,
-         .unit = "",
          .paper_value = "on, for voxel data",
-         .description = "leave out points of A that are points of B as well",
-         .choices = {}},
+         .description = "leave out points of A that are points of B as well"},
     };
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<EarlyBreak>(options); }};
+    return {info, make_solver<EarlyBreak>};
 }
 
 }  // namespace hausbench

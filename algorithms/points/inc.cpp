@@ -12,7 +12,7 @@
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
 #include "points/exact.h"
-#include "solver.h"
+#include "points/point_solver.h"
 #include "structures/rtree.h"
 
 #include <algorithm>
@@ -215,15 +215,10 @@ private:
 }  // namespace
 
 SolverEntry inc_solver() {
-    SolverInfo info;
-    info.name = "inc";
-    info.title = "INC";
-    info.paper = "nutanong2011";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("inc", "INC", "nutanong2011");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.may_need = {need<RTree>(Side::source), need<RTree>(Side::target)};
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Inc>(options); }};
+    return {info, make_solver<Inc>};
 }
 
 }  // namespace hausbench

@@ -4,7 +4,7 @@
 // Algorithm 1 (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
 #include "kernel/deadline.h"
 #include "points/exact.h"
-#include "solver.h"
+#include "points/point_solver.h"
 
 namespace hausbench {
 namespace {
@@ -56,14 +56,9 @@ private:
 }  // namespace
 
 SolverEntry naive_solver() {
-    SolverInfo info;
-    info.name = "naive";
-    info.title = "NAIVEHDD";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("naive", "NAIVEHDD", "zhang2017");
     info.certified = true;
-    info.ignores_tolerance = true;
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Naive>(options); }};
+    return {info, make_solver<Naive>};
 }
 
 }  // namespace hausbench

@@ -15,8 +15,8 @@
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
 #include "kernel/deadline.h"
-#include "solver.h"
-#include "structures/point_octree.h"
+#include "points/point_solver.h"
+#include "structures/octree_cursor.h"
 
 #include <algorithm>
 
@@ -150,24 +150,17 @@ private:
 }  // namespace
 
 SolverEntry nohd_solver() {
-    SolverInfo info;
-    info.name = "nohd";
-    info.title = "NOHD";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("nohd", "NOHD", "zhang2017");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {
         nohd_depth_parameter(),
         {.name = "early_break",
          .default_value = true,
-         .unit = "",
          .paper_value = "on",
-         .description = "stop looking through B once a cell or point can no longer be the farthest",
-         .choices = {}},
+         .description = "stop looking through B once a cell or point can no longer be the farthest"},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Nohd>(options); }};
+    return {info, make_solver<Nohd>};
 }
 
 }  // namespace hausbench

@@ -4,7 +4,7 @@
 
 #include "kernel/posed_box.h"
 #include "points/exact.h"
-#include "structures/point_octree.h"
+#include "structures/octree_cursor.h"
 
 #include <limits>
 
@@ -49,10 +49,8 @@ inline Index first_point(const PointOctree& tree, const Cursor& cell) {
 inline ParameterSpec nohd_depth_parameter() {
     return {.name = "depth",
             .default_value = std::int64_t{6},
-            .unit = "",
             .paper_value = "6",
             .description = "of the octree: cells of the largest extent of A over 2^depth",
-            .choices = {},
             .least = 0,
             .most = PointOctree::max_depth};
 }

@@ -5,8 +5,8 @@
 // drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
 #include "kernel/deadline.h"
 #include "points/nohd.h"
-#include "solver.h"
-#include "structures/point_octree.h"
+#include "points/point_solver.h"
+#include "structures/octree_cursor.h"
 
 #include <queue>
 
@@ -96,19 +96,13 @@ private:
 }  // namespace
 
 SolverEntry nohd_as_printed_solver() {
-    SolverInfo info;
-    info.name = "nohd_as_printed";
-    info.title = "NOHD, as printed";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
-    info.ignores_tolerance = true;
+    SolverInfo info = point_solver_info("nohd_as_printed", "NOHD, as printed", "zhang2017");
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
     info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {
         nohd_depth_parameter(),
     };
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<NohdAsPrinted>(options); }};
+    return {info, make_solver<NohdAsPrinted>};
 }
 
 }  // namespace hausbench

@@ -12,11 +12,11 @@
 // The octree is built once, down to single points, and cut where cells get as small as the lower bound asks. B stands
 // still, so motion does not touch it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
 // O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
+#include "points/ohd.h"
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
-#include "points/early_break.h"
-#include "solver.h"
-#include "structures/point_octree.h"
+#include "points/point_solver.h"
+#include "structures/octree_cursor.h"
 
 #include <algorithm>
 #include <optional>
@@ -179,18 +179,12 @@ private:
 SolverEntry ohd_as_printed_solver();
 
 SolverEntry ohd_solver() {
-    SolverInfo info;
-    info.name = "ohd";
-    info.title = "OHD";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("ohd", "OHD", "zhang2017");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.may_need = {need<PointOctree>(Side::target)};
     info.parameters = ohd_parameters();
     info.parameters.push_back({.name = "culling",
                                .default_value = std::string("exact"),
-                               .unit = "",
                                .paper_value = "as_printed",
                                .description =
                                    "leave out points of A in a cell of B whose diagonal is at most the lower bound; "

@@ -7,9 +7,9 @@
 // O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD. Budget: points of A.
 #include "kernel/deadline.h"
 #include "kernel/posed_box.h"
-#include "points/early_break.h"
-#include "solver.h"
-#include "structures/point_octree.h"
+#include "points/ohd.h"
+#include "points/point_solver.h"
+#include "structures/octree_cursor.h"
 
 #include <optional>
 #include <queue>
@@ -164,16 +164,10 @@ Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
 }  // namespace
 
 SolverEntry ohd_as_printed_solver() {
-    SolverInfo info;
-    info.name = "ohd_as_printed";
-    info.title = "OHD, as printed";
-    info.paper = "zhang2017";
-    info.source.points = info.target.points = true;
-    info.ignores_tolerance = true;
+    SolverInfo info = point_solver_info("ohd_as_printed", "OHD, as printed", "zhang2017");
     info.known_wrong = "the paper culls by cells of side AHD, whose points may be sqrt(3) AHD apart: answers too small";
     info.parameters = ohd_parameters();
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<OhdAsPrinted>(options); }};
+    return {info, make_solver<OhdAsPrinted>};
 }
 
 }  // namespace hausbench

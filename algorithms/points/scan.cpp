@@ -25,26 +25,15 @@
 // the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
 // memory. Budget: searches for closest points, looked at between batches.
 #include "kernel/deadline.h"
-#include "points/scan_cells.h"
+#include "points/point_solver.h"
+#include "points/scan_near.h"
 #include "points/scan_passes.h"
-#include "points/scan_search.h"
-#include "solver.h"
 #include "structures/near_grid.h"
-#include "structures/point_blocks.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <span>
 
 namespace hausbench {
 namespace {
-
-// A point of A that may still be the farthest one, and the squared distance of its candidate.
-struct Undecided {
-    double squared;
-    Index row;
-};
 
 class Scan final : public Solver {
 public:
@@ -73,22 +62,21 @@ public:
 
         const Deadline deadline(query.time_limit);
         ScanState state;
-        std::vector<Undecided> undecided;
-        Status stopped = stop(query, deadline, state);
+        const ScanWork work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
+        Status stopped = work.stop(state);
         double left = -1;  // bounds the squared distances of points of A that were not decided
         if (stopped != Status::converged) {
             left = squared_distances_at_most(a, b, nullptr, 0);
         } else {
-            const Work work{query, deadline, threads, a, b};
             const std::vector<Undecided> farthest = farthest_of_blocks(work);
             std::vector<Undecided> first = farthest;
             compare_farthest(work, first, state);
             if (candidates_decide_few(a, state)) {
-                stopped = search_near(work, nullptr, nullptr, state);
+                stopped = search_all(work, state);
                 if (stopped != Status::converged) left = most_of(farthest);
             } else {
-                undecided = keep_undecided(work, farthest, state);
-                stopped = finish(work, undecided, state);
+                const std::vector<Undecided> undecided = keep_undecided(work, farthest, state);
+                stopped = search_undecided(work, undecided, state);
                 if (stopped != Status::converged) left = most_of(undecided);
             }
         }
@@ -96,23 +84,8 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most_a_row = 48;  // points of B that cells may make a row of A look at, on average
-    static constexpr std::size_t batch = 8;          // points compared with all of B in one pass over it
-    static constexpr std::size_t block_rows = 1024;  // of A, that one thread takes at a time
-
-    // One query, with the shapes at its pose.
-    struct Work {
-        const Query& query;
-        const Deadline& deadline;
-        Threads threads;
-        const Points &a, &b;
-    };
-
-    static Status stop(const Query& query, const Deadline& deadline, const ScanState& state) {
-        if (state.counters.closest_point_queries >= query.budget) return Status::budget;
-        if (distance_at_least(std::max(state.farthest.squared, 0.0), true) > query.cutoff) return Status::above_cutoff;
-        return deadline.passed() ? Status::time_limit : Status::converged;
-    }
+    static constexpr std::size_t batch = 8;  // points compared with all of B in one pass over it
+    static constexpr std::size_t block_rows = ScanWork::block_rows;
 
     static double most_of(const std::vector<Undecided>& undecided) {
         double most = -1;
@@ -125,7 +98,7 @@ private:
     }
 
     // Compares those whose candidates are farthest with all of B: they are decided.
-    static void compare_farthest(const Work& work, std::vector<Undecided>& undecided, ScanState& state) {
+    static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
             return x.squared != y.squared ? x.squared > y.squared : x.row < y.row;
@@ -140,7 +113,7 @@ private:
     }
 
     // Replaces candidates by the nearest of some points of B that are spread evenly: far from B, one is about as near as the closest.
-    void compare_with_spread(const Work& work, std::vector<Undecided>& undecided, ScanState& state) const {
+    void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
         std::vector<Index> rows;
@@ -151,19 +124,8 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Some of the rows (of all of A if null), one of each of up to 1024 parts.
-    static std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows) {
-        const std::size_t all = rows ? rows->size() : static_cast<std::size_t>(a.rows());
-        std::vector<Index> some(std::min<std::size_t>(all, 1024));
-        for (std::size_t i = 0; i < some.size(); ++i) {
-            const std::size_t at = part(all, i, some.size()).begin;
-            some[i] = rows ? (*rows)[at] : static_cast<Index>(at);
-        }
-        return some;
-    }
-
     // The point of each block of A whose candidate is farthest.
-    std::vector<Undecided> farthest_of_blocks(const Work& work) const {
+    std::vector<Undecided> farthest_of_blocks(const ScanWork& work) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> farthest((count + block_rows - 1) / block_rows);
         work.threads.for_each(farthest.size(), [&](std::size_t block) {
@@ -185,7 +147,7 @@ private:
     }
 
     // The points of A that their candidate does not decide.
-    std::vector<Undecided> keep_undecided(const Work& work, const std::vector<Undecided>& farthest,
+    std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> undecided;
@@ -215,139 +177,6 @@ private:
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }
 
-    Status finish(const Work& work, const std::vector<Undecided>& undecided, ScanState& state) const {
-        if (undecided.empty()) return Status::converged;
-        std::vector<Index> rows;
-        for (const Undecided& one : undecided) rows.push_back(one.row);
-        std::sort(rows.begin(), rows.end());
-        const std::optional<std::vector<Index>> near = near_undecided(work.a, work.b, undecided, state);
-        return search_near(work, &rows, near ? &*near : nullptr, state);
-    }
-
-    // The rows of A (all if null) against the points of B that may be closest to them (likewise), with what is cheapest for so many.
-    Status search_near(const Work& work, const std::vector<Index>* rows, const std::vector<Index>* near,
-                       ScanState& state) const {
-        if (const Status stopped = stop(work.query, work.deadline, state); stopped != Status::converged) return stopped;
-        const auto count = static_cast<double>(near ? near->size() : static_cast<std::size_t>(work.b.rows()));
-        const auto pairs = [&] {
-            return count * static_cast<double>(rows ? rows->size() : static_cast<std::size_t>(work.a.rows()));
-        };
-        std::vector<Index> open;
-        if (grid_.cells_per_length() > 0 && pairs() >= cells_from_) {
-            const std::optional<Status> stopped = search_in_cells(work, rows, near, open, state);
-            if (stopped && (*stopped != Status::converged || open.empty())) return *stopped;
-            if (stopped) rows = &open;
-        }
-        if (pairs() < tree_from_) return compare(work.query, work.deadline, work.a, rows, work.b, near, state);
-        const PointBlocks blocks(work.b, near, target_.box);
-        return search(work.query, work.deadline, leaves_of(work.a, rows, blocks.frame), blocks, state);
-    }
-
-    // `open` are the rows that it does not decide. None: cells are no help here.
-    std::optional<Status> search_in_cells(const Work& work, const std::vector<Index>* rows,
-                                          const std::vector<Index>* near, std::vector<Index>& open,
-                                          ScanState& state) const {
-        // On a surface, a cell of that size that has points has about two. Where the largest distance so far is long, a larger cell does:
-        // all points within one are near enough to each other.
-        const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(grid_.occupied());
-        const double finer = std::sqrt(std::max(crowd / 2, 1.0));
-        const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
-        const double cells_per_length = std::min(grid_.cells_per_length() * finer, wide_enough);
-        const PointCells cells(work.b, near, target_.box, cells_per_length, work.threads);
-        // First a few rows: their largest distance decides most others at once.
-        const std::vector<Index> some = sample_of(work.a, rows);
-        CellFindings first{state.farthest, {}, {}};
-        search_cells(cells, grid_, work.a, some, work.b, first);
-        take(first, state);
-        if (first.open.size() > some.size() / 4) return std::nullopt;
-        // Where cells differ much in what they hold, a tree looks at fewer points.
-        if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
-        return search_blocks(work, rows, cells, open, state);
-    }
-
-    static void take(const CellFindings& found, ScanState& state) {
-        state.counters.point_distances += found.counters.point_distances;
-        state.counters.closest_point_queries += found.counters.closest_point_queries;
-        if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
-    }
-
-    // Blocks of rows, each with the largest distance that was known before them and what it finds itself, so that the answer does not
-    // depend on which of them are searched at the same time.
-    Status search_blocks(const Work& work, const std::vector<Index>* rows, const PointCells& cells,
-                         std::vector<Index>& open, ScanState& state) const {
-        constexpr std::size_t size = block_rows, at_once = 64;  // blocks between two looks at the clock
-        const std::size_t count = rows ? rows->size() : static_cast<std::size_t>(work.a.rows());
-        for (std::size_t begin = 0; begin < count; begin += size * at_once) {
-            if (const Status stopped = stop(work.query, work.deadline, state); stopped != Status::converged)
-                return stopped;
-            const std::size_t end = std::min(count, begin + size * at_once), blocks = (end - begin + size - 1) / size;
-            std::vector<CellFindings> findings(blocks, CellFindings{state.farthest, {}, {}});
-            work.threads.for_each(blocks, [&](std::size_t block) {
-                const std::size_t from = begin + block * size, to = std::min(end, from + size);
-                if (rows)
-                    search_cells(cells, grid_, work.a, std::span(*rows).subspan(from, to - from), work.b,
-                                 findings[block]);
-                else
-                    search_cells(cells, grid_, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b,
-                                 findings[block]);
-            });
-            for (const CellFindings& found : findings) {
-                take(found, state);
-                open.insert(open.end(), found.open.begin(), found.open.end());
-            }
-        }
-        return Status::converged;
-    }
-
-    // The points of B in cells that the closest points of undecided ones may lie in; none if that would hardly leave any out.
-    std::optional<std::vector<Index>> near_undecided(const Points& a, const Points& b,
-                                                     const std::vector<Undecided>& undecided, ScanState& state) const {
-        std::vector<std::uint8_t> flags(grid_.cells());
-        std::size_t work = 0;
-        for (const Undecided& one : undecided) {
-            work += 8 + grid_.mark_within(a.row(one.row).data(), one.squared, flags);
-            if (work > static_cast<std::size_t>(b.rows())) return {};
-        }
-        state.counters.bound_tests += undecided.size();
-        std::vector<Index> near;
-        for (Index j = 0; j < b.rows(); ++j) {
-            if (flags[grid_.cell_of(b.row(j).data())]) near.push_back(j);
-        }
-        return near;
-    }
-
-    // Plain early breaking.
-    static Status compare(const Query& query, const Deadline& deadline, const Points& a, const std::vector<Index>* rows,
-                          const Points& b, const std::vector<Index>* near, ScanState& state) {
-        const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
-        const auto those = rows ? static_cast<Index>(rows->size()) : static_cast<Index>(a.rows());
-        for (Index r = 0; r < those; ++r) {
-            const Index i = rows ? (*rows)[static_cast<std::size_t>(r)] : r;
-            if (const Status stopped = stop(query, deadline, state); stopped != Status::converged) return stopped;
-            FarthestPoint nearest{std::numeric_limits<double>::infinity(), i, -1};
-            ++state.counters.closest_point_queries;
-            for (Index n = 0; n < count && nearest.squared > state.farthest.squared; ++n) {
-                const Index j = near ? (*near)[static_cast<std::size_t>(n)] : n;
-                const double squared = squared_distance(a.row(i).data(), b.row(j).data());
-                ++state.counters.point_distances;
-                if (squared < nearest.squared) nearest.squared = squared, nearest.target = j;
-            }
-            if (nearest.squared > state.farthest.squared) state.farthest = nearest;
-        }
-        return Status::converged;
-    }
-
-    static Status search(const Query& query, const Deadline& deadline, std::span<const PointLeaf> leaves,
-                         const PointBlocks& blocks, ScanState& state) {
-        constexpr std::size_t chunk = 64;  // leaves between two looks at the clock
-        if (leaves.size() > chunk) search_samples(blocks, leaves, state);
-        for (std::size_t begin = 0; begin < leaves.size(); begin += chunk) {
-            if (const Status stopped = stop(query, deadline, state); stopped != Status::converged) return stopped;
-            search_leaves(blocks, leaves.subspan(begin, std::min(chunk, leaves.size() - begin)), state);
-        }
-        return Status::converged;
-    }
-
     double cells_from_, tree_from_;
     const Scene* scene_ = nullptr;
     Extent target_;
@@ -357,33 +186,25 @@ private:
 }  // namespace
 
 SolverEntry scan_solver() {
-    SolverInfo info;
-    info.name = "scan";
-    info.title = "scan (ours)";
-    info.source.points = info.target.points = true;
+    SolverInfo info = point_solver_info("scan", "scan (ours)", "");
     info.certified = true;
-    info.ignores_tolerance = true;
     info.threads = true;
     info.parameters = {
         {.name = "cells_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .paper_value = "",
          .description =
              "from this many undecided points of A times points of B near them on, these are sorted into cells",
-         .choices = {},
          .least = 0,
          .most = 1e18},
         {.name = "tree_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .paper_value = "",
          .description = "from this many pairs that the cells leave undecided on, a tree is built",
-         .choices = {},
          .least = 0,
          .most = 1e18},
     };
-    return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scan>(options); }};
+    return {info, make_solver<Scan>};
 }
 
 }  // namespace hausbench

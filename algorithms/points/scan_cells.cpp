@@ -54,7 +54,7 @@ private:
     }
 
     bool near_enough_in(Index first) {
-        const double enough = findings_.farthest.squared;
+        const double squared_early_out = findings_.farthest.squared;
         for (Index j = first; j >= 0; j = cells_.next(j)) {
             if (looked_ >= most) {
                 crowded_ = true;
@@ -63,7 +63,7 @@ private:
             ++looked_;
             const double squared = squared_distance(point_, b_.row(j).data());
             if (squared < squared_) squared_ = squared, nearest_ = j;
-            if (squared <= enough) return true;
+            if (squared <= squared_early_out) return true;
         }
         return false;
     }
@@ -80,11 +80,11 @@ private:
         ++looked_;
         if (const double squared = squared_distance(point_, candidate.point); squared < squared_)
             squared_ = squared, nearest_ = candidate.row;
-        const double enough = std::max(findings_.farthest.squared, 0.0);
-        if (squared_ <= enough) return;
+        const double squared_early_out = std::max(findings_.farthest.squared, 0.0);
+        if (squared_ <= squared_early_out) return;
         crowded_ = false;
         looked_ = 0;
-        if (near_enough_within(enough) || (!crowded_ && near_enough_within(squared_))) return;
+        if (near_enough_within(squared_early_out) || (!crowded_ && near_enough_within(squared_))) return;
         if (crowded_)
             findings_.open.push_back(row);
         else

@@ -47,53 +47,58 @@ HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (
     nearest = {squared, leaf, points.row[i]};
 }
 
+// A node or a leaf (level 0) of the tree.
+struct OpenBlock {
+    double squared;  // distance to its box
+    std::size_t level, index;
+};
+
+// Puts the children of a node that may have a nearer point than `squared` on the stack. Farthest first, so that the nearest is popped
+// first; of equals the one that comes first. Returns the new size of the stack.
+HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, const double (&p)[3], double squared,
+                                     OpenBlock* stack, std::size_t size) {
+    const Doubles d;
+    const BlockNode& node = b.nodes[b.level_begin[at.level - 1] + at.index];
+    HWY_ALIGN double distances[block_children];
+    unsigned mask = 0;
+    for (std::size_t i = 0; i < block_children; i += hn::Lanes(d)) {
+        const auto out = [&](std::size_t k) HWY_ATTR {
+            const auto q = hn::Set(d, p[k]);
+            return hn::Max(hn::Max(hn::Sub(hn::Load(d, node.low[k] + i), q), hn::Sub(q, hn::Load(d, node.high[k] + i))),
+                           hn::Zero(d));
+        };
+        const auto s = squares(out(0), out(1), out(2));
+        hn::Store(s, d, distances + i);
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Lt(s, hn::Set(d, squared)), bits);
+        mask |= static_cast<unsigned>(bits[0]) << i;
+    }
+    const std::size_t base = size;
+    for (; mask != 0; mask &= mask - 1) {
+        const auto c = static_cast<std::size_t>(std::countr_zero(mask));
+        std::size_t place = size++;
+        for (; place > base && stack[place - 1].squared <= distances[c]; --place) stack[place] = stack[place - 1];
+        stack[place] = {distances[c], at.level - 1, at.index * block_children + c};
+    }
+    return size;
+}
+
 // The nearest point of B, or any within the squared early-out radius; `nearest` is what is known, the leaf `scanned` included.
 // Distances to boxes are rounded as those to points (kernel/box.h), so a box that is no nearer than the nearest point has
 // no nearer one.
 HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
                             Nearest& nearest, Counters& counters) {
-    const Doubles d;
-    struct Entry {
-        double squared;
-        std::size_t level, index;
-    };
-    Entry stack[(block_children - 1) * 12 + 1];  // 8^12 leaves are more than an Index counts
+    OpenBlock stack[(block_children - 1) * 12 + 1];  // 8^12 leaves are more than an Index counts
     std::size_t size = 0;
-    Entry at{0, b.levels(), 0};
-    const auto px = hn::Set(d, p[0]), py = hn::Set(d, p[1]), pz = hn::Set(d, p[2]), zero = hn::Zero(d);
+    OpenBlock at{0, b.levels(), 0};
     while (true) {
-        if (at.level == 0) {
-            if (at.index != scanned) {
-                scan_leaf(b, at.index, p, nearest);
-                counters.point_distances += block_points;
-                if (nearest.squared <= squared_early_out) return;
-            }
-        } else {
-            const BlockNode& node = b.nodes[b.level_begin[at.level - 1] + at.index];
+        if (at.level > 0) {
             ++counters.node_visits;
-            HWY_ALIGN double distances[block_children];
-            unsigned mask = 0;
-            for (std::size_t i = 0; i < block_children; i += hn::Lanes(d)) {
-                const auto out = [&](std::size_t k, hn::Vec<Doubles> q) HWY_ATTR {
-                    return hn::Max(
-                        hn::Max(hn::Sub(hn::Load(d, node.low[k] + i), q), hn::Sub(q, hn::Load(d, node.high[k] + i))),
-                        zero);
-                };
-                const auto s = squares(out(0, px), out(1, py), out(2, pz));
-                hn::Store(s, d, distances + i);
-                std::uint8_t bits[8] = {};
-                hn::StoreMaskBits(d, hn::Lt(s, hn::Set(d, nearest.squared)), bits);
-                mask |= static_cast<unsigned>(bits[0]) << i;
-            }
-            // Farthest first, so that the nearest is popped first; of equals the one that comes first.
-            const std::size_t base = size;
-            for (; mask != 0; mask &= mask - 1) {
-                const auto c = static_cast<std::size_t>(std::countr_zero(mask));
-                std::size_t place = size++;
-                for (; place > base && stack[place - 1].squared <= distances[c]; --place)
-                    stack[place] = stack[place - 1];
-                stack[place] = {distances[c], at.level - 1, at.index * block_children + c};
-            }
+            size = push_children(b, at, p, nearest.squared, stack, size);
+        } else if (at.index != scanned) {
+            scan_leaf(b, at.index, p, nearest);
+            counters.point_distances += block_points;
+            if (nearest.squared <= squared_early_out) return;
         }
         do {
             if (size == 0) return;

@@ -1,6 +1,7 @@
 // A seeded random order, the same on every machine.
 #pragma once
 
+#include "kernel/splitmix.h"
 #include "scene.h"
 
 #include <cstdint>
@@ -9,17 +10,12 @@
 
 namespace hausbench {
 
-// SplitMix64.
+// SplitMix64 as a sequence.
 class Generator {
 public:
     explicit Generator(std::uint64_t seed) : state_(seed) {}
 
-    std::uint64_t operator()() {
-        std::uint64_t z = state_ += 0x9e3779b97f4a7c15;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-        return z ^ (z >> 31);
-    }
+    std::uint64_t operator()() { return splitmix(state_ += golden_step); }
 
 private:
     std::uint64_t state_;

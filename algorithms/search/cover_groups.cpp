@@ -3,7 +3,6 @@
 #include "kernel/posed_box.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace hausbench {
@@ -50,23 +49,6 @@ Box PosedGroupBoxes::box(std::size_t level, std::size_t group) const {
     if (pose_.is_identity()) return boxes_.box(level, group);
     if (level == 0) return box_of_cluster(triangles_, points_, order_, group);
     return posed_box(boxes_.box(level, group), pose_, within_);
-}
-
-void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
-    const auto middle = static_cast<std::ptrdiff_t>(std::min(first, clusters.size()));
-    std::vector<std::size_t> best(clusters.size());
-    std::iota(best.begin(), best.end(), std::size_t{0});
-    // Far from B, or large and perhaps far in a part.
-    const auto promise = [&](std::size_t i) { return clusters[i].landmark.distance + 0.3 * clusters[i].upper.value; };
-    std::partial_sort(best.begin(), best.begin() + middle, best.end(), [&](std::size_t i, std::size_t j) {
-        const double x = promise(i), y = promise(j);
-        return x != y ? x > y : i < j;
-    });
-    std::sort(best.begin() + middle, best.end());
-    std::vector<Cluster> ordered;
-    ordered.reserve(clusters.size());
-    for (const std::size_t i : best) ordered.push_back(clusters[i]);
-    clusters = std::move(ordered);
 }
 
 }  // namespace hausbench

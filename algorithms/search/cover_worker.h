@@ -6,76 +6,18 @@
 // number of threads.
 #pragma once
 
-#include "cover_groups.h"
-#include "cover_proofs.h"
-#include "elements.h"
+#include "cover_room.h"
+#include "cover_scene.h"
+#include "kernel/box.h"
 #include "kernel/deadline.h"
-#include "offset_cover.h"
-#include "solver.h"
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace hausbench {
-
-// One query. All are references; `elements` and `proofs` may be null.
-struct CoverScene {
-    const TriangleMesh& a;
-    const Points& points;  // vertices of A, posed
-    const Target& target;
-    const TriangleBlocks& blocks;     // of B
-    const std::vector<Index>& order;  // of A's triangles
-    const Query& query;
-    double magnitude;  // as in kernel/rounding.h
-    double least_gap;  // of tau above the lower bound
-    ElementBounds* elements;
-    CoverProofs*
-        proofs;  // of a certificate; null: none is wanted. With one, or with elements, workers work one after another
-    Index*
-        partner;  // as in WarmStart, of each triangle of A; null: there is none. Each is read and written by one worker alone
-};
-
-// A triangle of A, or a part of one.
-struct CoverPiece {
-    std::array<Vec3, 3> corners;
-    Index source;
-    Index proof;  // number in CoverProofs
-    KnownUpper upper;
-    Landmark landmark;
-    int level = 0;  // halvings, as kernel/rounding.h counts them
-};
-
-// Of one part of the work.
-struct CoverOutcome {
-    Farthest farthest;
-    double settled = 0;  // the largest upper bound of what was settled
-    std::vector<Cluster> groups;
-    std::vector<CoverPiece> undecided;
-    Counters counters;
-};
-
-// Room for covering, a few hundred kB. Where small shapes are measured one after the other, making it anew would take longer than the search:
-// each thread keeps what is given back.
-class CoverRoom {
-public:
-    struct Covers {
-        OffsetCover<float> rough;
-        OffsetCover<double> exact;
-    };
-
-    CoverRoom();
-    ~CoverRoom();
-    CoverRoom(CoverRoom&&) = default;
-
-    Covers& operator*() const { return *covers_; }
-
-private:
-    std::unique_ptr<Covers> covers_;
-};
 
 class CoverWorker final : CoverHost {
 public:
@@ -125,13 +67,13 @@ private:
     void settle(double upper, Index source);
     void settle(const CoverPiece& piece);
     void settle(const Cluster& cluster);
+    std::array<CoverPiece, 2> halve(const CoverPiece& piece);
+    bool is_open(CoverPiece& half);
 
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
-    void halve_piece(const CoverPiece& piece);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
-    template <class Part> void halve(const CoverPiece& piece, const Part& part);
-    bool decide_whole(const CoverPiece& piece, bool whatever);
+    bool decide_whole(const CoverPiece& piece);
     void count();
 
     CoverScene scene_;

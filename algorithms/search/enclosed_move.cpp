@@ -111,14 +111,15 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double radius = 0;
     for (const Vec3& corner : corners) radius = std::max(radius, squared_length(corner - middle));
-    double reach = distance_at_most(radius, true) + 0.5 * length + 2 * margin;
+    double search_radius = distance_at_most(radius, true) + 0.5 * length + 2 * margin;
     const Vec3 centre = middle + 0.5 * move;
     std::size_t near = 0;
     bool odd = false, clear = true;
     ++counters_.bound_tests;
-    visit_near_leaves(tree_, centre, reach, counters_, [&](std::size_t leaf) {
+    visit_near_leaves(tree_, centre, search_radius, counters_, [&](std::size_t leaf) {
         double squared[3][leaf_capacity];
-        unsigned mask = tree_.leaf_distances(leaf, corners, centre, reach * reach * (1 + 8 * unit_roundoff), squared);
+        unsigned mask = tree_.leaf_distances(leaf, corners, centre,
+                                             search_radius * search_radius * (1 + 8 * unit_roundoff), squared);
         near += static_cast<std::size_t>(std::popcount(mask));
         if (near > most_near_move) clear = false;
         for (; clear && mask != 0; mask &= mask - 1) {
@@ -131,7 +132,7 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
             clear = crossing.has_value();
             if (crossing.value_or(false)) odd = !odd;
         }
-        if (!clear) reach = -1;  // ends the walk
+        if (!clear) search_radius = -1;  // ends the walk
     });
     counters_.point_triangle_distances += 3 * near;
     return clear && odd ? length : infinity;

@@ -2,10 +2,10 @@
 // the coordinates, which decides how far rounding may go.
 #pragma once
 
+#include "cut_options.h"
 #include "kernel/rounding.h"
 #include "solver.h"
 #include "structures/bvh.h"
-#include "subdivision.h"
 #include "target.h"
 
 #include <algorithm>
@@ -94,32 +94,14 @@ template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string 
     return info;
 }
 
-// The parameter `split` where the published one is at midpoints.
-inline ParameterSpec split_parameter() {
-    return {.name = "split",
-            .default_value = std::string("midpoint"),
-            .unit = "",
-            .paper_value = "midpoint",
-            .description =
-                "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that of the "
-                "longest edge, for needles",
-            .choices = {"midpoint", "longest_edge"}};
-}
-
 // The parameter `regions`; info.may_need must then have a tree over A.
 inline ParameterSpec regions_parameter(bool by_default, std::string paper_value) {
     return {.name = "regions",
             .default_value = by_default,
-            .unit = "",
             .paper_value = std::move(paper_value),
             .description =
                 "settle whole groups of triangles of A by the boxes of a tree over A, which must be built; off: "
-                "measure every vertex of A",
-            .choices = {}};
-}
-
-inline Split split_of(const Options& options) {
-    return options.text("split") == "longest_edge" ? Split::longest_edge : Split::midpoint;
+                "measure every vertex of A"};
 }
 
 }  // namespace hausbench

@@ -6,9 +6,9 @@
 
 namespace hausbench {
 
-// Calls leaf(number) for every leaf whose volume may be within `reach` of `centre`; `leaf` may make `reach` smaller.
+// Calls leaf(number) for every leaf whose volume may be within `radius` of `centre`; `leaf` may make `radius` smaller.
 template <class Tree, class Leaf>
-void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& reach, Counters& counters,
+void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& radius, Counters& counters,
                        const Leaf& leaf) {
     struct Entry {
         double distance;
@@ -19,7 +19,7 @@ void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& reach
     stack[size++] = {0, 0};
     while (size > 0) {
         const Entry next = stack[--size];
-        if (next.distance > reach) continue;
+        if (next.distance > radius) continue;
         if (next.child < 0) {
             leaf(static_cast<std::size_t>(~next.child));
             continue;
@@ -30,7 +30,7 @@ void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& reach
         const std::size_t base = size;
         for (int c = 0; c < wide.count; ++c) {
             const double distance = distance_at_least(tree, node, c, centre);
-            if (distance > reach) continue;
+            if (distance > radius) continue;
             std::size_t place = size++;
             for (; place > base && stack[place - 1].distance < distance; --place) stack[place] = stack[place - 1];
             stack[place] = {distance, wide.child[c]};

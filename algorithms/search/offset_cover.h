@@ -12,77 +12,30 @@
 //     within u (2 t |b - a| + |x|) of the point of the edge ab that it stands for: the difference and the product err by u each in proportion
 //     to themselves, the sum by u|x|, and |x| <= sqrt(3) < 1.74. That is what its `slack` counts, in units of u, on top of the larger
 //     one of those of a and b, which are off their edges themselves. So every point of the piece is within the largest slack of the polygons.
-//   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= reach.
+//   - A distance, as computed, to triangle k is at most error(k) too small (structures/triangle_blocks.h), with |p| <= extent.
 #pragma once
 
 #include "cover_certificate.h"
-#include "structures/triangle_blocks.h"
+#include "cover_polygon.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace hausbench {
 
-inline constexpr std::size_t most_polygon_corners = 16;
-
-// In coordinates of a place (LocalUnits): |coordinate| <= 1.
-template <class T> struct CoverPolygon {
-    std::size_t count = 0;
-    T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
-    float slack[most_polygon_corners];  // how far rounding may have moved it, in units of the roundoff of T
-
-    void add(T px, T py, T pz, float corner_slack) {
-        x[count] = px, y[count] = py, z[count] = pz;
-        slack[count++] = corner_slack;
-    }
-};
-
-// A set of the triangles near a place.
-struct NearSet {
-    static constexpr std::size_t words = NearTriangles<float>::most_triangles / 64;
-    std::array<std::uint64_t, words> word{};
-
-    bool has(std::size_t k) const { return word[k / 64] >> (k % 64) & 1; }
-    bool empty() const { return (word[0] | word[1] | word[2] | word[3]) == 0; }
-    std::size_t size() const {
-        int bits = 0;
-        for (const std::uint64_t w : word) bits += std::popcount(w);
-        return static_cast<std::size_t>(bits);
-    }
-    NearSet operator&(const NearSet& other) const {
-        NearSet both;
-        for (std::size_t w = 0; w < words; ++w) both.word[w] = word[w] & other.word[w];
-        return both;
-    }
-    template <class Call> void for_each(const Call& call) const {
-        for (std::size_t w = 0; w < words; ++w) {
-            for (std::uint64_t rest = word[w]; rest != 0; rest &= rest - 1)
-                call(64 * w + static_cast<std::size_t>(std::countr_zero(rest)));
-        }
-    }
-};
-
-inline constexpr std::size_t most_shared_points = 48;
-
-template <class T> struct CoverPoints {
-    std::size_t count = 0;
-    T x[most_shared_points], y[most_shared_points], z[most_shared_points];
-};
-
 // Who searches: asked where double precision is used.
 class CoverHost {
 public:
-    // The exact distance of a point of the piece is wanted. The host may raise its threshold. Returns a triangle of B that is nearest.
+    // The exact distance of a point of the piece is wanted. The host may increase its threshold. Returns a triangle of B that is nearest.
     virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
     // In units of the place.
     virtual double threshold() const = 0;
 
-    // Whether a point at this distance, in units of the place, may raise the threshold much.
+    // Whether a point at this distance, in units of the place, may increase the threshold much.
     virtual bool promising(double distance) const = 0;
 
     // Counts one cut. False: time or budget is spent.
@@ -95,9 +48,9 @@ protected:
 // Covers pieces at one place. Reused from place to place, so that room is made once.
 template <class T> struct OffsetCover {
     NearTriangles<T> near;
-    double reach = 1.75;   // |p| of all points, in units of the place, is at most this
+    double extent = 1.75;  // |p| of all points, in units of the place, is at most this
     double threshold = 0;  // in units of the place
-    double enough = 0;     // likewise: an upper bound that is no larger need not be any smaller
+    double early_out = 0;  // likewise: an upper bound that is no larger need not be any smaller
     std::vector<T>
         limit;  // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
     std::vector<T> squared;       // rows of as many as `near` has, one a point
@@ -116,7 +69,7 @@ template <class T> struct OffsetCover {
     // In units of the place: no computed distance of a point of a polygon to triangle k is smaller than the exact one by more.
     double error(const NearTriangles<T>& frames, std::size_t k) const {
         const double size = static_cast<double>(frames.row(frame_row::count)[k]);
-        return frame_roundoff<T> * (near_error<T> * (reach + size) + most_slack) + frame_underflow<T>;
+        return frame_roundoff<T> * (near_error<T> * (extent + size) + most_slack) + frame_underflow<T>;
     }
 
     // After `near` has changed, or to change the threshold. What is in `within` is not looked at again.

@@ -296,10 +296,10 @@ template <class T> bool Engine<T>::one_for_all() {
     for (std::size_t i = 1; i < piece_.count; ++i) common = common & within(i);
     if (common.empty()) return false;
     double least = std::numeric_limits<double>::infinity();
-    const double enough = std::max(upper_, c_.enough);
+    const double early_out = std::max(upper_, c_.early_out);
     std::size_t best = 0;
     common.for_each([&](std::size_t k) {
-        if (least <= enough) return;
+        if (least <= early_out) return;
         const double bound = at_most(largest_square(k), k);
         if (bound < least) least = bound, best = k;
     });

@@ -31,17 +31,18 @@ template <class Tree> void TargetCulling<Tree>::measure_corners(ListedPiece& pie
     measured_ += counters_.point_triangle_distances - before;
 }
 
-// Calls visit(S, squared distances to the corners) for each triangle S of B that may be within `reach` - r of the piece, r the largest
+// Calls visit(S, squared distances to the corners) for each triangle S of B that may be within `search_radius` - r of the piece, r the largest
 // distance of a corner from its barycentre c. Let p be in the piece: d(c, S) <= d(p, S) + r, as balls are convex.
 template <class Tree>
 template <class Visit>
-void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double& reach, const Visit& visit) {
+void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double& search_radius, const Visit& visit) {
     const std::array<Vec3, 3> points{piece.corners[0].point, piece.corners[1].point, piece.corners[2].point};
     const Vec3 centre = barycentre(piece.corners);
-    visit_near_leaves(tree_, centre, reach, counters_, [&](std::size_t leaf) {
+    visit_near_leaves(tree_, centre, search_radius, counters_, [&](std::size_t leaf) {
         double squared[3][leaf_capacity];
         // A computed squared distance exceeds the exact one by 5u of it at most.
-        unsigned mask = tree_.leaf_distances(leaf, points, centre, reach * reach * (1 + 8 * unit_roundoff), squared);
+        unsigned mask = tree_.leaf_distances(leaf, points, centre,
+                                             search_radius * search_radius * (1 + 8 * unit_roundoff), squared);
         for (; mask != 0; mask &= mask - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(mask));
             visit(tree_.tree().leaf(leaf)[i], std::array<double, 3>{squared[0][i], squared[1][i], squared[2][i]});
@@ -61,10 +62,10 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
     const double radius = radius_at_most(piece);
     const auto known =
         std::array{piece.corners[0].triangle >= 0, piece.corners[1].triangle >= 0, piece.corners[2].triangle >= 0};
-    double reach = next_up(piece.upper + radius), least = std::numeric_limits<double>::infinity();
+    double search_radius = next_up(piece.upper + radius), least = std::numeric_limits<double>::infinity();
     near_.clear();
     std::uint64_t tested = 0;
-    near_triangles(piece, reach, [&](Index triangle, const std::array<double, 3>& squared) {
+    near_triangles(piece, search_radius, [&](Index triangle, const std::array<double, 3>& squared) {
         ++tested;
         double most = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -80,7 +81,7 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
         least = most;
         const double upper = bounds_.at_most(least, piece.level);
         if (upper < piece.upper) piece.upper = upper, piece.best = triangle;
-        reach = next_up(piece.upper + radius);
+        search_radius = next_up(piece.upper + radius);
     });
     piece.crowd = tested;
     counters_.point_triangle_distances += 3 * tested;
@@ -97,8 +98,8 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     for (std::size_t k = 0; k < 3; ++k) squared_edge[k] = squared_length(v[(k + 1) % 3].point - v[(k + 2) % 3].point);
     for (std::size_t k = 0; k < 3; ++k) {
         const double edge = std::sqrt(std::max(squared_edge[(k + 1) % 3], squared_edge[(k + 2) % 3]));
-        const double reach = (piece.upper + edge) * (1 + 8 * unit_roundoff) + slack(piece.level);
-        most[k] = reach * reach;
+        const double search_radius = (piece.upper + edge) * (1 + 8 * unit_roundoff) + slack(piece.level);
+        most[k] = search_radius * search_radius;
     }
     std::array<Index, most_listed> kept;
     std::size_t count = 0;

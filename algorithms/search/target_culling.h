@@ -89,7 +89,8 @@ private:
     };
 
     void find_candidates(const ListedPiece& piece, const Cut<MeasuredPoint>& cut);
-    template <class Visit> void near_triangles(const ListedPiece& piece, const double& reach, const Visit& visit);
+    template <class Visit>
+    void near_triangles(const ListedPiece& piece, const double& search_radius, const Visit& visit);
     double slack(int level) const { return (32 + 8 * level) * unit_roundoff * magnitude_; }
     double radius_at_most(const ListedPiece& piece) const;
 

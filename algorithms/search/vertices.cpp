@@ -47,6 +47,10 @@ void SourceVertices::offer_to_all_triangles() const {
     }
 }
 
+void SourceVertices::use_regions(const TriangleTree& tree, const Pose& pose) {
+    regions_.emplace(tree, points_, pose, target_, bounds_, counters_);
+}
+
 bool SourceVertices::measure() {
     const bool done = measure_triangles();
     if (bounds_.elements()) offer_to_all_triangles();

@@ -24,9 +24,7 @@ public:
           counters_(counters) {}
 
     // Groups of triangles of A that cannot hold the farthest point are left out from now on. `tree` is over A, unposed.
-    void use_regions(const TriangleTree& tree, const Pose& pose) {
-        regions_.emplace(tree, points_, pose, target_, bounds_, counters_);
-    }
+    void use_regions(const TriangleTree& tree, const Pose& pose);
 
     // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
     // before. With a warm start: at the one that was nearest at the pose before; and triangles of A that this pose's distances to

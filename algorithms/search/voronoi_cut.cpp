@@ -5,32 +5,6 @@
 
 namespace hausbench {
 
-std::vector<ParameterSpec> cutting_parameters() {
-    return {
-        {.name = "split",
-         .default_value = std::string("voronoi"),
-         .unit = "",
-         .paper_value = "voronoi",
-         .description =
-             "how a piece of A is cut: four pieces, where the edges are as far from the one triangle of B as "
-             "from another, or at their midpoints; or two, at the midpoint of the longest edge, for needles",
-         .choices = {"voronoi", "midpoint", "longest_edge"}},
-        {.name = "least_part",
-         .default_value = 0.05,
-         .unit = "edges",
-         .paper_value = "",
-         .description = "a Voronoi cut leaves at least this part of an edge on either side",
-         .choices = {},
-         .least = 0.01,
-         .most = 0.5},
-    };
-}
-
-Cutting cutting_of(const Options& options) {
-    const std::string split = options.text("split");
-    return split == "voronoi" ? Cutting::voronoi : split == "midpoint" ? Cutting::midpoint : Cutting::longest_edge;
-}
-
 // Of the two planes that halve the angle between those of the triangles, on the one that has the triangles on either side, as seen
 // from their centres.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part) {

@@ -8,22 +8,13 @@
 // if B was cut at midpoints (elephant to its refinement: 12,448 for 20,708).
 #pragma once
 
+#include "cut_options.h"
 #include "kernel/rounding.h"
-#include "options.h"
 #include "piece_bounds.h"
-#include "subdivision.h"
-
-#include <vector>
 
 namespace hausbench {
 
 inline constexpr int voronoi_depth = 16;
-
-enum class Cutting { voronoi, midpoint, longest_edge };
-
-// The parameters `split` and `least_part`, and what the first of them says.
-std::vector<ParameterSpec> cutting_parameters();
-Cutting cutting_of(const Options& options);
 
 // The part of the edge before the cut, between two triangles of B; 0.5 where they do not say.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part);

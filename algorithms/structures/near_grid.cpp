@@ -1,5 +1,7 @@
 #include "near_grid.h"
 
+#include "kernel/splitmix.h"
+
 #include <algorithm>
 #include <array>
 
@@ -24,7 +26,7 @@ std::vector<std::array<double, 3>> sample_of(const Points& points) {
     std::vector<std::array<double, 3>> sample;
     for (Eigen::Index i = 0; i < count; ++i) {
         const Eigen::Index begin = points.rows() * i / count, end = points.rows() * (i + 1) / count;
-        const std::uint64_t place = (static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15) >> 32;
+        const std::uint64_t place = (static_cast<std::uint64_t>(i) * golden_step) >> 32;
         const auto row = begin + static_cast<Eigen::Index>(place % static_cast<std::uint64_t>(end - begin));
         sample.push_back({points(row, 0), points(row, 1), points(row, 2)});
     }

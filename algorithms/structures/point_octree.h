@@ -17,7 +17,7 @@ int octant_of(const Box& cell, const Vec3& point);
 
 // Cells are cubes, the root a cube around the points; a cell is split down to single points. A cell whose points all lie in
 // one of its parts would have a single child: it is passed over, and `depth` tells by how many levels. So a tree of n
-// points has fewer than 2n nodes, and any coarser octree is a cut through it (see Cursor).
+// points has fewer than 2n nodes, and any coarser octree is a cut through it (octree_cursor.h).
 class PointOctree {
 public:
     static constexpr std::string_view structure_name = "point octree";
@@ -53,27 +53,5 @@ private:
     std::vector<Index> order_, scratch_;
     Points points_;
 };
-
-// A cell of the full octree, with all the levels that the tree passes over.
-struct Cursor {
-    std::int32_t node = 0;
-    std::int32_t depth = 0;
-    Box cell;
-};
-
-inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
-
-// Calls f(Cursor) for the occupied parts of a cell, by ascending octant. A leaf has no end: halving its cell is up to the caller.
-template <class F> void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
-    const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
-    const auto below = [&](std::int32_t child, const PointOctree::Node& of) {
-        const int octant = octant_of(at.cell, tree.points().row(of.first));
-        f(Cursor{child, at.depth + 1, part_of(at.cell, octant)});
-    };
-    if (at.depth < node.depth || node.child_count == 0) return below(at.node, node);
-    for (std::int32_t k = 0; k < node.child_count; ++k) {
-        below(node.first_child + k, tree.nodes()[static_cast<std::size_t>(node.first_child + k)]);
-    }
-}
 
 }  // namespace hausbench

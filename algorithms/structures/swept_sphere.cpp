@@ -41,6 +41,36 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     return next_up(most);
 }
 
+// Of the points' moments about their mean, the largest first. The points are taken about `middle` in units of `extent`.
+std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& point : points) mean += (point - middle) / extent;
+    mean /= static_cast<double>(points.size());
+    for (const Vec3& point : points) {
+        const Vec3 r = (point - middle) / extent - mean;
+        moments += r * r.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+    return {solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
+}
+
+// The box of the points along the axes, about `middle`.
+Box box_along(const std::array<Vec3, 3>& axes, std::span<const Vec3> points, const Vec3& middle) {
+    Box box;
+    for (const Vec3& point : points) {
+        const Vec3 r = point - middle;
+        box.add(Vec3(dot(r, axes[0]), dot(r, axes[1]), dot(r, axes[2])));
+    }
+    return box;
+}
+
+double volume_of(const SweptSphere& s) {
+    constexpr double pi = 3.14159265;
+    const double a = 2 * std::sqrt(squared_length(s.u)), b = 2 * std::sqrt(squared_length(s.v)), r = s.radius;
+    return (4.0 / 3) * pi * r * r * r + pi * r * r * (a + b) + 2 * a * b * r;
+}
+
 }  // namespace
 
 SweptSphere swept_sphere_around(std::span<const Vec3> points) {
@@ -53,40 +83,18 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
     best.radius = farthest_foot(best, points);
     if (!(extent > 0x1p-300) || points.size() < 2) return best;
 
-    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-    Vec3 mean = Vec3::Zero();
-    for (const Vec3& point : points) mean += (point - middle) / extent;
-    mean /= static_cast<double>(points.size());
-    for (const Vec3& point : points) {
-        const Vec3 r = (point - middle) / extent - mean;
-        moments += r * r.transpose();
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
-    const std::array<Vec3, 3> axes{solver.eigenvectors().col(2), solver.eigenvectors().col(1),
-                                   solver.eigenvectors().col(0)};
-
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const Vec3& point : points) {
-        const Vec3 r = point - middle;
-        const Vec3 local(dot(r, axes[0]), dot(r, axes[1]), dot(r, axes[2]));
-        low = low.cwiseMin(local);
-        high = high.cwiseMax(local);
-    }
-    const Vec3 half = 0.5 * (high - low);
+    const std::array<Vec3, 3> axes = principal_axes(points, middle, extent);
+    const Box along_axes = box_along(axes, points, middle);
+    const Vec3 half = 0.5 * (along_axes.high - along_axes.low), centre = 0.5 * (along_axes.low + along_axes.high);
     SweptSphere swept;
-    swept.centre = middle + (0.5 * (low + high))[0] * axes[0] + (0.5 * (low + high))[1] * axes[1] +
-                   (0.5 * (low + high))[2] * axes[2];
-    const auto volume = [](const SweptSphere& s) {
-        const double a = 2 * std::sqrt(squared_length(s.u)), b = 2 * std::sqrt(squared_length(s.v)), r = s.radius;
-        return (4.0 / 3) * 3.14159265 * r * r * r + 3.14159265 * r * r * (a + b) + 2 * a * b * r;
-    };
+    swept.centre = middle + centre[0] * axes[0] + centre[1] * axes[1] + centre[2] * axes[2];
     const auto offer = [&](double u, double v) {
         swept.u = std::max(u, 0.0) * axes[0];
         swept.v = std::max(v, 0.0) * axes[1];
         swept.radius = farthest_foot(swept, points);
-        if (volume(swept) < volume(best)) best = swept;
+        if (volume_of(swept) < volume_of(best)) best = swept;
     };
-    offer(0, 0);
+    offer(0, 0);  // a sphere, a sphere along a segment, and one along a rectangle
     offer(half[0] - half[1], 0);
     offer(half[0] - half[2], half[1] - half[2]);
     return best;

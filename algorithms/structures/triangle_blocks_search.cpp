@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The search for one closest point. Nothing whose computed distance is within the reach is ever left out, but triangles are measured in
+// The search for one closest point. Nothing whose computed distance is within the radius is ever left out, but triangles are measured in
 // double precision only once most of those that frames cannot tell from the nearest are known.
 class ClosestSearch {
 public:
@@ -30,22 +30,22 @@ public:
           early_out_(early_out),
           best_(best),
           counters_(counters),
-          reach_(std::sqrt(best.squared_distance), point) {}
+          radius_(std::sqrt(best.squared_distance), point) {}
 
-    // Frames shorten the reach by what is certain of exact distances. The computed distance of a nearest triangle may be larger, where
+    // Frames shorten the radius by what is certain of exact distances. The computed distance of a nearest triangle may be larger, where
     // a mesh is small beside its coordinates; then what was left out is searched too. No input is known where that finds another
     // triangle, as computed distances are closer to exact ones than is proven: so no test can need it, but the proof does.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
         const double needed = std::sqrt(best_.squared_distance);
-        if (HWY_LIKELY(needed <= reach_.distance)) return;
-        reach_.distance = needed;
+        if (HWY_LIKELY(needed <= radius_.distance)) return;
+        radius_.distance = needed;
         walk<false>();
     }
 
 private:
-    // A leaf that was looked at. Which of its triangles matter is settled once the reach is short: no branch depends on them before.
+    // A leaf that was looked at. Which of its triangles matter is settled once the radius is short: no branch depends on them before.
     struct Seen {
         alignas(64) float squared[frames_width];
         const TriangleFramesLeaf* leaf;
@@ -54,7 +54,7 @@ private:
     static constexpr std::size_t most_seen = 24;
 
     template <bool by_frames> HWY_INLINE void walk() {
-        visit_nearest(tree_, point_, reach_, counters_.node_visits, [&](std::size_t number) HWY_ATTR {
+        visit_nearest(tree_, point_, radius_, counters_.node_visits, [&](std::size_t number) HWY_ATTR {
             look_at<by_frames>(tree_.leaves[number]);
             return !done_;
         });
@@ -67,7 +67,7 @@ private:
         seen.leaf = &leaf;
         seen.error = leaf_error(local);
         if (HWY_UNLIKELY(!local.is_near())) {
-            if (local.beyond(leaf.units, reach_.at(leaf.units))) {
+            if (local.beyond(leaf.units, radius_.at(leaf.units))) {
                 --leaves_;
                 return;
             }
@@ -78,16 +78,16 @@ private:
         leaf_squares(leaf, local, seen.squared);
         if constexpr (by_frames) {
             const double nearest = std::sqrt(static_cast<double>(least_of(seen.squared))) * (1 + 0x1p-50);
-            reach_.distance = std::min(reach_.distance, (nearest + seen.error) * leaf.units.unit);
+            radius_.distance = std::min(radius_.distance, (nearest + seen.error) * leaf.units.unit);
         }
-        if (!by_frames || leaves_ == most_seen || reach_.distance * reach_.distance <= early_out_) measure();
+        if (!by_frames || leaves_ == most_seen || radius_.distance * radius_.distance <= early_out_) measure();
     }
 
-    // What the reach leaves of the triangles seen.
+    // What the radius leaves of the triangles seen.
     void measure() {
         std::size_t count = 0;
         for (const Seen& seen : std::span(seen_, leaves_)) {
-            const float most = leaf_limit(*seen.leaf, seen.error, reach_);
+            const float most = leaf_limit(*seen.leaf, seen.error, radius_);
             for (unsigned mask = squares_within(seen.squared, most) & in_use(seen.leaf->count); mask != 0;
                  mask &= mask - 1)
                 candidate_[count++] = seen.leaf->triangle[std::countr_zero(mask)];
@@ -96,7 +96,7 @@ private:
         counters_.point_triangle_distances += count;
         offer_triangles(point_, tree_.mesh, candidate_, count, best_);
         done_ = best_.triangle >= 0 && best_.squared_distance <= early_out_;
-        reach_.distance = std::min(reach_.distance, std::sqrt(best_.squared_distance));
+        radius_.distance = std::min(radius_.distance, std::sqrt(best_.squared_distance));
     }
 
     const TriangleBlocks::Tree& tree_;
@@ -104,7 +104,7 @@ private:
     double early_out_;
     ClosestPoint& best_;
     Counters& counters_;
-    Reach reach_;
+    SearchRadius radius_;
     bool done_ = false;
     std::size_t leaves_ = 0;
     Seen seen_[most_seen];
@@ -119,13 +119,13 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
 // Sixteen where there are: those who gather do not wait for a leaf before they go on.
 using Wide = FrameLanes<float>;
 
-// The triangles of a leaf that may be within `reach`.
-HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const Reach& reach) {
+// The triangles of a leaf that may be within `radius`.
+HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const SearchRadius& radius) {
     const LocalPoint local(leaf.units, point);
-    if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, reach.at(leaf.units)) ? 0 : in_use(leaf.count);
+    if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, radius.at(leaf.units)) ? 0 : in_use(leaf.count);
     const Wide d;
     const auto x = hn::Set(d, local.at[0]), y = hn::Set(d, local.at[1]), z = hn::Set(d, local.at[2]);
-    const auto most = hn::Set(d, leaf_limit(leaf, leaf_error(local), reach));
+    const auto most = hn::Set(d, leaf_limit(leaf, leaf_error(local), radius));
     unsigned within = 0;
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) {
         const auto row = [&](std::size_t i) HWY_ATTR { return hn::Load(d, leaf.frames.row[i] + lane); };
@@ -136,10 +136,10 @@ HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& poin
 
 void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double nearest, double& least,
                     Counters& counters) {
-    const Reach reach(std::sqrt(nearest), point);
-    visit_within(tree, point, reach, counters.node_visits, [&](std::size_t number) HWY_ATTR {
+    const SearchRadius radius(std::sqrt(nearest), point);
+    visit_within(tree, point, radius, counters.node_visits, [&](std::size_t number) HWY_ATTR {
         const TriangleFramesLeaf& leaf = tree.leaves[number];
-        for (unsigned mask = leaf_within(leaf, point, reach); mask != 0; mask &= mask - 1)
+        for (unsigned mask = leaf_within(leaf, point, radius); mask != 0; mask &= mask - 1)
             certify(point, triangle_of(tree.mesh, leaf.triangle[std::countr_zero(mask)]), nearest, least, counters);
         return true;
     });
@@ -191,11 +191,11 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
 
 void blocks_gather(const TriangleBlocks::Tree& tree, const Vec3& centre, double radius, NearTriangles<float>& near,
                    Counters& counters) {
-    const Reach reach(radius, centre);
-    visit_within(tree, centre, reach, counters.node_visits, [&](std::size_t number) HWY_ATTR {
+    const SearchRadius around(radius, centre);
+    visit_within(tree, centre, around, counters.node_visits, [&](std::size_t number) HWY_ATTR {
         const TriangleFramesLeaf& leaf = tree.leaves[number];
         counters.point_triangle_distances += static_cast<std::uint64_t>(leaf.count);
-        if (const unsigned mask = leaf_within(leaf, centre, reach); mask != 0) append_lanes(leaf, mask, near);
+        if (const unsigned mask = leaf_within(leaf, centre, around); mask != 0) append_lanes(leaf, mask, near);
         return near.count() <= near.most;
     });
 }

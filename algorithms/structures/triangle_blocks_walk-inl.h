@@ -56,8 +56,8 @@ struct LocalPoint {
     }
 
     // Where it is too far for a filter: no part of the content is nearer.
-    HWY_INLINE bool beyond(const LocalUnits& units, double reach) const {
-        return most < 0x1p900 && (most - 2) * units.unit > reach;
+    HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
+        return most < 0x1p900 && (most - 2) * units.unit > radius;
     }
 };
 
@@ -66,11 +66,12 @@ struct LocalPoint {
 // distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M: 24uM; a coordinate of the point in units of the place errs by u of at
 // most 2M: sqrt(3) 2uM < 4uM; and a distance to a box from far away, computed in double precision, by 4u of at most 4M. Together less than
 // the 64uM that are used.
-class Reach {
+class SearchRadius {
 public:
     double distance;
 
-    HWY_INLINE Reach(double far, const Vec3& point) : distance(far), point_magnitude_(point.cwiseAbs().maxCoeff()) {}
+    HWY_INLINE SearchRadius(double far, const Vec3& point)
+        : distance(far), point_magnitude_(point.cwiseAbs().maxCoeff()) {}
 
     HWY_INLINE double at(const LocalUnits& units) const {
         return distance + rounding * std::max(units.magnitude, point_magnitude_);
@@ -104,7 +105,7 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
 }
 
 // The same from far away, where single precision would tell nothing: what the distances to the boxes are above `base`. A larger number
-// is never rounded to a smaller one than what far_limit is rounded to; how much a distance errs itself is counted in Reach.
+// is never rounded to a smaller one than what far_limit is rounded to; how much a distance errs itself is counted in SearchRadius.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -121,14 +122,14 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
 }
 
-// What something within `reach` has at most there.
-inline float far_limit(const BoxNode& node, double base, const Reach& reach) {
-    return limit_of(reach.at(node.units) * node.units.inverse - base);
+// What something within `radius` has at most there.
+inline float far_limit(const BoxNode& node, double base, const SearchRadius& radius) {
+    return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// What the square of something within `reach` is at most in measure_children.
-HWY_INLINE float box_limit(const BoxNode& node, const Reach& reach) {
-    const double in_units = reach.at(node.units) * node.units.inverse;
+// What the square of something within `radius` is at most in measure_children.
+HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
+    const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
@@ -220,15 +221,15 @@ HWY_INLINE double leaf_error(const LocalPoint& point) {
     return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
 }
 
-// The square, in units of the leaf, that a triangle within `reach` has at most.
-HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const Reach& reach) {
-    const double in_units = reach.at(leaf.units) * leaf.units.inverse + error;
+// The square, in units of the leaf, that a triangle within `radius` has at most.
+HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const SearchRadius& radius) {
+    const double in_units = radius.at(leaf.units) * leaf.units.inverse + error;
     return limit_of(in_units * in_units);
 }
 
-// Calls leaf(number) for each leaf that may have something within `reach`, in any order, and ends where it returns false.
+// Calls leaf(number) for each leaf that may have something within `radius`, in any order, and ends where it returns false.
 template <class Leaf>
-HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const Reach& reach,
+HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                              std::uint64_t& visits, const Leaf& leaf) {
     struct Entry {
         std::uint32_t level, index;
@@ -245,7 +246,7 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
         if (HWY_LIKELY(local.is_filtered())) {
             const F d;
             const double base = local.is_near() ? 0 : local.base();
-            const VF most = hn::Set(d, local.is_near() ? box_limit(node, reach) : far_limit(node, base, reach));
+            const VF most = hn::Set(d, local.is_near() ? box_limit(node, radius) : far_limit(node, base, radius));
             unsigned within = 0;
             const auto compare = [&](std::size_t lane, VF distances)
                                      HWY_ATTR { within |= lane_bits(d, hn::Le(distances, most)) << lane; };
@@ -254,7 +255,7 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
             else
                 measure_far_children(node, local, base, compare);
             mask &= within;
-        } else if (local.beyond(node.units, reach.at(node.units))) {
+        } else if (local.beyond(node.units, radius.at(node.units))) {
             mask = 0;
         }
         for (; mask != 0; mask &= mask - 1) {
@@ -268,65 +269,74 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
     }
 }
 
-// Calls leaf(number) for leaves that may have something within `reach`, which it may lower, and ends where it returns false. Nearest
+// A node on the way to the nearest leaf, and which of its children are left.
+struct WalkStep {
+    OrderedChildren children;
+    const BoxNode* node;
+    double base;                 // negative: the keys are squares
+    std::uint32_t level, first;  // of the children
+
+    // Returns the least key.
+    HWY_INLINE std::int32_t set(const BoxNode& at, const Vec3& point, const SearchRadius& radius) {
+        const LocalPoint local(at.units, point);
+        node = &at;
+        base = -1;
+        if (HWY_LIKELY(local.is_near())) return children.set(at, local);
+        if (local.is_filtered()) {
+            base = local.base();
+            return children.set_far(at, local, base);
+        }
+        return local.beyond(at.units, radius.at(at.units)) ? OrderedChildren::none : children.set_unknown(at.count);
+    }
+    HWY_INLINE float limit(const SearchRadius& radius) const {
+        return HWY_LIKELY(base < 0) ? box_limit(*node, radius) : far_limit(*node, base, radius);
+    }
+    HWY_INLINE bool beyond(std::int32_t key, const SearchRadius& radius) const {
+        return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(radius));
+    }
+    HWY_INLINE std::uint32_t child(std::int32_t key) const {
+        return first + static_cast<std::uint32_t>(key & OrderedChildren::child_bits);
+    }
+
+    // The nearest leaf, and then the others as they come: none has to wait for another then. False: leaf() wants no more.
+    template <class Leaf>
+    HWY_INLINE bool visit_leaves(std::int32_t least, const SearchRadius& radius, const Leaf& leaf) const {
+        if (beyond(least, radius)) return true;
+        if (!leaf(std::size_t{child(least)})) return false;
+        const auto nearest = static_cast<unsigned>(least & OrderedChildren::child_bits);
+        for (unsigned mask = children.within(limit(radius)) & ~(1U << nearest); mask != 0; mask &= mask - 1) {
+            const auto c = static_cast<std::uint32_t>(std::countr_zero(mask));
+            if (!beyond(children.key[c], radius) && !leaf(std::size_t{first + c})) return false;
+        }
+        return true;
+    }
+};
+
+// Calls leaf(number) for leaves that may have something within `radius`, which it may lower, and ends where it returns false. Nearest
 // child first.
 template <class Leaf>
-HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const Reach& reach,
+HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                               std::uint64_t& visits, const Leaf& leaf) {
-    struct Step {
-        OrderedChildren children;
-        const BoxNode* node;
-        double base;                 // negative: the keys are squares
-        std::uint32_t level, first;  // of the children
-    };
-    Step path[most_levels];
+    WalkStep path[most_levels];
     std::size_t depth = 0;
     std::uint32_t level = static_cast<std::uint32_t>(tree.level_begin.size()), index = 0;
-    const auto limit = [&](const Step& step) {
-        return HWY_LIKELY(step.base < 0) ? box_limit(*step.node, reach) : far_limit(*step.node, step.base, reach);
-    };
-    const auto beyond = [&](const Step& step, std::int32_t key) {
-        return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(step));
-    };
     while (true) {
         const BoxNode& node = tree.nodes[tree.level_begin[level - 1] + index];
         visits += static_cast<std::uint64_t>(node.count);
-        const LocalPoint local(node.units, point);
-        Step* step = path + depth++;
-        std::int32_t next = OrderedChildren::none;
-        step->base = -1;
-        if (HWY_LIKELY(local.is_near())) {
-            next = step->children.set(node, local);
-        } else if (local.is_filtered()) {
-            step->base = local.base();
-            next = step->children.set_far(node, local, step->base);
-        } else if (!local.beyond(node.units, reach.at(node.units))) {
-            next = step->children.set_unknown(node.count);
-        }
-        step->node = &node;
+        WalkStep* step = path + depth++;
+        std::int32_t next = step->set(node, point, radius);
         step->level = level - 1;
         step->first = static_cast<std::uint32_t>(index * frames_width);
         if (step->level == 0) {
-            // The nearest leaf, and then the others as they come: none has to wait for another then.
-            if (!beyond(*step, next)) {
-                const auto nearest = static_cast<unsigned>(next & OrderedChildren::child_bits);
-                if (!leaf(std::size_t{step->first + nearest})) return;
-                for (unsigned mask = step->children.within(limit(*step)) & ~(1U << nearest); mask != 0;
-                     mask &= mask - 1) {
-                    const auto c = static_cast<std::uint32_t>(std::countr_zero(mask));
-                    if (beyond(*step, step->children.key[c])) continue;
-                    if (!leaf(std::size_t{step->first + c})) return;
-                }
-            }
-            if (--depth == 0) return;
+            if (!step->visit_leaves(next, radius, leaf) || --depth == 0) return;
             next = (--step)->children.least();
         }
-        while (beyond(*step, next)) {
+        while (step->beyond(next, radius)) {
             if (--depth == 0) return;
             next = (--step)->children.least();
         }
         step->children.remove(next);
-        index = step->first + static_cast<std::uint32_t>(next & OrderedChildren::child_bits);
+        index = step->child(next);
         level = step->level;
     }
 }

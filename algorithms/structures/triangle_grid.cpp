@@ -51,6 +51,12 @@ TriangleGrid::Block TriangleGrid::block_of(const Box& box) const {
     return block;
 }
 
+std::size_t TriangleGrid::number(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(axes_[1].cells) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(axes_[0].cells) +
+           static_cast<std::size_t>(x);
+}
+
 std::size_t TriangleGrid::entries() const {
     std::size_t count = 0;
     for (Index i = 0; i < mesh_->triangles.rows(); ++i) {

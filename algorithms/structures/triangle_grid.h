@@ -52,11 +52,7 @@ private:
     std::size_t entries() const;
     void fill();
     Block block_of(const Box& box) const;
-    std::size_t number(int x, int y, int z) const {
-        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(axes_[1].cells) + static_cast<std::size_t>(y)) *
-                   static_cast<std::size_t>(axes_[0].cells) +
-               static_cast<std::size_t>(x);
-    }
+    std::size_t number(int x, int y, int z) const;
     double beyond(const Vec3& point, const Block& block) const;
     template <class Look>
     void search(const Vec3& point, const double& squared, Counters& counters, const Look& look) const;

@@ -101,28 +101,20 @@ SolverEntry surface_meshes_solver() {
         {.name = "cells",
          .default_value = std::int64_t{32},
          .unit = "cells an axis",
-         .paper_value = "",
          .description = "of the grid that is triangulated",
-         .choices = {},
          .least = 2,
          .most = 512},
         {.name = "levels",
          .default_value = std::int64_t{3},
-         .unit = "",
-         .paper_value = "",
          .description = "the surface is looked at in boxes of a cell over 2^levels",
-         .choices = {},
          .least = 0,
          .most = 8},
         {.name = "solver",
          .default_value = std::string("guthe"),
-         .unit = "",
-         .paper_value = "",
          .description = "for the meshes, with its own defaults",
          .choices = {"guthe"}},
     };
-    return {info,
-            [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<SurfaceMeshes>(options); }};
+    return {info, make_solver<SurfaceMeshes>};
 }
 
 }  // namespace hausbench

@@ -1,5 +1,9 @@
 #include "surface_tree.h"
 
+#include "surface_descent.h"
+
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace hausbench {
@@ -7,40 +11,7 @@ namespace {
 
 constexpr int deepest = 46;  // by then a box is a few ulps wide
 
-Vec3 clamped(const Vec3& p, const Box& box) { return p.cwiseMax(box.low).cwiseMin(box.high); }
-
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
-
-Interval squared(const std::array<Interval, 3>& v) {
-    return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
-}
-
-// Support function: at least n.(y - c) over the piece, for the middle c of its box; see the header.
-double support(const LinearForm& f, const Vec3& n) {
-    const Vec3 q = n.cwiseProduct(f.half);
-    const auto cost = [&](double l) {
-        return std::max(-l * f.rest.inf(), -l * f.rest.sup()) + std::abs(q[0] - l * f.slope[0]) +
-               std::abs(q[1] - l * f.slope[1]) + std::abs(q[2] - l * f.slope[2]);
-    };
-    double best = 0, least = cost(0);
-    for (int k = 0; k < 3; ++k) {  // convex and piecewise linear in l: the minimum is at a corner
-        if (f.slope[k] == 0) continue;
-        const double l = q[k] / f.slope[k], c = cost(l);
-        if (c < least) best = l, least = c;
-    }
-    const Interval l(best);
-    double sum = (-l * f.rest).sup();
-    for (int k = 0; k < 3; ++k) sum += magnitude(Interval(n[k]) * Interval(f.half[k]) - l * Interval(f.slope[k]));
-    return sum;
-}
-
-Interval along(const Vec3& n, const Vec3& p, const Vec3& c) {
-    Interval sum(0.0);
-    for (int k = 0; k < 3; ++k) sum += Interval(n[k]) * (Interval(p[k]) - Interval(c[k]));
-    return sum;
-}
-
-Interval length(const Vec3& n) { return CGAL::sqrt(squared({Interval(n[0]), Interval(n[1]), Interval(n[2])})); }
 
 }  // namespace
 
@@ -80,31 +51,6 @@ LinearForm SurfaceTree::form(const Box& box, Counters& counters) {
 Interval SurfaceTree::derivative(int axis, const Box& box, Counters& counters) {
     ++counters.polynomial_evaluations;
     return derivatives_[static_cast<std::size_t>(axis)].range(Form::modified_affine, box);
-}
-
-// Newton's method along the gradient, in the coordinates that the box leaves free.
-Vec3 SurfaceTree::onto(Vec3 y) const {
-    const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
-    for (int step = 0; step < 8; ++step) {
-        Vec3 free = Vec3::Ones();
-        for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
-            Vec3 g;
-            const double f = polynomial().value(y, g);
-            if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return y;
-            g = g.cwiseProduct(free);
-            const double size = g.squaredNorm();
-            if (!(size > 0)) return y;
-            const Vec3 to = y - (f / size) * g, inside = clamped(to, box_);
-            if (to == inside) {
-                y = to;
-                break;
-            }
-            for (int k = 0; k < 3; ++k) {
-                if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
-            }
-        }
-    }
-    return y;
 }
 
 std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, const Vec3& start) const {
@@ -161,107 +107,20 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// The nearest point of the tangent plane in the box, repeated, each moved onto the surface; then Newton's method.
-std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& guess, Counters& counters) const {
+// Descends over tangent planes; these do not lead to the foot where the surface turns within the distance, but Newton's method does.
+std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
-    Vec3 y = onto(clamped(guess, box_));
-    double distance = (p - y).squaredNorm();
-    for (int step = 0; step < 24; ++step) {
-        Vec3 g, to = p;
-        const double f = polynomial().value(y, g);
-        for (int tries = 0; tries < 3; ++tries) {
-            const double size = g.squaredNorm();
-            if (!(size > 0)) break;
-            const Vec3 foot = to - ((f + g.dot(to - y)) / size) * g, inside = clamped(foot, box_);
-            if (foot == inside) {
-                to = foot;
-                break;
-            }
-            for (int k = 0; k < 3; ++k) {
-                if (foot[k] == inside[k]) continue;
-                to[k] = inside[k];  // stays on that side of the box, and the plane is met in the others
-            }
-            Vec3 free = g;
-            for (int k = 0; k < 3; ++k) {
-                if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
-            }
-            const double left = free.squaredNorm();
-            if (!(left > 0)) break;
-            to = clamped(Vec3(to - ((f + g.dot(to - y)) / left) * free), box_);
-            break;
-        }
-        to = onto(clamped(to, box_));
-        const double next = (p - to).squaredNorm();
-        if (!(next < distance)) {  // too far along the tangent: half the way, a few times
-            to = onto(Vec3(0.5 * (y + to)));
-            const double half = (p - to).squaredNorm();
-            if (!(half < distance)) break;
-            distance = half;
-        } else {
-            const bool done = next > distance * (1 - 1e-13);
-            distance = next;
-            if (done) {
-                y = to;
-                break;
-            }
-        }
-        y = to;
-    }
-    // Tangent planes do not lead to the foot where the surface turns within the distance; Newton's method does.
+    const SurfaceDescent surface(polynomial(), box_);
+    Vec3 y = surface.descend(p, surface.onto(seed));
+    const double distance = (p - y).squaredNorm();
     Vec3 g;
     polynomial().value(y, g);
     if (g.cross(p - y).squaredNorm() > 1e-10 * g.squaredNorm() * distance) {
         const auto better = newton(p, y);
-        if (better && better->at == clamped(better->at, box_) && (p - better->at).squaredNorm() < distance)
-            y = onto(better->at);
+        if (better && surface.holds(better->at) && (p - better->at).squaredNorm() < distance)
+            y = surface.onto(better->at);
     }
     return prove(y, counters);
-}
-
-Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p) {
-    const LinearForm& f = piece.form;
-    const Vec3 normal = f.slope.cwiseQuotient(f.half);
-    const double size = normal.squaredNorm(), rest = 0.5 * (f.rest.inf() + f.rest.sup());
-    Vec3 y = clamped(p, piece.box);
-    if (!(size > 0) || !std::isfinite(size)) return y;
-    for (int i = 0; i < 3; ++i) y = clamped(Vec3(y - ((normal.dot(y - f.middle) + rest) / size) * normal), piece.box);
-    return y;
-}
-
-double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p) {
-    std::array<Interval, 3> gap;
-    for (int k = 0; k < 3; ++k) {  // rounded down: what is negated was rounded up
-        const double before = -(p[k] - piece.box.low[k]), after = -(piece.box.high[k] - p[k]);
-        gap[std::size_t(k)] = Interval(std::max(std::max(before, after), 0.0));
-    }
-    double best = CGAL::sqrt(squared(gap)).inf();
-    const Vec3 n = p - guess_on(piece, p);
-    const Interval size = length(n);
-    if (!(size.inf() > 0) || !std::isfinite(size.sup())) return best;
-    const double shown =
-        (Interval((along(n, p, piece.form.middle) - Interval(support(piece.form, n))).inf()) / size).inf();
-    return std::max(best, shown);
-}
-
-double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p) {
-    const LinearForm& f = piece.form;
-    std::array<Interval, 3> far;
-    for (int k = 0; k < 3; ++k)
-        far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
-    const double corners = CGAL::sqrt(squared(far)).sup();
-    // |y - p|^2 is the square along n plus the square across it, which is at most that of p - c and that of the box.
-    const Vec3 n = guess_on(piece, f.middle) - p;
-    const Interval size = length(n);
-    if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;
-    const Interval before = along(n, f.middle, p);
-    const double high = (Interval((before + Interval(support(f, n))).sup()) / size).sup();
-    const double low = (Interval((-before + Interval(support(f, -n))).sup()) / size).sup();
-    const double straight = std::max(std::max(high, low), 0.0);
-    const Interval t = before / CGAL::square(size);
-    std::array<Interval, 3> across;
-    for (int k = 0; k < 3; ++k) across[std::size_t(k)] = Interval(f.middle[k]) - Interval(p[k]) - t * Interval(n[k]);
-    const Interval aside = CGAL::sqrt(squared(across)) + length(f.half);
-    return std::min(corners, CGAL::sqrt(CGAL::square(Interval(straight)) + CGAL::square(Interval(aside.sup()))).sup());
 }
 
 }  // namespace hausbench

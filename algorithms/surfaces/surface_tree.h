@@ -5,9 +5,7 @@
 #pragma once
 
 #include "kernel/counters.h"
-#include "kernel/interval_form.h"
-
-#include <Eigen/LU>
+#include "surface_piece.h"
 
 #include <optional>
 
@@ -22,9 +20,7 @@ struct SurfacePoint {
 
 class SurfaceTree {
 public:
-    struct Node {
-        Box box;
-        LinearForm form;          // of the polynomial over the box
+    struct Node : SurfacePiece {
         std::int32_t first = -1;  // child; -1: not split yet
         std::int32_t count = 0;   // children kept
         std::int32_t depth = 0;
@@ -54,27 +50,17 @@ public:
     };
     std::optional<CriticalPoint> newton(const Vec3& p, const Vec3& start) const;
 
-    // A proven point near the point of the surface that is nearest to p, searched for from a guess; where several are
+    // A proven point near the point of the surface that is nearest to p, searched for from a seed; where several are
     // near, any. Empty where none could be proven, which says nothing.
-    std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& guess, Counters& counters) const;
+    std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& seed, Counters& counters) const;
 
 private:
     std::optional<SurfacePoint> prove(const Vec3& p, Counters& counters) const;
-    Vec3 onto(Vec3 y) const;
 
     Box box_;
     FormEvaluator evaluator_;
     std::array<FormEvaluator, 3> derivatives_;
     std::vector<Node> nodes_;
 };
-
-// A guess at the point of a piece (box and linear enclosure) next to p.
-Vec3 guess_on(const SurfaceTree::Node& piece, const Vec3& p);
-
-// No point of the piece is nearer to p; and none, of any box, farther (a bound that is first-order in the box's size only
-// where p sees the piece at a slant). Proof: for n of length 1 and any l, n.(y - c) = q.u with q = n r, and on the surface
-// slope.u = -e, so q.u = (q - l slope).u - l e <= sum |q - l slope| + sup(-l e).
-double distance_at_least(const SurfaceTree::Node& piece, const Vec3& p);
-double distance_at_most(const SurfaceTree::Node& piece, const Vec3& p);
 
 }  // namespace hausbench

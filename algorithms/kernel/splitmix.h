@@ -1,0 +1,17 @@
+// SplitMix64: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014. The same numbers on every machine.
+#pragma once
+
+#include <cstdint>
+
+namespace hausbench {
+
+// Odd, about 2^64 over the golden ratio: its multiples are spread evenly, and a product with it mixes bits into the upper ones.
+inline constexpr std::uint64_t golden_step = 0x9e3779b97f4a7c15;
+
+inline constexpr std::uint64_t splitmix(std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return z ^ (z >> 31);
+}
+
+}  // namespace hausbench

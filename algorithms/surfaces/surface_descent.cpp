@@ -1,0 +1,81 @@
+#include "surface_descent.h"
+
+#include <cmath>
+
+namespace hausbench {
+
+// Newton's method along the gradient, in the coordinates that the box leaves free.
+Vec3 SurfaceDescent::onto(Vec3 y) const {
+    y = clamped(y);
+    const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
+    for (int step = 0; step < 8; ++step) {
+        if (!step_onto(y, ulp)) break;
+    }
+    return y;
+}
+
+// One step of it. False: the point is on the surface but for rounding, or nothing leads there.
+bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
+    Vec3 free = Vec3::Ones();
+    for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
+        Vec3 g;
+        const double f = polynomial_.value(y, g);
+        if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return false;
+        g = g.cwiseProduct(free);
+        const double size = g.squaredNorm();
+        if (!(size > 0)) return false;
+        const Vec3 to = y - (f / size) * g, inside = clamped(to);
+        if (to == inside) {
+            y = to;
+            return true;
+        }
+        for (int k = 0; k < 3; ++k) {
+            if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
+        }
+    }
+    return true;
+}
+
+// From a point on the surface: the nearest point of its tangent plane in the box, moved onto the surface, as long as that is nearer.
+Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
+    double distance = (p - y).squaredNorm();
+    for (int step = 0; step < 24; ++step) {
+        Vec3 to = onto(tangent_foot(p, y));
+        const double next = (p - to).squaredNorm();
+        if (next < distance) {
+            const bool settled = next > distance * (1 - 1e-13);
+            distance = next;
+            y = to;
+            if (settled) break;
+        } else {  // too far along the tangent: half the way, a few times
+            to = onto(Vec3(0.5 * (y + to)));
+            const double half = (p - to).squaredNorm();
+            if (!(half < distance)) break;
+            distance = half;
+            y = to;
+        }
+    }
+    return y;
+}
+
+// The point nearest to p of the plane that is tangent at y. Where that is outside the box, about the nearest one inside.
+Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
+    Vec3 g;
+    const double f = polynomial_.value(y, g);
+    const double size = g.squaredNorm();
+    if (!(size > 0)) return p;
+    const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot);
+    if (foot == inside) return foot;
+    Vec3 to = p;
+    for (int k = 0; k < 3; ++k) {  // stays on that side of the box, and the plane is met in the others
+        if (foot[k] != inside[k]) to[k] = inside[k];
+    }
+    Vec3 free = g;
+    for (int k = 0; k < 3; ++k) {
+        if (to[k] == box_.low[k] || to[k] == box_.high[k]) free[k] = 0;
+    }
+    const double left = free.squaredNorm();
+    return left > 0 ? Vec3(to - ((f + g.dot(to - y)) / left) * free) : to;
+}
+
+}  // namespace hausbench
