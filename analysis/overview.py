@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, style
+from analysis.shared import command, mesh_picture, shapes, style
 from analysis.shared.load import ResultError, Results
 
 STEM = "overview"
@@ -28,7 +28,7 @@ def make(results: Results, out: Path) -> list[Path]:
 
 
 def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
-    shown, eye = mesh_picture.mesh(str(results.cases.source[case])), mesh_picture.view(FROM)
+    shown, eye = shapes.mesh(results, results.cases.source[case]), mesh_picture.view(FROM)
     distance = results.fields_of(case)["distance"][shown.triangles].mean(axis=1) / results.cases.source_diagonal[case]
     scale = plt.Normalize(0, float(distance.max()))
     mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(distance)))

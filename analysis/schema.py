@@ -8,14 +8,15 @@ asks the program (`hausbench list columns`) and writes both; a test fails where 
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any, Final
 
-from analysis.shared.program import ROOT, program
 
+ROOT: Final = Path(__file__).resolve().parents[1]
 README: Final = ROOT / "results" / "README.md"
 MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
@@ -36,6 +37,11 @@ Counters = dict[str, npt.NDArray[np.uint64]]
 '''
 
 Groups = dict[str, list[dict[str, Any]]]
+
+
+def program() -> Path:
+    """HAUSBENCH_PROGRAM, else the program that `make build` builds."""
+    return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
 def columns() -> Groups:

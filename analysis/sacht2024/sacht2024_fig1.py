@@ -9,9 +9,10 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared import command, mesh_picture, shapes, style, tables
+from analysis.shared.columns import Floats
 from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
-from analysis.shared.mesh_picture import Mesh, Values
+from analysis.shared.shapes import Mesh
 
 STEM = "sacht2024_fig1"
 MARK: Final = "#D55E00"
@@ -42,7 +43,7 @@ def draw(results: Results, case: int) -> Any:
     """A, B, how far A is from B, and the witness from near."""
     cases = results.cases
     source, target = str(cases.source[case]), str(cases.target[case])
-    a, b, eye = mesh_picture.mesh(source), mesh_picture.mesh(target), mesh_picture.view_of(source)
+    a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
     pair = np.stack([cases.witness_source[case], cases.witness_target[case]])
     figure, axes = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 5.6))
     for ax, shown, title in ((axes[0][0], a, f"A: {len(a.triangles):,} triangles"), (axes[0][1], b, f"B: {len(b.triangles):,} triangles")):
@@ -53,7 +54,7 @@ def draw(results: Results, case: int) -> Any:
     return figure
 
 
-def draw_distances(ax: Any, figure: Any, a: Mesh, share: Values, eye: mesh_picture.View, pair: Values) -> None:
+def draw_distances(ax: Any, figure: Any, a: Mesh, share: Floats, eye: mesh_picture.View, pair: Floats) -> None:
     values = 100 * share[a.triangles].mean(axis=1)
     scale = plt.Normalize(0, float(values.max()))
     mesh_picture.draw(ax, a, eye, plt.get_cmap("viridis")(scale(values)), both_sides=not a.closed)
@@ -66,7 +67,7 @@ def draw_distances(ax: Any, figure: Any, a: Mesh, share: Values, eye: mesh_pictu
         "mean over the vertices, % of the diagonal")
 
 
-def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Values) -> None:
+def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -> None:
     """A cut through both meshes in the plane of the picture, which holds the witness."""
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
@@ -82,9 +83,9 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Values) -
     ax.set_title("cut through A and B at the witness")
 
 
-def section(corners: Values, shown: Mesh, depth: float) -> list[Values]:
+def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
     """Where the triangles meet the plane at this depth: a segment of each that crosses it, from one of its sides to another."""
-    sides, found = corners[shown.triangles], list[Values]()
+    sides, found = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]):
         ends = []

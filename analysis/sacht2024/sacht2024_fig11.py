@@ -12,8 +12,9 @@ import numpy as np
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
-from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared import command, mesh_picture, shapes, style, tables
 from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.shapes import Mesh
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 STEM = "sacht2024_fig11"
@@ -65,7 +66,7 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
     return found
 
 
-def thin(pair: Shown, a: mesh_picture.Mesh) -> Verdict:
+def thin(pair: Shown, a: Mesh) -> Verdict:
     """The bound that most of the thinnest triangles of A end with: of those whose height is below THIN of their longest edge."""
     sides = a.corners[a.triangles]
     edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
@@ -92,7 +93,7 @@ def make(results: Results, out: Path) -> list[Path]:
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]
     table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
-                   *[thin(pair, mesh_picture.mesh(str(cases.source[pair.case]))).line() for pair in pairs],
+                   *[thin(pair, shapes.mesh(results, cases.source[pair.case])).line() for pair in pairs],
                    "Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed where "
                    "those before it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints "
                    "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles.",
@@ -107,9 +108,9 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
     palette = np.array([to_rgba(colour) for colour in COLOURS])
     for (left, right), pair in zip(axes, pairs):
         source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
-        eye, a = mesh_picture.view_of(source), mesh_picture.mesh(source)
+        eye, a = mesh_picture.view_of(source), shapes.mesh(results, source)
         mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed)
-        b = mesh_picture.mesh(target)
+        b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
         witness = eye.seen(results.cases.witness_source[pair.case])
         left.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)

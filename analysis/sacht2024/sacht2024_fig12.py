@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm
 
-from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared import command, mesh_picture, shapes, style, tables
 from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
 from analysis.sacht2024.sacht_pairs import percent, scene_notes
 
@@ -42,7 +42,7 @@ def draw(results: Results, shown: list[int]) -> Any:
     figure, axes = plt.subplots(2, len(shown), figsize=(style.DOUBLE_COLUMN, 4.3), squeeze=False)
     pairs = []
     for row in shown:
-        a, b = (mesh_picture.mesh(str(column[row])) for column in (cases.source, cases.target))
+        a, b = (shapes.mesh(results, column[row]) for column in (cases.source, cases.target))
         of_corner = 100 * results.fields_of(row)["distance"] / float(cases.source_diagonal[row])
         pairs.append((row, a, b, of_corner[a.triangles].mean(axis=1)))
     scale = PowerNorm(0.5, 0, float(np.max([values.max() for *_, values in pairs])))

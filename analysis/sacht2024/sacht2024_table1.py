@@ -8,17 +8,17 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, mesh_picture, style, tables
+from analysis.shared import command, shapes, style, tables
 from analysis.shared.load import ResultError, Results, machine_line, paper_numbers, unchecked_line
 from analysis.sacht2024.sacht_pairs import percent, scene_notes
 
 STEM: Final = "sacht2024_table1"
 
 
-def topology(model: str) -> str:
+def topology(results: Results, model: str) -> str:
     """'closed', 'open', and whether it is a manifold; a dash where the model is not there."""
     try:
-        found = mesh_picture.mesh(model)
+        found = shapes.mesh(results, model)
     except ResultError:
         return tables.NOTHING
     return ("closed" if found.closed else "open") + ("" if found.manifold else ", not a manifold")
@@ -44,7 +44,7 @@ def make(results: Results, out: Path) -> list[Path]:
     for scene in results.in_order("scene"):
         row, paper = int(results.rows(scene=scene)[0]), papers.get(scene, {})
         models = [str(column[row]) for column in (cases.source, cases.target)]
-        shapes = [topology(model) for model in models]
+        shapes = [topology(results, model) for model in models]
         sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
         counted = [int(paper[key]) if key in paper else -1 for key in ("source_elements", "target_elements")]
         distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]

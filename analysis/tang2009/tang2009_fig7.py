@@ -44,7 +44,7 @@ def draw(results: Results, scenes: list[int]) -> Any:
     for column, row in zip(axes.T, scenes):
         for i, (ax, model, name, count) in enumerate(zip(column, (cases.source[row], cases.target[row]), str(cases.scene[row]).split("/"),
                                                         np.array([cases.source_elements[row], cases.target_elements[row]]))):
-            tang_pictures.draw_model(ax, str(model), i)
+            tang_pictures.draw_model(ax, results, str(model), i)
             ax.set_title(f"{name}\n{count:,}", fontsize=7)
     return figure
 

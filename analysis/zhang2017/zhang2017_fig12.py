@@ -10,10 +10,9 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import command, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
-from analysis.shared.points import points_of, posed
 from analysis.shared.verdicts import all_of
 
 STEM = "zhang2017_fig12"
@@ -98,13 +97,13 @@ def draw(results: Results, scenes: list[str]) -> Any:
         row = row_of(results, scene)
         p, q = cases.witness_source[row], cases.witness_target[row]
         shown = np.isfinite(p).all() and np.isfinite(q).all()
-        a = points_of(str(cases.source[row]), int(cases.source_elements[row]))
-        b = points_of(str(cases.target[row]), int(cases.target_elements[row]))
+        a = shapes.points(results, cases.source[row])
+        b = shapes.points(results, cases.target[row])
         drawn: list[tuple[Floats, str]] = []
         if b is not None:
             drawn.append((thinned(b), TARGET))
         if a is not None:
-            drawn.append((thinned(posed(a, cases.pose[row])), SOURCE))
+            drawn.append((thinned(shapes.posed(a, cases.pose[row])), SOURCE))
         everything = np.vstack([points for points, _ in drawn] or [np.stack([p, q]) if shown else np.zeros((2, 3))])
         plane = view(everything, q - p if shown else np.zeros(3))
         for points, colour in drawn:

@@ -11,10 +11,9 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import command, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.shared.points import points_of, posed
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
@@ -60,29 +59,22 @@ def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
 
 def collect(results: Results) -> list[Step]:
     cases, found = results.cases, []
-    models: dict[tuple[str, int], Floats | None] = {}
-
-    def points(name: str, count: int) -> Floats | None:
-        if (name, count) not in models:
-            models[name, count] = points_of(name, count)
-        return models[name, count]
-
     for scene in results.in_order("scene"):
         for pose in sorted({int(p) for p in cases.pose_index[results.rows(scene=scene)]}):
             rows = [int(row) for row in results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")]
             if not rows:
                 continue
             first = rows[0]
-            n, m = int(cases.source_elements[first]), int(cases.target_elements[first])
+            n = int(cases.source_elements[first])
             by_seed = {int(results.options(row).get("seed", 0)): float(cases.counters["point_distances"][row]) / n
                        for row in rows}
             counted = median(list(by_seed.values()))
             distance = float(np.mean(results.reference_of(first)))
-            a, b = points(str(cases.source[first]), n), points(str(cases.target[first]), m)
+            a, b = shapes.points(results, cases.source[first]), shapes.points(results, cases.target[first])
             expected = by_point = math.nan
             if a is not None and b is not None:
                 some = a[:: -(-n // MOST)]
-                expected, by_point = expectations(posed(some, cases.pose[first]), b, distance)
+                expected, by_point = expectations(shapes.posed(some, cases.pose[first]), b, distance)
             found.append(Step(str(scene), float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
     return found
 
@@ -112,8 +104,8 @@ def make(results: Results, out: Path) -> list[Path]:
                    "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
                    "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
                    "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
-                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the program that "
-                   "writes out the points was not there.",
+                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the points are "
+                   "not in datasets/cache.",
                    f"Here: {machine_line(results)}."]
     return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption, unchecked_line(results))
 

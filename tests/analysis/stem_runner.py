@@ -8,13 +8,17 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from synthetic import ResultFile
 
 from analysis.shared import command
+from analysis.shared.shapes import Mesh
 from analysis.shared.stems import module_of
 
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
+
+TETRAHEDRON = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 def stem_runner(folder: Path) -> Make:

@@ -12,13 +12,11 @@ from synthetic import ResultFile, spread
 
 from analysis import schema
 from analysis.shared import load
-from analysis.shared.program import program
-
 
 
 def test_columns_follow_from_the_program() -> None:
     """analysis/shared/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
-    if not program().is_file():
+    if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
     assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
