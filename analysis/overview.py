@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, mesh_picture, shapes, style
-from analysis.shared.load import ResultError, Results
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
 STEM = "overview"
 FROM = (-0.5, 0.3, -1.0)  # where the eye is
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     answered = [case for case in range(len(results.cases)) if results.is_bounded(case)]
-    shown = next((case for case in answered if "distance" in results.fields_of(case)), None)
-    if shown is None:
+    with_fields = [case for case in answered if "distance" in results.fields_of(case)]
+    if not with_fields:
         raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+    return Report(lambda: draw(results, with_fields[0], answered))
+
+
+def draw(results: Results, shown: int, answered: list[int]) -> Any:
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 3.0), width_ratios=(1, 1.15))
     draw_distances(results, shown, left, figure)
     draw_bounds(results, answered, float(results.fields_of(shown)["distance"].max()), right)
-    return style.save(figure, out, STEM, str(results.meta.get("title", "")))
+    return figure
 
 
 def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:

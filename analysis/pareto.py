@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Final
 
 from analysis.shared import style, tables
-from analysis.shared.load import ResultError, Results, load
+from analysis.shared.load import load
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 

@@ -6,15 +6,16 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import scipy.stats
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import Cell, clock_note, compare
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.cells import Cell, compare
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
 from analysis.shared.verdicts import FAILS, OPEN, Verdict, above_one, everywhere
 
@@ -119,7 +120,7 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
             f"in geometric mean over the {len(answered)} pairs that both answered."]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes = [str(scene) for scene in results.in_order("scene")]
     labels = style.order(zip(cases.solver, cases.label))
@@ -163,8 +164,7 @@ def make(results: Results, out: Path) -> list[Path]:
         *[judge_each(label, pairs[label]).line() for label in EVERYWHERE if label in pairs],
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
-    return (tables.save(table, records, out, STEM)
-            + style.save(draw(scenes, labels, cells), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
+    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(results.cases.status))
 
 
 def best_lower(cells: Sequence[Cell]) -> float:

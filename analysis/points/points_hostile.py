@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
 from analysis.shared import command, style, tables
 from analysis.shared.cells import Cell, compare
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import everywhere
 
@@ -19,7 +20,7 @@ STEM = "points_hostile"
 OURS, RIVAL = "scan", "kdtree"
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes = [str(scene) for scene in results.in_order("scene")]
     table = tables.Table("Time to prepare and solve, ms, on point sets that are hard for grids and trees.",
@@ -46,7 +47,7 @@ def make(results: Results, out: Path) -> list[Path]:
     verdict = everywhere("scan is faster than the k-d tree on every one", ratios, "workloads")
     table.notes += ["Ratio: time of the k-d tree over that of scan.", verdict.line(),
                     tables.coverage_note(ratios), f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, ratios), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(scenes, ratios), table, records)
 
 
 def draw(scenes: list[str], ratios: list[Estimate]) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -12,8 +11,9 @@ import numpy as np
 import scipy.stats
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import clock_note
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
 STEM = "points_speed"
@@ -49,7 +49,7 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
     return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(ours.rounds.values()))
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes = [str(scene) for scene in results.in_order("scene")]
     labels = style.order(zip(cases.solver, cases.label))
@@ -94,7 +94,7 @@ def make(results: Results, out: Path) -> list[Path]:
         + " SciPy: by its own clock, without starting Python and reading files; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(scenes, labels, cells), table, records)
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -11,7 +10,9 @@ import numpy as np
 
 from analysis.shared import command, mesh_picture, shapes, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Mesh
 
 STEM = "sacht2024_fig1"
@@ -19,12 +20,13 @@ MARK: Final = "#D55E00"
 PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    case = next((row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)
-                 and np.isfinite(cases.witness_source[row]).all()), None)
-    if case is None:
+    shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)
+             and np.isfinite(cases.witness_source[row]).all()]
+    if not shown:
         raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {STEM}'")
+    case = shown[0]
     diagonal, distance = float(cases.source_diagonal[case]), results.fields_of(case)["distance"]
     low, high = (100 * x / diagonal for x in results.reference_of(case))
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
@@ -36,7 +38,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [{"scene": cases.scene[case], "lower": cases.lower[case], "upper": cases.upper[case],
                                      "diagonal": diagonal, "at_vertices": float(distance.max())}]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, case), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, case), table, records)
 
 
 def draw(results: Results, case: int) -> Any:
@@ -71,7 +73,7 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -
     """A cut through both meshes in the plane of the picture, which holds the witness."""
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
-    for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", (0, (4, 1.5)), "B")):
+    for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", style.DASHED, "B")):
         cut = section(eye.seen(shown.corners), shown, float(ends[0, 2]))
         for piece in cut:
             ax.plot(*piece.T, color=colour, linestyle=line, linewidth=1.0)

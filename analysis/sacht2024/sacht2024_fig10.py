@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.cells import MEASURES, Cell
+from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import Wins, share_near, shared_wins, wins_more
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
 STEM = "sacht2024_fig10"
@@ -95,7 +96,7 @@ def verdicts(found: Orders) -> list[Verdict]:
     ]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found = Orders(results)
     word = clock_word(results)
     table = tables.Table(
@@ -125,7 +126,7 @@ def make(results: Results, out: Path) -> list[Path]:
             for what in ("", *MEASURES)}, **cell.counters}
         for (order, scene), cell in found.cells.items()]
     records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found), table, records)
 
 
 def place(order: str) -> str:

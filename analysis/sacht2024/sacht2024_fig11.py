@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -13,7 +12,9 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
 from analysis.shared import command, mesh_picture, shapes, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Mesh
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
@@ -81,7 +82,7 @@ def thin(pair: Shown, a: Mesh) -> Verdict:
                    f"longest edge: {said}")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     pairs, cases = collect(results), results.cases
     table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
                          "Fig. 11 of Sacht and Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
@@ -99,7 +100,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles.",
                    *[f"{pair.scene}: {cases.scene_note[pair.case]}." for pair in pairs],
                    f"Tolerance {cases.tolerance[pairs[0].case]:g} of the diagonal of A. Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, pairs), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, pairs), table, records)
 
 
 def draw(results: Results, pairs: list[Shown]) -> Any:

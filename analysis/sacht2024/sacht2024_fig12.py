@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm
 
+from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import command, mesh_picture, shapes, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
 STEM: Final = "sacht2024_fig12"
 EDGES: Final = 20_000  # triangles: of a mesh with more of them the edges would hide it
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)]
     if not shown:
@@ -33,7 +34,7 @@ def make(results: Results, out: Path) -> list[Path]:
                            f"{cases.target_elements[row]:,}", percent(0.5 * (low + high) / diagonal), percent(farthest / diagonal)])
         records.append({"scene": cases.scene[row], "lower": low, "upper": high, "diagonal": diagonal, "farthest_vertex": farthest})
     table.notes = ["None of the models is the paper's.", *scene_notes(results), f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, shown), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, shown), table, records)
 
 
 def draw(results: Results, shown: list[int]) -> Any:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, everywhere
 
@@ -96,7 +98,7 @@ def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
     return lines
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
     scenes = results.in_order("scene")
     labels = style.order(zip(cases.solver, cases.label))
@@ -140,8 +142,7 @@ def make(results: Results, out: Path) -> list[Path]:
          **found[label, scene, t].work,
          "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
         for solver, label in labels for scene in scenes for t in TOLERANCES]
-    figure = draw(labels, len(scenes), average, reached, asked, paper)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(labels, len(scenes), average, reached, asked, paper), table, records)
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
@@ -210,7 +211,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
         ax.set_ylim(1, 1e4)
     ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
-    style.log_ticks(ax.yaxis)
+    scales.log_ticks(ax.yaxis)
     powers = [f"$10^{{-{k}}}$" for k in range(1, 9)]
     if any(label in paper for _, label in labels):
         ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper"])

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.sacht2024.sacht_pairs import percent
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
 STEM: Final = "sacht2024_fig14"
@@ -70,7 +71,7 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
                    "pairs on which it is slower")]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found, cases = collect(results), results.cases
     unit, scale = "ms", 1e3
     names = [style.look(label).title for label in (SLOW, FAST)]
@@ -100,8 +101,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a "
                    "twentieth as fast on a third, on which both take less than a millisecond; MacBook Air M2, 8 GB.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(found, clock_word(results)), out, STEM, table.caption,
-                                                               unchecked_line(results))
+    return Report(lambda: draw(found, clock_word(results)), table, records)
 
 
 def draw(found: list[Outlier], clock: str) -> Any:
@@ -131,7 +131,7 @@ def draw(found: list[Outlier], clock: str) -> Any:
     ax.set_ylim(len(scenes) - 0.5, -0.6)
     ax.set_yticks(range(len(scenes)), scenes)
     ax.tick_params(axis="y", length=0)
-    style.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.xaxis)
     ax.set_xlabel(f"{clock} of {style.look(SLOW).title} / {style.look(FAST).title}; right of 1, {style.look(FAST).title} is faster")
     style.legend_above(figure, [plt.Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
                                 for t, colour in zip(tolerances, colours)], columns=4)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
-from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
 STEM: Final = "sacht2024_fig15"
@@ -49,7 +49,7 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
             both("nearly the same: Sacht takes less time than Kang", kang, fine)]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, rows = results.cases, rows_of(results)
     scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
     tolerances = sorted(results.in_order("tolerance"), reverse=True)
@@ -74,15 +74,14 @@ def make(results: Results, out: Path) -> list[Path]:
                 records.append({"scene": scene, "label": label, "tolerance": t, "status": found.status, "lower": low, "upper": high,
                                 "seconds": found.time.value, "low_seconds": found.time.low, "high_seconds": found.time.high,
                                 "stopped_seconds": found.limit, "work": work})
-    table.rows.append(["paper", "Sacht 2024", f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
-    table.rows.append(["paper", "Sacht 2024", f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", style.look("sacht").title, f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", style.look("sacht").title, f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
     table.notes = [*[verdict.line() for verdict in verdicts(results, rows)], *scene_notes(results),
                    "Neither pair is the paper's (model 104606 of Thingi10K and its half): they are as near to each other as that, by design.",
                    "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
                    + tables.coverage_note(row_of(results, row).time for row in rows.values()) + " " + clock_note(results),
                    f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]
-    figure = draw(results, rows, labels, tolerances, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, rows, labels, tolerances, clock_word(results)), table, records)
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
@@ -117,7 +116,7 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
         share = 0.5 * (low + high) / float(results.cases.source_diagonal[results.rows(scene=scene)[0]])
         ax.set_title(f"{scene}: h / dA = {tables.number(share, 2)}")
         ax.set_xscale("log")
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
         ax.set_xlabel(f"{clock} to prepare and solve (ms)")
         ax.tick_params(axis="y", length=0)
     axes[0][0].set_yticks(range(len(labels)), [style.look(*label).title for label in labels])

@@ -5,16 +5,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import Verdict
 
@@ -96,7 +97,7 @@ def verdicts(found: Pairs) -> list[Verdict]:
     ]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found = Pairs(results)
     word = clock_word(results)
     table = tables.Table(
@@ -126,7 +127,7 @@ def make(results: Results, out: Path) -> list[Path]:
          **cell.counters}
         for pair in found.pairs for solver, cell in pair.cells.items()]
     records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found), table, records)
 
 
 def rounds_text(found: Pairs) -> str:
@@ -176,9 +177,9 @@ def draw(found: Pairs) -> Any:
                 markeredgecolor="white", markeredgewidth=0.25, zorder=3)
         mean: Estimate = geometric_mean([y for _, y in known])
         ax.axhline(1, color="black", linewidth=0.6, zorder=1)
-        ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), zorder=1)
+        ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, zorder=1)
         if mean.n:
-            ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), zorder=2)
+            ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=style.DASHED, zorder=2)
             if mean.has_interval:
                 ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
         ax.set(xscale="log", yscale="log", xlabel="triangles of A",
@@ -196,7 +197,7 @@ def draw(found: Pairs) -> Any:
     sizes = [pair.triangles for pair in found.pairs] or [1000]
     for ax in axes:
         ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
         ax.yaxis.set_minor_locator(plt.NullLocator())
         ax.yaxis.set_major_locator(plt.FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
         ax.yaxis.set_major_formatter(plt.FuncFormatter(lambda y, _: f"{y:,g}"))
@@ -205,8 +206,8 @@ def draw(found: Pairs) -> Any:
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
             entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
                                       markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), label="geometric mean, 95 %"),
-                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), label="16, the paper's average")]
+    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean, 95 %"),
+                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
     style.legend_above(figure, entries, columns=len(entries))
     return figure
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.shared import command, scales, style, tables
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 STEM: Final = "sacht2024_section52"
@@ -77,7 +77,7 @@ def reached(results: Results) -> Verdict:
     return Verdict(claim, HOLDS if (status[1e-5], status[1e-8]) == ("ok", "budget") else FAILS, said)
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
     table = tables.Table("The failures of section 5.2 of Sacht and Jacobson 2024, built again: how each solver ends here, and the gap between "
@@ -101,8 +101,7 @@ def make(results: Results, out: Path) -> list[Path]:
          "lower": cases.lower[row], "upper": cases.upper[row], "diagonal": cases.source_diagonal[row], "exact": cases.exact[row],
          "problem": problem(results, row), "lower_check": results.check_of(row),
          "subdivisions": int(cases.counters["subdivisions"][row])} for row in range(len(cases))]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes, labels), out, STEM, table.caption,
-                                                               unchecked_line(results))
+    return Report(lambda: draw(results, scenes, labels), table, records)
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
@@ -110,7 +109,7 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
     cases = results.cases
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
     gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]
-    axis = style.LogAxis(ax, [*gaps, 1e-8])
+    axis = scales.LogAxis(ax, [*gaps, 1e-8])
     for k, (solver, label) in enumerate(labels):
         looks = style.look(solver, label)
         for row in results.rows(label=label):

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
+from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import command, shapes, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, paper_numbers, unchecked_line
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
 STEM: Final = "sacht2024_table1"
 
@@ -33,7 +35,7 @@ def share(results: Results, scene: str, quantity: str) -> float:
     return 0.5 * (low + high) / float(results.cases.source_diagonal[rows[0]])
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
     papers = {row["scene"]: row for row in printed["row"]}
     table = tables.Table("Near-zero pairs of meshes: numbers of triangles here and as printed in Table 1 of Sacht and Jacobson 2024, and how "
@@ -59,7 +61,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "diagonals nor distances.",
                    "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
                    *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, papers), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, papers), table, records)
 
 
 def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:

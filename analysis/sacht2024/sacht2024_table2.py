@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 from analysis.sacht2024 import sacht_pairs
-from analysis.shared import command
-from analysis.shared.load import Results
 from analysis.sacht2024.sacht_pairs import Pairs
+from analysis.shared import command
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
 STEM = "sacht2024_table2"
@@ -32,8 +32,8 @@ SPEC = sacht_pairs.Spec(
      "The paper quotes Zheng et al. 2022 that their program is 4.38 times as fast as that of Tang et al. 2009, on half-decimated meshes."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return sacht_pairs.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return sacht_pairs.make(SPEC, results)
 
 
 if __name__ == "__main__":

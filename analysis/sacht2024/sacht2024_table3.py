@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 from analysis.sacht2024 import sacht_pairs
-from analysis.shared import command
-from analysis.shared.load import Results
 from analysis.sacht2024.sacht_pairs import Pairs
+from analysis.shared import command
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
 STEM = "sacht2024_table3"
@@ -29,8 +29,8 @@ SPEC = sacht_pairs.Spec(
      "say how its models lie."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return sacht_pairs.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return sacht_pairs.make(SPEC, results)
 
 
 if __name__ == "__main__":

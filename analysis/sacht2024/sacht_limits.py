@@ -7,7 +7,7 @@ from typing import Final
 
 from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES
-from analysis.shared.load import Results
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_title, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, above_one, everywhere
 from analysis.zhang2017.zhang2017_table3 import count_text, draw
@@ -79,7 +81,7 @@ def title(pair: Ratio) -> str:
     return " / ".join(style.look(label).title for label in pair)
 
 
-def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results, spec.stem)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}: {spec.what}, measured here and as printed in "
@@ -97,14 +99,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
                    f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: of another machine, and of its authors' programs.",
                    f"Here: {machine_line(results)}.", "A dash: not part of the experiment, or not in the paper."]
-    figure = draw(pairs.scenes, pairs.labels, pairs.cells, pairs.papers, f"here, {results.meta.get('profile', '')} sizes",
-                  clock_word(results))
-    return tables.save(table, records(pairs), out, spec.stem) + style.save(figure, out, spec.stem, table.caption, unchecked_line(results))
-
-
-def scene_notes(results: Results) -> list[str]:
-    return [f"{style.scene_title(scene)}: {note}." for scene in results.in_order("scene")
-            if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
+    return Report(lambda: draw(pairs.scenes, pairs.labels, pairs.cells, pairs.papers, f"here, {results.meta.get('profile', '')} sizes", clock_word(results)), table, records(pairs))
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:

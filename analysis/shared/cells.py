@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from analysis.shared import style, tables
-from analysis.shared.load import ResultError, Results
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import (
     NO_DATA,
     Estimate,
@@ -117,36 +117,3 @@ def compare(slow: Cell, fast: Cell) -> Estimate:
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
     """The ratio of counted work: exact of solvers that take no seed; one seed is one draw."""
     return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
-
-
-def clocks(results: Results) -> dict[str, list[str]]:
-    """Labels by the clock of their rows with answers."""
-    found: dict[str, list[str]] = {}
-    for row in range(len(results.cases)):
-        if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
-            titles = found.setdefault(results.clock_of(row), [])
-            title = style.look(str(results.cases.solver[row]), str(results.cases.label[row])).title
-            if title not in titles:
-                titles.append(title)
-    return found
-
-
-def clock_word(results: Results) -> str:
-    """For captions and axes: 'CPU time', 'wall time', or 'time' where a table shows both."""
-    found = clocks(results)
-    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
-
-
-def clock_title(results: Results) -> str:
-    """The same, to begin a sentence."""
-    word = clock_word(results)
-    return word[0].upper() + word[1:]
-
-
-def clock_note(results: Results) -> str:
-    found = clocks(results)
-    cpu = "process CPU time, children included"
-    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
-            "was read off a trace" if len(found) > 1 else
-            "Times are wall time" if "wall" in found else f"Times are {cpu}")
-    return f"{what}; preparing is wall time."

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.shared.columns import Floats
-from analysis.shared.load import ResultError, Results
+from analysis.shared.results import ResultError, Results
 
 ROOT = Path(__file__).resolve().parents[2]
 Indices = npt.NDArray[np.int64]

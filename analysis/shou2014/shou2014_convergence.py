@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
 from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shou2014.shou2014_example import Joined, join
 
 STEM = "shou2014_convergence"
@@ -35,7 +37,7 @@ def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[
             {float(k[0]): v for k, v in both.items() if len(k) == 1})
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     published, ours = collect(results)
     exact = float(paper_numbers("shou2014_example")["exact"])
     depths = sorted({depth for _, _, depth in published})
@@ -83,8 +85,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "All four forms give the same interval at every size." if not different else
         "The forms give different intervals at " + ", ".join(f"{2**d}^3" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(published, ours, exact, depths), out, STEM,
-                                                               table.caption, unchecked_line(results))
+    return Report(lambda: draw(published, ours, exact, depths), table, records)
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 
 STEM = "shou2014_example"
 
@@ -41,7 +43,7 @@ def join(results: Results, rows: list[int]) -> Joined:
                   sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows), bad[0] if bad else "ok")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, reference = results.cases, paper_numbers(STEM)
     paper: dict[str, Any] = reference["row"][0]
     exact = float(reference["exact"])
@@ -86,8 +88,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "where that fails (stem surfaces_gallery shows such a pair); 'surface enclosure' proves both of its ends.",
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
-    figure = draw(methods, found, paper, exact)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(methods, found, paper, exact), table, records)
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import median
 
 STEM = "surfaces_gallery"
@@ -73,7 +74,7 @@ def _bounds(node: ast.expr, low: dict[str, Values], high: dict[str, Values]) -> 
     raise ValueError(f"not part of a polynomial: {ast.dump(node)}")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
     table = tables.Table("Pairs of algebraic surfaces with a known directed distance h(A,B).",
@@ -125,7 +126,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "They take the text as it stands; the false piece of 'ghost' comes with multiplying its product out.",
         "Of a distance that is constant over A (concentric spheres) a tolerance e needs O(1/e) boxes.",
         f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Values]:

@@ -8,15 +8,16 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables, verdicts
+from analysis.shared import command, scales, style, tables, verdicts
 from analysis.shared.cells import takes_seed
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import median
 from analysis.shared.verdicts import Verdict
 
@@ -176,7 +177,7 @@ def lost_text(lost: Counter[str]) -> list[str]:
     return [", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in lost.items())] if lost else []
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     curves = collect(results)
     labels = [pair for pair in style.order(zip(results.cases.solver, results.cases.label))
               if any(label == pair[1] for _, label in curves)]
@@ -207,7 +208,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "of a needle; degree of a surface, from 4 on; 1 / tolerance, from 10 on. A case may take "
         f"{tables.number(float(results.cases.case_seconds_limit[0]))} s.",
         f"Measured on {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(curves, labels), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(curves, labels), table, records)
 
 
 def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:
@@ -309,8 +310,8 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
     if ratios:
         ax.set_xlim(ratios[0] / 1.3 ** math.log10(10 * ratios[-1] / ratios[0]),
                     ratios[-1] * 1.3 ** math.log10(10 * ratios[-1] / ratios[0]))
-    style.log_ticks(ax.xaxis)
-    style.log_ticks(ax.yaxis)
+    scales.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.yaxis)
     if ratios and ratios[-1] / ratios[0] < 100:  # degrees: each has its tick
         ax.set_xticks(ratios, [f"{x:g}" for x in ratios])
     elif ratios and ratios[0] == 1:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import pareto
-from analysis.shared import command, style, tables
-from analysis.shared.cells import clock_note
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
 STEM = "error_vs_time"
@@ -24,7 +24,7 @@ Panel = tuple[str, int]  # scene, pose
 ONE_LINE = {"sampling"}
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     panels: list[Panel] = list(dict.fromkeys(zip(cases.scene, map(int, cases.pose_index))))
     labels = style.order(zip(cases.solver, results.names))
@@ -47,8 +47,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
-    figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times), table, records)
 
 
 def shown_as(solver: str, label: str) -> tuple[str, str]:
@@ -193,7 +192,7 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
         if traced:
             case = min(traced, key=lambda r: float(cases.tolerance[r]))
             lines[case] = trace_line(results, case, what)
-    axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
+    axis = scales.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
     ax.set_xscale("log")
     for solver in sorted(ONE_LINE & {cases.solver[case] for case in points}):
         at_times = sorted((times[case].value, y) for case, y in points.items() if cases.solver[case] == solver)
@@ -210,7 +209,7 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
             ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
-    style.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.xaxis)
     return {shown_as(cases.solver[case], results.names[case]) for case in [*points, *lines]}
 
 

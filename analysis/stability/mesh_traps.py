@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,9 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 
 from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, never
 
 STEM: Final = "mesh_traps"
@@ -53,7 +54,7 @@ def claim(results: Results) -> Verdict:
     return never("no certified solver ends with wrong bounds, or without any", len(ill), len(rows), "answers")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes = [str(scene) for scene in results.in_order("scene")]
     labels = style.order(zip(cases.solver, cases.label))
@@ -81,8 +82,7 @@ def make(results: Results, out: Path) -> list[Path]:
                     "has converged and has not. CGAL returns no interval: its answer and the tolerance make one.",
                     f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
                     claim(results).line(), f"{machine_line(results)}."]
-    return (tables.save(table, records, out, STEM)
-            + style.save(draw(results, scenes, labels, rows), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
+    return Report(lambda: draw(results, scenes, labels, rows), table, records, style.letters_key(results.cases.status))
 
 
 def distance(results: Results, row: int) -> str:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
-from analysis.tang2009.tang_motion import Run
 from analysis.shared.verdicts import Verdict, everywhere
+from analysis.tang2009.tang_motion import Run
 
 STEM = "tang2009_ablation"
 FINEST: Final = 1e-4
@@ -64,7 +65,7 @@ def verdicts(variants: Variants) -> list[Verdict]:
     return found
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     variants = Variants(results)
     rows = [(label, tolerance) for label in variants.labels for tolerance in variants.tolerances
             if any((scene, label, tolerance) in variants.runs for scene in variants.scenes)]
@@ -89,8 +90,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "medians over rounds; ratios are paired by round. Distances are those of points to triangles. Deepest: subdivisions one in another. " + clock_note(results),
                    "Warm: each pose starts from what the one before has left. Corners alone: the three corners of a triangle of A are closest point queries of their own.",
                    f"Here: {machine_line(results)}."]
-    figure = draw(variants, rows, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(variants, rows, clock_word(results)), table, records)
 
 
 def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
@@ -117,7 +117,7 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
     right.set(xscale="log", yscale="log", xlabel="tolerance, of A's longest side", ylabel=f"{clock} of all poses (ms)")
     right.invert_xaxis()
     for axis in (left.xaxis, right.xaxis, right.yaxis):
-        style.log_ticks(axis)
+        scales.log_ticks(axis)
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=style.scene_title(scene)) for scene, colour in zip(variants.scenes, colours)], columns=3)
     return figure
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
 from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
 from analysis.shared.mesh_picture import View, view
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.tang2009 import tang_pictures
 
 STEM = "tang2009_fig1"
 VIEWS: Final[dict[str, View]] = {"Alphabet Domino": view((1, -1.2, 1.6), (0, 0, 1)), "Falling Bunnies": view((0.4, -1, 0.7), (0, 0, 1))}
@@ -23,7 +24,7 @@ def group(results: Results, row: int) -> str:
     return name.partition(": ")[0] if int(results.cases.frame[row]) >= 0 else name
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     groups: dict[str, list[int]] = {}
     for row in range(len(cases)):
@@ -47,7 +48,7 @@ def make(results: Results, out: Path) -> list[Path]:
     table.notes = ["Of a frame the pair of objects that are deepest in each other; all pairs have a green line in the picture, and objects that overlap no other one are not drawn. "
                    "Tolerance 1e-4 of A's longest side.",
                    "The paper's models and motions are not public. " + "; ".join(notes) + ". The dynamic scenes were simulated with Bullet.", f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, groups), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, groups), table, records)
 
 
 def draw(results: Results, groups: dict[str, list[int]]) -> Any:

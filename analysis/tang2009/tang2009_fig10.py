@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_title, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere
 
@@ -65,7 +66,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
     return [one.pop("").with_counts(one) for one in (found, plain)]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and peak memory, MB: the two-sided distance of models that lie over each other "
@@ -89,8 +90,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe's program used an octree; here both search BVHs, with the same kernels.",
                    tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round. "
                    + clock_note(results), "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
-    figure = draw(pairs, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(pairs, clock_word(results)), table, records)
 
 
 def draw(pairs: Pairs, clock: str) -> Any:
@@ -113,7 +113,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
                     ax.plot([1e3 * cell.time.low, 1e3 * cell.time.high], [y, y], color="black", linewidth=0.7)
         ax.set_xscale("log")
         ax.set_xlabel(f"{clock} to prepare and solve (ms)" if what == "time" else "peak memory (MB)")
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
     axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} %" for scene in pairs.scenes])
     axes[0].invert_yaxis()
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, label=style.look(*pair).title) for pair in pairs.labels], columns=3)

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
 
 STEM = "tang2009_fig7"
 PAPER: Final = {"Bird1": "2.2K", "Bird2": "6.2K", "Watch1": "3.8K", "Watch2": "38.1K", "Puma1": "8.2K", "Puma2": "7.1K", "Bunny1": "16.7K", "Bunny2": "69.7K",
                 "Fish1": "11K", "Fish2": "36.5K", "Dog": "3.2K", "Lion": "1.3M"}
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     scenes = [int(results.rows(scene=scene)[0]) for scene in results.in_order("scene")]
     note = dict(zip(results.models.name, results.models.note))
@@ -34,7 +35,7 @@ def make(results: Results, out: Path) -> list[Path]:
             records.append({"model": name, "stand_in": str(model), "triangles": int(count), "note": str(note.get(model, "")), "lower": float(cases.lower[row]), "upper": float(cases.upper[row])})
     table.notes = ["The paper's models are not public, but for Bunny2, which has the triangles of a bunny that is. The distance is that of the pair where both are centred.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def draw(results: Results, scenes: list[int]) -> Any:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
 from analysis.shared import command, style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
 
 STEM = "tang2009_fig8"
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, shown = results.cases, list[int]()
     table = tables.Table("The two-sided distance of pairs side by side (Fig. 8 of Tang et al. 2009), in percent of A's longest side.",
                          ["pair", "", "H, lower", "H, upper", "shown from"], left=2)
@@ -33,7 +34,7 @@ def make(results: Results, out: Path) -> list[Path]:
                             "longest": float(cases.source_longest[row]), "direction": str(cases.witness_direction[row])})
     table.notes = ["A is moved by 1.1 of its longest sides along x. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's longest side.",
                    "; ".join(f"{cases.scene[row]}: {cases.scene_note[row]}" for row in shown) + ".", f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, shown), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, shown), table, records)
 
 
 def draw(results: Results, shown: list[int]) -> Any:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_depth, tang_pictures
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import command, scales, style, tables
+from analysis.shared.load import paper_numbers
 from analysis.shared.mesh_picture import view
-from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
+from analysis.tang2009 import tang_depth, tang_pictures
+from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
 
 STEM = "tang2009_pd"
 LABELS: Final = ["tang", "cover"]
@@ -46,7 +48,7 @@ def agreement(found: list[Scene]) -> Verdict:
     return all_of("The intervals of all solvers have a number in common", apart, len(several), len(bounds), "pairs")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     printed = paper_numbers(STEM)
     papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
     found = tang_depth.recorded(results, LABELS)
@@ -68,7 +70,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames. It covers how the scene changes, too.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
     rows = [int(row) for row in results.rows(scene=FIGURE, label="each part")]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, rows[0] if rows else None, found, papers), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, rows[0] if rows else None, found, papers), table, records)
 
 
 def cells(scene: Scene) -> list[str]:
@@ -102,13 +104,13 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
             looks = style.look(scene.label)
             ax.plot(scene.frames, 1e3 * scene.per_frame(MEASURE), color=looks.colour, linestyle=looks.line, linewidth=0.9)
         if name in papers:
-            ax.axhline(papers[name], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+            ax.axhline(papers[name], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
         ax.set(title=name, xlabel="frame", yscale="log")
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.yaxis)
     if names:
         lower.axes[0].set_ylabel("measuring (ms a frame)")
     entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.look(label).title) for label in LABELS]
-    style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), label="the paper's mean, in all")], columns=3)
+    style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean, in all")], columns=3)
     return figure
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -16,7 +15,9 @@ import scipy.spatial.distance
 import scipy.stats
 
 from analysis.shared import command, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
 Floats = npt.NDArray[np.float64]
@@ -105,7 +106,7 @@ def retrieval(matrix: Matrix) -> Verdict:
                    f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.number(100 * guess, 2)} % of the shapes")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     matrix = matrix_of(results, SOLVER)
     if len(matrix.names) < 2:
         raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {STEM}'")
@@ -120,7 +121,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
                    "shapes are not turned to fit each other, so that two of one family that stand differently are far apart.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(matrix), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(matrix), table, records)
 
 
 def draw(matrix: Matrix) -> Any:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_motion
-from analysis.shared.cells import clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
-from analysis.tang2009.tang_motion import QUERIES, Motion, Run
+from analysis.shared import command, scales, style, tables
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.tang2009 import tang_motion
+from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
 STEM = "tang2009_table2"
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
@@ -37,7 +38,7 @@ def cells(run: Run) -> list[str]:
             f"{np.median(run.counted(QUERIES)[1:]):g}"]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found, printed = tang_motion.motions(results), paper_numbers(STEM)
     papers = {"/".join(row["models"]): row for row in printed["row"]}
     table = tables.Table(f"{clock_title(results)} of the two-sided distance at a pose, while A is translated towards B; measured here, and as printed in "
@@ -61,8 +62,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "The mean over the poses is one number a round (a fresh process that answers all poses), with its interval over rounds from six on; "
                    "least and most are of the poses' medians. Warm: from what the pose before has left. " + clock_note(results),
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    figure = draw(found, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found, clock_word(results)), table, records)
 
 
 def record(motion: Motion, label: str) -> list[tables.Record]:
@@ -89,8 +89,8 @@ def draw(found: list[Motion], clock: str) -> Any:
                 ax.plot(100 * run.distance[::10], 1e3 * run.per_pose[::10], **style.filled_marker(looks))
         ax.set(xscale="log", yscale="log", title=f"{motion.scene}, {motion.sizes}")
         ax.invert_xaxis()
-        style.log_ticks(ax.xaxis)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.yaxis)
     for ax in axes[:, 0]:
         ax.set_ylabel(f"{clock} (ms)")
     for ax in axes[-1]:

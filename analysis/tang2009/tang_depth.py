@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.stats
 
-from analysis.shared.load import Results
+from analysis.shared.results import Results
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES
-from analysis.shared.load import Results
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, rising_by_run
 

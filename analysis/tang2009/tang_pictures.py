@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from analysis.shared import mesh_picture, shapes
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results
 from analysis.shared.mesh_picture import View
+from analysis.shared.results import Results
 from analysis.shared.shapes import Mesh
 
 WITNESS: Final = "#00A000"  # green, as in the paper

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -15,14 +14,16 @@ import scipy.stats
 
 from analysis.shared import command, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
 STEM = "zhang2017_as_printed"
 BLOCK: Final = 5  # neighbouring poses
-LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
-                "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
-                "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
+LOOKS: Final = {"ohd_as_printed": style.Look(style.TITLES["ohd_as_printed"], "#0072B2", "D"),
+                "nohd_as_printed": style.Look(style.TITLES["nohd_as_printed"], "#009E73", "^"),
+                "ohd": style.Look(style.TITLES["ohd"], "#56B4E9", "o"), "nohd": style.Look(style.TITLES["nohd"], "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": "OHD as printed computes the exact distance",
                  "nohd_as_printed": "NOHD as printed computes the exact distance",
                  "ohd": "OHD with cells of diagonal AHD computes the exact distance",
@@ -109,7 +110,7 @@ def direction(results: Results, label: str) -> str:
     return f" (its wrong answers here: {', '.join(parts)})" if parts else " (no wrong answer here)"
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     scenes = [str(scene) for scene in results.in_order("scene")]
     labels = [label for label in LOOKS if len(results.rows(label=label))]
     table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
@@ -148,7 +149,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
                    "Seeds: of the sample that OHD begins with. NOHD leaves nothing to chance; its trials are the poses.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def draw(results: Results, scenes: list[str]) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,10 @@ import numpy as np
 
 from analysis.shared import command, shapes, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
 STEM = "zhang2017_fig12"
@@ -27,7 +29,7 @@ def row_of(results: Results, scene: str) -> int:
                  and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("zhang2017_table3")
     papers = {row["scene"]: row for row in printed["row"]}
     scenes = [str(scene) for scene in results.in_order("scene")]
@@ -64,7 +66,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
                    "set are drawn.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def view(points: Floats, along: Floats) -> Floats:

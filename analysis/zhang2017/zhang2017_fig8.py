@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 from analysis.shared import command
-from analysis.zhang2017 import zhang_sweep
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.zhang2017 import zhang_sweep
 
 STEM = "zhang2017_fig8"
 BEST = [5.0, 6.0]  # "the high efficiency is obtained when depth is increased to five or six"
@@ -29,8 +29,8 @@ SPEC = zhang_sweep.Spec(
     "costs the same at every depth; that of the paper is built to that depth.")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_sweep.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return zhang_sweep.make(SPEC, results)
 
 
 if __name__ == "__main__":

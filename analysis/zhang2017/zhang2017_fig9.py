@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 
 from analysis.shared import command
-from analysis.zhang2017 import zhang_sweep
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.zhang2017 import zhang_sweep
 
 STEM = "zhang2017_fig9"
 BEST = 1 / 80  # "the high efficiency is obtained when lambda is set as 1/80"
@@ -43,8 +43,8 @@ SPEC = zhang_sweep.Spec(
     "Each n is a seed of the sample, by its median. The line marks the 1/100 that the paper recommends.")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_sweep.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return zhang_sweep.make(SPEC, results)
 
 
 if __name__ == "__main__":

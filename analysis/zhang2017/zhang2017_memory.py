@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import command, scales, style, tables
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 STEM = "zhang2017_memory"
@@ -96,7 +97,7 @@ def memory_limit(cell: Cell) -> float:
     return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     spots = collect(results)
     labels = [label for _, label in style.order(zip(results.cases.solver, results.cases.label))]
     workloads = list(dict.fromkeys(spot.workload for spot in spots))
@@ -133,7 +134,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
                    "no memory: the claim is what INC's queue for every entry of its heap suggests.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(spots, workloads, labels), table, records)
 
 
 def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
@@ -142,7 +143,7 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
     for ax, workload in zip(axes[0], workloads):
         own = [spot for spot in spots if spot.workload == workload]
         ends = [min(s.points for s in own), max(s.points for s in own)]
-        ax.plot(ends, [POINT * n / 2**20 for n in ends], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+        ax.plot(ends, [POINT * n / 2**20 for n in ends], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
         ax.axhspan(1e-9, LEAST / 2**20, color="#EFEFEF", linewidth=0, zorder=0)
         marks = []
         for label in labels:
@@ -156,8 +157,8 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
             marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
         style.margin_marks(ax, marks, 90)
         ax.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", title=workload)
-        style.log_ticks(ax.xaxis)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.yaxis)
     peaks = [cell.peak / 2**20 for spot in spots for cell in spot.cells.values() if cell.peak > 0] or [1.0]
     axes[0][0].set_ylim(min(peaks) / 2, max(peaks) * 2)
     axes[0][0].set_ylabel("peak memory (MiB)")
@@ -165,7 +166,7 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
                           **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
                for label in labels]
     entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
-                              linestyle=(0, (1, 1))))
+                              linestyle=style.DOTTED))
     style.legend_above(figure, entries)
     return figure
 

@@ -5,23 +5,24 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, shapes, style, tables
+from analysis.shared import command, scales, shapes, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
 STEM = "zhang2017_steps"
 MOST: Final = 4000  # points of A whose distances to all of B are looked at
 CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
-EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", (0, (4, 1.5)))
-BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", (0, (1, 1)))
+EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
+BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", style.DOTTED)
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def collect(results: Results) -> list[Step]:
     return found
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     steps = collect(results)
     scenes = list(dict.fromkeys(step.scene for step in steps))
     table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, "
@@ -107,7 +108,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the points are "
                    "not in datasets/cache.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(steps, scenes), table, records)
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:
@@ -140,7 +141,7 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
                 ax.plot([step.shift] * 2, [step.counted.low, step.counted.high], color=counted.colour, linewidth=1.2)
             ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.yaxis)
     axes[0][0].set_ylabel("inner steps for a point of A")
     entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
                           **{**style.filled_marker(counted), "linestyle": "-"}),

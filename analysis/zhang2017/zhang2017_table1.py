@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 from analysis.shared import command
-from analysis.zhang2017 import zhang_pairs
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.zhang2017 import zhang_pairs
 
 STEM = "zhang2017_table1"
 
@@ -23,8 +23,8 @@ SPEC = zhang_pairs.Spec(
     ["The paper does not say how far apart its clouds are; here ten standard deviations."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_pairs.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return zhang_pairs.make(SPEC, results)
 
 
 if __name__ == "__main__":

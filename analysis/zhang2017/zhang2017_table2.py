@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 
 import numpy as np
 
 from analysis.shared import command, tables
-from analysis.zhang2017 import zhang_pairs
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.zhang2017 import zhang_pairs
 
 STEM = "zhang2017_table2"
 
@@ -37,8 +37,8 @@ SPEC = zhang_pairs.Spec(
      "(cells of diagonal AHD). 'unsound': its answer was shown to be wrong."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_pairs.make(SPEC, results, out)
+def make(results: Results) -> Report:
+    return zhang_pairs.make(SPEC, results)
 
 
 if __name__ == "__main__":

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import DISTANCES, MEASURES, WORK, Cell, clock_note, clock_title, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared.cells import DISTANCES, MEASURES, WORK, Cell, compare, compare_work
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere
 
@@ -77,7 +79,7 @@ def paper_ratio(paper: dict[str, Any], slow: str, fast: str) -> str:
     return tables.number(paper[slow] / paper[fast]) if slow in paper and fast in paper else tables.NOTHING
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers(STEM)
     papers = {row["scene"]: row for row in printed["row"]}
     scenes = sorted(results.in_order("scene"), key=lambda s: list(papers).index(s) if s in papers else len(papers))
@@ -135,8 +137,7 @@ def make(results: Results, out: Path) -> list[Path]:
                     "counts of solvers with seeds are medians.",
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
-    figure = draw(scenes, labels, cells, papers, f"here, {results.meta.get('profile', '')} sizes", clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(scenes, labels, cells, papers, f"here, {results.meta.get('profile', '')} sizes", clock_word(results)), table, records)
 
 
 def count_text(cell: Cell | None, names: tuple[str, ...]) -> str:

@@ -10,15 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word, takes_seed
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, takes_seed
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.shared.verdicts import UNTESTED, Verdict, above_one, greatest
 
@@ -175,7 +176,7 @@ def _regime(results: Results, rows: dict[str, int]) -> str:
     return "apart" if told["alpha"] < 0 else "touching" if told["alpha"] <= THETA else "overlapping"
 
 
-def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
+def make(caption: str, results: Results) -> Report:
     motions = [Motion(results, str(scene)) for scene in results.in_order("scene")]
     labels = style.order(pair for motion in motions for pair in motion.labels)
     clock = clock_word(results)
@@ -220,8 +221,7 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
-    figure = draw(motions, labels, reused, clock)
-    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(motions, labels, reused, clock), table, records)
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
@@ -249,7 +249,7 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
             marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
         style.margin_marks(upper, marks, 120)
         upper.set(yscale="log", title=f"{motion.scene}, {motion.sizes} points")
-        style.log_ticks(upper.yaxis)
+        scales.log_ticks(upper.yaxis)
         lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} to solve a pose (s)")

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, WORK, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, rising
 
@@ -61,7 +63,7 @@ class Pair:
         return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
 
 
-def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+def make(spec: Spec, results: Results) -> Report:
     printed = paper_numbers(spec.stem)
     papers = {row["pair"]: row for row in printed["row"]}
     pairs = [Pair(results, spec, str(scene)) for scene in results.in_order("scene")]
@@ -100,8 +102,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    clock_note(results), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    return tables.save(table, records, out, spec.stem) + style.save(
-        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(spec, pairs, papers, shown, clock_word(results)), table, records)
 
 
 def has_seeds(pairs: list[Pair]) -> bool:
@@ -146,7 +147,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
     own = style.look(solver)
-    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", (0, (1, 1))),
+    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", style.DOTTED),
              solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
@@ -164,7 +165,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
             left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
                       **{**style.open_marker(looks_like), "linestyle": "-"})
     left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} to prepare and solve (s)")
-    style.log_ticks(left.xaxis)
+    scales.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:
             if pair.ratio.has_interval:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
@@ -90,7 +91,7 @@ class Sweep:
         return cell.count(MEASURES[what]) if what else cell.time.value
 
 
-def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+def make(spec: Spec, results: Results) -> Report:
     sweep = Sweep(spec, results)
     table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"prepare and solve, {clock_word(results)}, ms",
                                         "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
@@ -116,7 +117,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
                    + " " + clock_note(results),
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(sweep), table, records)
 
 
 def draw(sweep: Sweep) -> Any:
@@ -143,9 +144,9 @@ def draw(sweep: Sweep) -> Any:
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:
-            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), zorder=0.5)
+            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, zorder=0.5)
     axes[0].set_yscale("log")
-    style.log_ticks(axes[0].yaxis)
+    scales.log_ticks(axes[0].yaxis)
     axes[1].set_ylim(bottom=0)
     if lost:
         axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
@@ -153,6 +154,6 @@ def draw(sweep: Sweep) -> Any:
                           marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
                for i, scene in enumerate(sweep.scenes)]
     entries.append(plt.Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
-                              linestyle=(0, (1, 1))))
+                              linestyle=style.DOTTED))
     style.legend_above(figure, entries, columns=6)
     return figure

@@ -16,10 +16,10 @@ from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
 
 from analysis.shared import command, load, style
-from analysis.stability import error_vs_time
-from analysis.zhang2017 import zhang2017_table3
 from analysis.shared.statistics import median
 from analysis.shared.stems import module_of
+from analysis.stability import error_vs_time
+from analysis.zhang2017 import zhang2017_table3
 
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,

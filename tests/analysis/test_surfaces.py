@@ -11,8 +11,8 @@ import pytest
 from synthetic import ResultFile, spread
 
 from analysis.shared import command
-from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
 from analysis.shared.load import load
+from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
 
 BOX = 3 * [-2.0, 2.0]
 DIRECTIONS = (("first to second", 0.64, 0.85), ("second to first", 0.73, 0.90))

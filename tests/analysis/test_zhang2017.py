@@ -14,7 +14,8 @@ import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis.shared import cells, load, shapes
+from analysis.shared import cells, load, notes, shapes
+from analysis.shared.results import ResultError
 from analysis.zhang2017 import zhang2017_as_printed, zhang2017_fig12, zhang2017_steps
 from analysis.zhang2017.zhang_motion import Motion
 
@@ -199,7 +200,7 @@ def test_shapes_are_those_of_the_result_file(tmp_path: Path) -> None:
     assert np.array_equal(shapes.mesh(results, "A").corners, POINTS["A"]) and np.array_equal(shapes.mesh(results, "B").corners, POINTS["B"])
     assert shapes.points(results, "C") is None
     next(model for model in file.models if model["name"] == "A")["sha256"] = "of another shape"
-    with pytest.raises(load.ResultError, match="'A' cannot be drawn: its shape is not in .* run its experiment again with 'make zhang2017_steps'"):
+    with pytest.raises(ResultError, match="'A' cannot be drawn: its shape is not in .* run its experiment again with 'make zhang2017_steps'"):
         shapes.mesh(load.load(file.write(tmp_path)), "A")
     turned = shapes.posed(np.array([[1.0, 0, 0]]), np.array([0.0, -1, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0]))
     assert turned.tolist() == [[5.0, 1.0, 0.0]]
@@ -301,10 +302,10 @@ def test_clocks_are_named(tmp_path: Path) -> None:
     file = ResultFile("clocks")
     file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
-    assert cells.clock_word(results) == "CPU time"
+    assert notes.clock_word(results) == "CPU time"
     file.case("cgal", "x", [1.0], lower=1.0, upper=1.0, clock="wall")
     results = load.load(file.write(tmp_path))
-    assert cells.clock_word(results) == "time" and "but wall time for CGAL, where several" in cells.clock_note(results)
+    assert notes.clock_word(results) == "time" and "but wall time for CGAL, where several" in notes.clock_note(results)
 
 
 def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:
