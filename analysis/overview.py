@@ -49,7 +49,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
 def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any) -> None:
     diagonal, titled, top = float(results.cases.source_diagonal[cases[0]]), set[str](), 2.5 * at_vertices
     for case in (case for case in cases if not results.cases.from_trace[case]):
-        looks = style.look(str(results.cases.solver[case]), str(results.names[case]))
+        looks = style.look(results.cases.solver[case], str(results.names[case]))
         trace, first = results.trace_of(case), results.first_by_round(case)
         if len(trace.seconds) > 1:
             keep = np.isfinite(trace.upper) & (trace.seconds > 0)

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import scipy.stats
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import Cell, compare
+from analysis.shared.cells import Cell, Grid, compare
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -39,7 +39,7 @@ def ratio(pair: Pair) -> Estimate:
 
 def identical(results: Results, scene: str) -> bool:
     """A mesh and itself, which is not in the means: CGAL matches faces."""
-    row = int(results.rows(scene=scene)[0])
+    row = results.rows(scene=scene)[0]
     return bool(results.cases.source[row] == results.cases.target[row])
 
 
@@ -65,7 +65,7 @@ def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
-    title, aim = style.look(label).title, AIMS[label]
+    title, aim = style.title(label), AIMS[label]
     claim = f"{title} is {f'at least {aim} times as' if aim > 1 else 'as'} fast as CGAL in geometric mean"
     if label in LARGE:
         claim += f" over pairs of {LARGE[label]:,} triangles and more"
@@ -104,7 +104,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
         return NO_DATA if stopped and not found.low > 1 else found
 
     ratios = [over_aim(pair) for pair in pairs]
-    verdict = everywhere(f"{style.look(label).title} is at least {aim} times as fast as CGAL on every pair", ratios)
+    verdict = everywhere(f"{style.title(label)} is at least {aim} times as fast as CGAL on every pair", ratios)
     known = [aim * x.value for x in ratios if x.n]
     spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
     return replace(verdict, evidence=spread + verdict.evidence)
@@ -116,36 +116,30 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
     if not answered:
         return []
-    return [f"{style.look(other).title} takes {tables.estimate(mean_ratio(answered))} times as long as {style.look(label).title} "
+    return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} "
             f"in geometric mean over the {len(answered)} pairs that both answered."]
 
 
 def make(results: Results) -> Report:
-    cases = results.cases
-    scenes = [str(scene) for scene in results.in_order("scene")]
-    labels = style.order(zip(cases.solver, cases.label))
-    cells = {(scene, label): Cell(results, [int(row) for row in rows]) for scene in scenes for _, label in labels
-             if len(rows := results.rows(scene=scene, label=label))}
+    cases, grid = results.cases, Grid(results)
+    scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory beside the shapes, "
                          f"MiB. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
-                         ["pair", "triangles", "h / diagonal", "", *[style.look(*pair).title for pair in labels]], left=4)
+                         ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
     records: list[tables.Record] = []
     for scene in scenes:
-        row = int(results.rows(scene=scene)[0])
-        peer = cells.get((scene, PEER))
-        own = [cells.get((scene, label)) for _, label in labels]
+        row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
         h = best_lower([cell for cell in own if cell]) / float(cases.source_diagonal[row])
         table.rules.add(len(table.rows))
-        table.rows.append([scene, f"{cases.source_elements[row]:,} → {cases.target_elements[row]:,}", tables.number(h), "ms",
-                           *[cell.text(1000) if cell else tables.NOTHING for cell in own]])
+        table.rows.append([scene, results.sizes(row, " → "), tables.number(h), "ms",
+                           *grid.texts(scene, 1000)])
         at_least = "≥ " if peer and peer.failures else ""
         table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + tables.estimate(x) for x in ratios]])
         table.rows.append(["", "", "", "MiB", *[tables.number(cell.peak / 2**20) if cell else tables.NOTHING for cell in own]])
         if cases.scene_note[row]:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
-        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), "n": cell.time.n,
-                     "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
                      "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value,
                      "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
                     for (solver, label), cell, x in zip(labels, own, ratios) if cell]
@@ -156,7 +150,7 @@ def make(results: Results) -> Report:
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", "", "times",
                        *[tables.estimate(mean_ratio(answered[label])) if label in answered else "" for _, label in labels]])
-    counted = ", ".join(f"{style.look(label).title} {len(found)}" for label, found in answered.items())
+    counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
         f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥).",
@@ -164,7 +158,7 @@ def make(results: Results) -> Report:
         *[judge_each(label, pairs[label]).line() for label in EVERYWHERE if label in pairs],
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
-    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(results.cases.status))
+    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
 
 
 def best_lower(cells: Sequence[Cell]) -> float:
@@ -172,8 +166,9 @@ def best_lower(cells: Sequence[Cell]) -> float:
     return max((cell.interval[0] for cell in cells if not math.isnan(cell.interval[0])), default=math.nan)
 
 
-def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
+def draw(grid: Grid) -> Any:
     """One line a pair, one mark a solver; those that did not end stand right of the frame, with the letter why."""
+    scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.19 * len(scenes)))
     for i, scene in enumerate(scenes):
         ax.axhline(i, color="#EEEEEE", linewidth=0.5, zorder=0)
@@ -187,7 +182,7 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
                 failed += 1
                 status = cell.failures.most_common(1)[0][0]
                 ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks))
-                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(status, "?"), transform=ax.get_yaxis_transform(),
+                ax.text(at + 0.025, i, style.status_letter(status), transform=ax.get_yaxis_transform(),
                         va="center", fontsize=6, color="#333333")
     known = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
     ax.set_xscale("log")

@@ -31,7 +31,7 @@ def make(results: Results) -> Report:
     low, high = (100 * x / diagonal for x in results.reference_of(case))
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
                          ["pair", "|A| / |B|", "h, lower", "h, upper", "at the vertices of A alone", "paper"], left=1)
-    table.rows.append([str(cases.scene[case]), f"{cases.source_elements[case]:,} / {cases.target_elements[case]:,}",
+    table.rows.append([cases.scene[case], results.sizes(case),
                        tables.number(low, 6), tables.number(high, 6), tables.number(100 * float(distance.max()) / diagonal),
                        f"< {PAPER:g}"])
     table.notes = [f"{cases.scene_note[case]}.", "The paper's number is of its own pair, and of the diagonal of the box of A and B.",
@@ -44,7 +44,7 @@ def make(results: Results) -> Report:
 def draw(results: Results, case: int) -> Any:
     """A, B, how far A is from B, and the witness from near."""
     cases = results.cases
-    source, target = str(cases.source[case]), str(cases.target[case])
+    source, target = cases.source[case], cases.target[case]
     a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
     pair = np.stack([cases.witness_source[case], cases.witness_target[case]])
     figure, axes = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 5.6))

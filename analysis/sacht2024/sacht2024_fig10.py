@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell
+from analysis.shared.cells import MEASURES, Cell, in_time_and_work
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import Wins, share_near, shared_wins, wins_more
 from analysis.shared.report import Report
@@ -35,12 +35,12 @@ class Orders:
         rows: dict[str, dict[str, int]] = {}
         self.lost: dict[str, str] = {}  # pairs without a model, and why
         for row in range(len(cases)):
-            scene = str(cases.scene[row])
+            scene = cases.scene[row]
             if cases.status[row] in NEVER_RAN:
-                self.lost[scene] = str(cases.reason[row]) or str(cases.status[row])
+                self.lost[scene] = cases.reason[row] or cases.status[row]
             else:
                 rows.setdefault(str(results.options(row).get("order", BEST)), {})[scene] = row
-        self.scenes = [s for s in map(str, results.in_order("scene")) if s not in self.lost]
+        self.scenes = [s for s in map(str, results.scenes) if s not in self.lost]
         known = [order for order in DRAWN if order in rows]
         self.orders = [*sorted(rows.keys() - set(known), key=lambda order: (len(order), order)), *known]
         self.cells = {(order, scene): Cell(results, [row]) for order, of in rows.items() for scene, row in of.items()}
@@ -54,7 +54,7 @@ class Orders:
     def cost(self, order: str, scene: str, what: str) -> float:
         """Time, or what is named in MEASURES; NaN where it did not come to the tolerance."""
         cell = self.cells.get((order, scene))
-        return np.nan if cell is None else cell.count(MEASURES[what]) if what else cell.time.value
+        return np.nan if cell is None else cell.cost(what)
 
     def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
         """Who wins among these, on each pair that some order solves."""
@@ -78,14 +78,15 @@ def verdicts(found: Orders) -> list[Verdict]:
     """The first three in time and in counted work."""
     def more(claim: str, ahead: Iterable[str], behind: Iterable[str]) -> Verdict:
         ahead, behind = list(ahead), list(behind)
-        by = {what: wins_more(claim, found.of(ahead, what), found.of(behind, what)) for what in ("", *MEASURES)}
-        return by.pop("").with_counts(by)
+        return in_time_and_work(lambda what: wins_more(claim, found.of(ahead, what), found.of(behind, what)))
 
     def alone(claim: str, ahead: list[str], behind: list[str]) -> Verdict:
-        wins = {what: found.shared(SINGLE, what) for what in ("", *MEASURES)}
-        by = {what: wins_more(claim, {o: of[o] for o in ahead if o in of}, {o: of[o] for o in behind if o in of})
-              for what, of in wins.items()}
-        return by.pop("").with_counts(by)
+        def judge(what: str) -> Verdict:
+            wins = found.shared(SINGLE, what)
+            better, worse = ({order: wins[order] for order in orders if order in wins} for orders in (ahead, behind))
+            return wins_more(claim, better, worse)
+
+        return in_time_and_work(judge)
 
     with_u3 = [order for order in found.orders if "3" in order]
     return [

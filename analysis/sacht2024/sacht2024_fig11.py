@@ -46,7 +46,7 @@ def collect(results: Results) -> list[Shown]:
     for case in range(len(cases)):
         fields = results.fields_of(case)
         if cases.solver[case] == "sacht" and results.is_bounded(case) and "bound" in fields:
-            found.append(Shown(str(cases.scene[case]), case, fields["bound"].astype(np.int64)))
+            found.append(Shown(cases.scene[case], case, fields["bound"].astype(np.int64)))
     if not found:
         raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {STEM}'")
     return found
@@ -87,9 +87,7 @@ def make(results: Results) -> Report:
     table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
                          "Fig. 11 of Sacht and Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
     for pair in pairs:
-        low, high = results.reference_of(pair.case)
-        table.rows.append([pair.scene, f"{cases.source_elements[pair.case]:,} / {cases.target_elements[pair.case]:,}",
-                           tables.number(50 * (low + high) / float(cases.source_diagonal[pair.case])),
+        table.rows.append([pair.scene, results.sizes(pair.case), tables.number(100 * results.share(pair.case)),
                            f"{cases.counters['subdivisions'][pair.case]:,}", *[tables.number(100 * share) for share in pair.shares]])
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]

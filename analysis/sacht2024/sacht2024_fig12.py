@@ -30,7 +30,7 @@ def make(results: Results) -> Report:
     for row in shown:
         diagonal, farthest = float(cases.source_diagonal[row]), float(results.fields_of(row)["distance"].max())
         low, high = results.reference_of(row)
-        table.rows.append([str(cases.scene[row]), str(cases.source[row]), str(cases.target[row]), f"{cases.source_elements[row]:,}",
+        table.rows.append([cases.scene[row], cases.source[row], cases.target[row], f"{cases.source_elements[row]:,}",
                            f"{cases.target_elements[row]:,}", percent(0.5 * (low + high) / diagonal), percent(farthest / diagonal)])
         records.append({"scene": cases.scene[row], "lower": low, "upper": high, "diagonal": diagonal, "farthest_vertex": farthest})
     table.notes = ["None of the models is the paper's.", *scene_notes(results), f"Here: {machine_line(results)}."]
@@ -48,7 +48,7 @@ def draw(results: Results, shown: list[int]) -> Any:
         pairs.append((row, a, b, of_corner[a.triangles].mean(axis=1)))
     scale = PowerNorm(0.5, 0, float(np.max([values.max() for *_, values in pairs])))
     for k, (row, a, b, values) in enumerate(pairs):
-        eye, scene = mesh_picture.view_of(str(cases.scene[row])), str(cases.scene[row])
+        eye, scene = mesh_picture.view_of(cases.scene[row]), cases.scene[row]
         for ax, shape, colours, side in ((axes[0][k], a, plt.get_cmap("viridis")(scale(values)), "A"), (axes[1][k], b, None, "B")):
             mesh_picture.draw(ax, shape, eye, colours, edges=0.1 if side == "B" and len(shape.triangles) <= EDGES else 0.0,
                               both_sides=not (shape.closed and shape.manifold))

@@ -9,10 +9,10 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
+from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
 from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import command, scales, style, tables
-from analysis.shared.cells import MEASURES
+from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -46,9 +46,9 @@ class Outlier:
 def collect(results: Results) -> list[Outlier]:
     def find(scene: str, label: str, tolerance: float) -> Row | None:
         rows = results.rows(scene=scene, label=label, tolerance=tolerance)
-        return row_of(results, int(rows[0])) if len(rows) else None
+        return row_of(results, rows[0]) if len(rows) else None
 
-    return [Outlier(scene, t, find(scene, SLOW, t), find(scene, FAST, t)) for scene in results.in_order("scene")
+    return [Outlier(scene, t, find(scene, SLOW, t), find(scene, FAST, t)) for scene in results.scenes
             for t in sorted(results.in_order("tolerance"), reverse=True)]
 
 
@@ -60,8 +60,7 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
     def one(claim: str, scene: str, times: float, turned: bool) -> Verdict:
         x = by_scene.get(scene, Outlier(scene, 0.0, None, None))
         pair = (x.fast, x.slow) if turned else (x.slow, x.fast)
-        return above(claim, time_ratio(*pair), times).with_counts(
-            {what: above(claim, work_ratio(*pair, what), times) for what in MEASURES})
+        return in_time_and_work(lambda what: above(claim, ratio_of(*pair, what), times))
 
     slower = [x for x in finest if x.slow and x.fast and x.fast.time.n and x.ratio.estimate.separated and x.ratio.estimate.high < 1]
     long = [x for x in slower if x.fast and x.fast.time.value >= MILLISECOND]
@@ -74,17 +73,16 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
 def make(results: Results) -> Report:
     found, cases = collect(results), results.cases
     unit, scale = "ms", 1e3
-    names = [style.look(label).title for label in (SLOW, FAST)]
+    names = [style.title(label) for label in (SLOW, FAST)]
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and counted work, on pairs that were built so that the two "
                          "solvers differ much (Fig. 14 of Sacht and Jacobson 2024).",
                          ["pair", "|A| / |B|", "h / diagonal, %", "tolerance", *names, " / ".join(names),
                           *[f"{what}: ratio" for what in MEASURES]], left=1)
     records: list[tables.Record] = []
     for x in found:
-        row = int(results.rows(scene=x.scene)[0])
-        low, high = results.reference(x.scene)
-        share = 0.5 * (low + high) / float(cases.source_diagonal[row])
-        table.rows.append([x.scene, f"{cases.source_elements[row]:,} / {cases.target_elements[row]:,}", percent(share), f"{x.tolerance:g}",
+        row = results.rows(scene=x.scene)[0]
+        share = results.share(row)
+        table.rows.append([x.scene, results.sizes(row), percent(share), f"{x.tolerance:g}",
                            *[each.text(scale) if each else tables.NOTHING for each in (x.slow, x.fast)], x.ratio.text(),
                            *[x.counted(what).text() for what in MEASURES]])
         records.append({"scene": x.scene, "tolerance": x.tolerance, "share": share, "ratio": x.ratio.estimate.value,
@@ -114,8 +112,7 @@ def draw(found: list[Outlier], clock: str) -> Any:
         k = tolerances.index(x.tolerance)
         y, colour, ratio = scenes.index(x.scene) + 0.14 * (k - 0.5 * (len(tolerances) - 1)), colours[k], x.ratio
         if ratio.estimate.n:
-            if ratio.estimate.has_interval:
-                ax.plot([ratio.estimate.low, ratio.estimate.high], [y, y], color=colour, linewidth=1.4)
+            style.interval(ax, ratio.estimate, y, color=colour, linewidth=1.4)
             ax.plot(ratio.estimate.value, y, "o", color=colour, markersize=4.5, markeredgecolor="white", markeredgewidth=0.4)
         elif ratio.at_least:
             ax.plot(ratio.at_least, y, ">", color=colour, markersize=5)
@@ -132,7 +129,7 @@ def draw(found: list[Outlier], clock: str) -> Any:
     ax.set_yticks(range(len(scenes)), scenes)
     ax.tick_params(axis="y", length=0)
     scales.log_ticks(ax.xaxis)
-    ax.set_xlabel(f"{clock} of {style.look(SLOW).title} / {style.look(FAST).title}; right of 1, {style.look(FAST).title} is faster")
+    ax.set_xlabel(f"{clock} of {style.title(SLOW)} / {style.title(FAST)}; right of 1, {style.title(FAST)} is faster")
     style.legend_above(figure, [plt.Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
                                 for t, colour in zip(tolerances, colours)], columns=4)
     return figure

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import command, scales, style, tables
-from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
 from analysis.shared.report import Report
@@ -61,15 +61,15 @@ class Pairs:
         self.pairs: list[Pair] = []
         self.lost: dict[str, str] = {}  # pairs without an answer of both, and why: a model that is not there
         cases = results.cases
-        for scene in results.in_order("scene"):
-            rows = {solver: [int(r) for r in results.rows(scene=scene, label=solver)] for solver in (FAST, SLOW)}
-            absent = [str(cases.reason[r]) or str(cases.status[r]) for of in rows.values() for r in of
+        for scene in results.scenes:
+            rows = {solver: results.rows(scene=scene, label=solver) for solver in (FAST, SLOW)}
+            absent = [cases.reason[r] or cases.status[r] for of in rows.values() for r in of
                       if cases.status[r] in NEVER_RAN]
             if absent or not all(rows.values()):
-                self.lost[str(scene)] = absent[0] if absent else "one solver was not run"
+                self.lost[scene] = absent[0] if absent else "one solver was not run"
                 continue
             first = rows[FAST][0]
-            self.pairs.append(Pair(str(scene), int(cases.source_elements[first]),
+            self.pairs.append(Pair(scene, int(cases.source_elements[first]),
                                    {solver: Cell(results, of) for solver, of in rows.items()},
                                    float(cases.case_seconds_limit[first])))
 
@@ -84,8 +84,7 @@ class Pairs:
 def verdicts(found: Pairs) -> list[Verdict]:
     """Each in time and in counted work."""
     def means(claim: str, mean: Any, bar: float, what: str) -> Verdict:
-        by = {measure: mean_at_least(claim, mean(found.ratios(measure)), bar, what) for measure in ("", *MEASURES)}
-        return by.pop("").with_counts(by)
+        return in_time_and_work(lambda measure: mean_at_least(claim, mean(found.ratios(measure)), bar, what))
 
     done = {solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool) for solver in (FAST, SLOW)}
     return [

@@ -29,10 +29,7 @@ def topology(results: Results, model: str) -> str:
 def share(results: Results, scene: str, quantity: str) -> float:
     """The distance over the diagonal of A, from its certified interval."""
     rows = results.rows(scene=scene, quantity=quantity)
-    if not len(rows):
-        return float("nan")
-    low, high = results.reference_of(int(rows[0]))
-    return 0.5 * (low + high) / float(results.cases.source_diagonal[rows[0]])
+    return results.share(rows[0]) if rows else float("nan")
 
 
 def make(results: Results) -> Report:
@@ -43,8 +40,8 @@ def make(results: Results) -> Report:
                          ["pair", "A", "B", "A is", "B is", "|A|", "|B|", "paper: |A|", "paper: |B|", "diagonal of A", "h(A, B), %",
                           "H(A, B), %"], left=5)
     records: list[tables.Record] = []
-    for scene in results.in_order("scene"):
-        row, paper = int(results.rows(scene=scene)[0]), papers.get(scene, {})
+    for scene in results.scenes:
+        row, paper = results.rows(scene=scene)[0], papers.get(scene, {})
         models = [str(column[row]) for column in (cases.source, cases.target)]
         shapes = [topology(results, model) for model in models]
         sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
@@ -68,8 +65,8 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
     """How far apart each pair is, against its triangles; the line is at 0.1 %."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     cases = results.cases
-    for scene in results.in_order("scene"):
-        row = int(results.rows(scene=scene)[0])
+    for scene in results.scenes:
+        row = results.rows(scene=scene)[0]
         x = float(cases.source_elements[row] + cases.target_elements[row])
         looks = style.look("sacht" if scene in papers else "zheng")
         for quantity, fill in (("symmetric", style.open_marker), ("directed", style.filled_marker)):
@@ -81,10 +78,8 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
     ax.axhline(0.1, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
     ax.set(xscale="log", yscale="log", xlabel="triangles, |A| + |B|", ylabel="distance, % of the diagonal of A")
     ax.margins(x=0.25, y=0.15)
-    entries = [plt.Line2D([], [], label="stands in", **style.filled_marker(style.look("sacht"))),
-               plt.Line2D([], [], label="derived", **style.filled_marker(style.look("zheng"))),
-               plt.Line2D([], [], label="filled: h(A, B)", **style.filled_marker(style.Look("", style.GREY, "o"))),
-               plt.Line2D([], [], label="open: H(A, B)", **style.open_marker(style.Look("", style.GREY, "o")))]
+    entries = [style.filled_entry("stands in", style.look("sacht")), style.filled_entry("derived", style.look("zheng")),
+               style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)")]
     style.legend_above(figure, entries, columns=2)
     return figure
 

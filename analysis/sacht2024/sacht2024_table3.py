@@ -17,10 +17,10 @@ LOST = "ramesses_bust"  # the pair on which the paper's own method is slower tha
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
     won = [scene for scene in pairs.scenes if scene != LOST]
-    return [pairs.less("far apart, Zheng takes less time than Kang", ("kang", "zheng"), pairs.scenes),
-            pairs.less("far apart, Sacht takes less time than Kang", ("kang", "sacht"), pairs.scenes),
-            pairs.less("far apart, Sacht takes less time than Zheng, but for (Ramesses, Bust)", ("zheng", "sacht"), won),
-            pairs.less_on("on (Ramesses, Bust), Zheng takes less time than Sacht", ("sacht", "zheng"), LOST)]
+    return [pairs.less("far apart, Zheng takes less time than Kang", "kang", "zheng"),
+            pairs.less("far apart, Sacht takes less time than Kang", "kang", "sacht"),
+            pairs.less("far apart, Sacht takes less time than Zheng, but for (Ramesses, Bust)", "zheng", "sacht", won),
+            pairs.less_on("on (Ramesses, Bust), Zheng takes less time than Sacht", "sacht", "zheng", LOST)]
 
 
 SPEC = sacht_pairs.Spec(

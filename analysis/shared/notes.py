@@ -40,7 +40,7 @@ def measured_on(results: Results) -> str:
 
 def scene_notes(results: Results) -> list[str]:
     """What the experiment says of its scenes, such as what a model stands in for."""
-    return [f"{style.scene_title(scene)}: {note}." for scene in results.in_order("scene")
+    return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
             if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
 
 
@@ -50,7 +50,7 @@ def clocks(results: Results) -> dict[str, list[str]]:
     for row in range(len(results.cases)):
         if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
             titles = found.setdefault(results.clock_of(row), [])
-            title = style.look(str(results.cases.solver[row]), str(results.cases.label[row])).title
+            title = style.title(results.cases.solver[row], results.cases.label[row])
             if title not in titles:
                 titles.append(title)
     return found

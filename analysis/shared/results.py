@@ -38,17 +38,21 @@ class Results:
     field_values: Floats  # of all fields, see fields_of
     ledger: Ledger
 
-    def rows(self, **equal: object) -> Ints:
+    def rows(self, **equal: object) -> list[int]:
         """Rows of /cases whose named columns have these values, in the order of the file."""
         keep = np.ones(len(self.cases), dtype=bool)
         for column, value in equal.items():
             keep &= getattr(self.cases, column) == value
-        return np.flatnonzero(keep)
+        return [int(row) for row in np.flatnonzero(keep)]
 
     def in_order(self, column: str, rows: Iterable[int] | None = None) -> list[Any]:
         """The distinct values of a column of /cases, by first appearance."""
         values = getattr(self.cases, column)
         return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
+
+    @property
+    def scenes(self) -> list[str]:
+        return self.in_order("scene")
 
     @cached_property
     def names(self) -> Texts:
@@ -197,7 +201,7 @@ class Results:
 
     def reference(self, scene: str, pose_index: int = 0) -> Interval:
         rows = self.rows(scene=scene, pose_index=pose_index)
-        return self.reference_of(int(rows[0])) if len(rows) else Interval(np.nan, np.nan)
+        return self.reference_of(rows[0]) if rows else Interval(np.nan, np.nan)
 
     def error(self, case: int, lower: float | None = None) -> float:
         """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference, and
@@ -210,6 +214,19 @@ class Results:
         low, high = self.reference_of(case)
         value = float(self.cases.lower[case]) if lower is None else lower
         return max(abs(value - low), abs(value - high))
+
+    def middle(self, case: int) -> float:
+        """Of what is proven of the true distance."""
+        low, high = self.reference_of(case)
+        return 0.5 * (low + high)
+
+    def share(self, case: int) -> float:
+        """The same over the diagonal of A."""
+        return self.middle(case) / float(self.cases.source_diagonal[case])
+
+    def sizes(self, case: int, between: str = " / ") -> str:
+        """'1,000 / 2,000'."""
+        return f"{self.cases.source_elements[case]:,}{between}{self.cases.target_elements[case]:,}"
 
     def check_of(self, case: int) -> str:
         """What the harness found of the lower bound, in words: a bound without a witness is not checked."""

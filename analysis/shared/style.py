@@ -19,6 +19,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from analysis.shared import solvers  # noqa: E402
+from analysis.shared.statistics import Estimate  # noqa: E402
 
 SINGLE_COLUMN: Final = 3.5  # inches
 DOUBLE_COLUMN: Final = 7.16
@@ -76,6 +77,7 @@ _MARKS: Final[list[tuple[str, str, str, Line]]] = [
     ("surface_meshes", "#0072B2", "s", "-"),
     ("external", "#777777", ">", (0, (4, 1.5, 1, 1.5)))]
 LOOKS: Final[dict[str, Look]] = {name: Look(TITLES[name], colour, marker, line) for name, colour, marker, line in _MARKS}
+NEUTRAL: Final = Look("", GREY, "o")  # of no solver
 # Solvers that no picture shows, or one alone, which says there how they look.
 WITHOUT_LOOK: Final = ("nohd_as_printed", "ohd_as_printed", "penetration")
 
@@ -93,6 +95,14 @@ def letters_key(statuses: Iterable[str]) -> str:
     return ", ".join(f"{letter} {STATUS_WORDS[status]}" for status, letter in STATUS_LETTERS.items() if status in there)
 
 
+def status_word(status: str) -> str:
+    return STATUS_WORDS.get(status, status)
+
+
+def status_letter(status: str) -> str:
+    return STATUS_LETTERS.get(status, "?")
+
+
 def look(solver: str, label: str = "") -> Look:
     """Of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is
     not listed above is grey, with a marker that depends on its name alone.
@@ -102,6 +112,10 @@ def look(solver: str, label: str = "") -> Look:
         return known
     variant = zlib.crc32(label.encode())
     return Look(label, known.colour, "phd<>8"[variant % 6], (DOTTED, (0, (6, 2)), (0, (3, 1, 1, 1)))[variant % 3])
+
+
+def title(solver: str, label: str = "") -> str:
+    return look(solver, label).title
 
 
 def order(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
@@ -144,6 +158,22 @@ def filled_marker(style: Look) -> dict[str, Any]:
 def open_marker(style: Look) -> dict[str, Any]:
     return {"marker": style.marker, "color": style.colour, "markersize": style.size, "markerfacecolor": "white",
             "markeredgecolor": style.colour, "markeredgewidth": 0.8, "linestyle": "none"}
+
+
+def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool = False, **line: Any) -> None:
+    """The interval of an estimate as a line, if it has one: across at the height `at`, or upright above it."""
+    if x.has_interval:
+        ends, place = [scale * x.low, scale * x.high], [at, at]
+        ax.plot(*((place, ends) if upright else (ends, place)), **line)
+
+
+def filled_entry(label: str, looks: Look = NEUTRAL) -> Any:
+    """Of a legend."""
+    return plt.Line2D([], [], label=label, **filled_marker(looks))
+
+
+def open_entry(label: str, looks: Look = NEUTRAL) -> Any:
+    return plt.Line2D([], [], label=label, **open_marker(looks))
 
 
 def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:

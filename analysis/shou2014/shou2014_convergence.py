@@ -30,7 +30,7 @@ def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[
         key: tuple[Any, ...] = (float(cases.tolerance[row]),)
         if cases.solver[row] == "interval_subdivision":
             options = results.options(row)
-            key = (str(cases.label[row]), str(options["form"]), int(options["depth"]))
+            key = (cases.label[row], str(options["form"]), int(options["depth"]))
         groups.setdefault(key, []).append(row)
     both = {key: join(results, rows) for key, rows in groups.items() if len(rows) == 2}
     return ({(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},

@@ -34,7 +34,7 @@ class Joined:
 def join(results: Results, rows: list[int]) -> Joined:
     """Rows of both directions with the same solver, label and options."""
     cases = results.cases
-    bad = [str(cases.status[row]) for row in rows if cases.status[row] != "ok"]
+    bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
     return Joined(max(float(cases.lower[row]) for row in rows), max(float(cases.upper[row]) for row in rows),
                   sum(results.prepare_seconds(row) for row in rows),
                   sum(float(np.median(list(results.solve_by_round(row).values()))) if results.solve_by_round(row) else
@@ -65,7 +65,7 @@ def make(results: Results) -> Report:
         one = found[label, tolerance]
         ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
         title = title_of(solver, label, tolerance)
-        table.rows.append([title if one.status == "ok" else f"{title} ({style.STATUS_WORDS.get(one.status, one.status)})",
+        table.rows.append([title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
                            f"{one.lower:.10f}", f"{one.upper:.10f}",
                            f"{(one.lower + one.upper) / 2:.11f}", f"{(one.upper - one.lower) / 2:.3e}"
                            if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
@@ -93,7 +93,7 @@ def make(results: Results) -> Report:
 
 def title_of(solver: str, label: str, tolerance: float) -> str:
     """The published method has no tolerance: one larger than the box stands for none."""
-    title = style.look(solver, label).title.replace(" (ours)", ", ours")
+    title = style.title(solver, label).replace(" (ours)", ", ours")
     return title if tolerance > 1 else f"{title}, to {tolerance:g}".replace("e-0", "e-")
 
 

@@ -76,9 +76,9 @@ def _bounds(node: ast.expr, low: dict[str, Values], high: dict[str, Values]) -> 
 
 def make(results: Results) -> Report:
     cases = results.cases
-    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     table = tables.Table("Pairs of algebraic surfaces with a known directed distance h(A,B).",
-                         ["pair", "h", *[f"{style.look(*pair).title}{what}" for pair in labels
+                         ["pair", "h", *[f"{style.title(*pair)}{what}" for pair in labels
                                          for what in (": interval", ", s")], "checked", "meshes off by, A", "B"])
     table.left = 1
     records: list[tables.Record] = []
@@ -90,12 +90,12 @@ def make(results: Results) -> Report:
             if not len(rows):
                 cells += 2 * [tables.NOTHING]
                 continue
-            row = int(rows[0])
-            low, high, status = float(cases.lower[row]), float(cases.upper[row]), str(cases.status[row])
+            row = rows[0]
+            low, high, status = float(cases.lower[row]), float(cases.upper[row]), cases.status[row]
             # The experiment gives h to the nearest double.
             holds = not (low > exact * (1 + 1e-15) or high < exact * (1 - 1e-15))
             solved = str(cases.solver_status[row])
-            word = "stalled" if solved == "stalled" else style.STATUS_WORDS.get(status, status)
+            word = "stalled" if solved == "stalled" else style.status_word(status)
             if np.isfinite(low) and np.isfinite(high):
                 said = ("" if status == "ok" else f" ({word})") + ("" if holds else ", misses h")
                 cells += [f"[{low:.6f}, {high:.6f}]{said}",
@@ -155,7 +155,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
     for ax in axes.flat[len(scenes):]:
         ax.set_axis_off()
     for ax, scene in zip(axes.flat, scenes):
-        first = int(results.rows(scene=scene)[0])
+        first = results.rows(scene=scene)[0]
         surfaces = [known[model] for model in (cases.target[first], cases.source[first])]
         axis, at, witness = plane_of(results, scene, surfaces[1])
         across = [k for k in range(3) if k != axis]

@@ -69,7 +69,7 @@ Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
 
 def place(results: Results, case: int) -> tuple[str, float]:
     """The family of a case and its ratio, from its scene's name. ResultError for any other name."""
-    cases, scene = results.cases, str(results.cases.scene[case])
+    cases, scene = results.cases, results.cases.scene[case]
     if scene.endswith("_away") and scene in FAMILIES:
         return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
     if scene == "surface_concentric":
@@ -85,13 +85,13 @@ def collect(results: Results) -> Curves:
     cases = results.cases
     curves: Curves = {}
     for case in range(len(cases)):
-        status = str(cases.status[case])
+        status = cases.status[case]
         if status in NOT_RUN:
             continue
         family, ratio = place(results, case)
         answered = status in ANSWERED
         work = sum(int(cases.counters[name][case]) for name in COUNTED if name in cases.counters) if answered else 0
-        curves.setdefault((family, str(cases.label[case])), []).append(Row(
+        curves.setdefault((family, cases.label[case]), []).append(Row(
             case, ratio, float(work) if work else math.nan,
             median(results.total_seconds(case)).value if answered else math.nan, status))
     return {key: sorted(rows, key=lambda row: row.ratio) for key, rows in curves.items()}
@@ -174,14 +174,14 @@ def power(ratio: float) -> str:
 
 
 def lost_text(lost: Counter[str]) -> list[str]:
-    return [", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in lost.items())] if lost else []
+    return [", ".join(f"{n} {style.status_word(status)}" for status, n in lost.items())] if lost else []
 
 
 def make(results: Results) -> Report:
     curves = collect(results)
     labels = [pair for pair in style.order(zip(results.cases.solver, results.cases.label))
               if any(label == pair[1] for _, label in curves)]
-    titles = {label: style.look(solver, label).title for solver, label in labels}
+    titles = {label: style.title(solver, label) for solver, label in labels}
     table = tables.Table(
         "Work and time of each solver where two lengths of a scene grow apart, relative to ratio 1.",
         ["scene", "solver", "work at ratio 1", "largest work / that", "at ratio", "largest time / that of ratio 1", "at ratio",
@@ -303,7 +303,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
         for row in rows:
             if row.status not in ANSWERED:
                 statuses.add(row.status)
-                ax.annotate(style.STATUS_LETTERS.get(row.status, "?"), (row.ratio, 1), (0, -4.5 - 6 * lost[row.ratio]),
+                ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - 6 * lost[row.ratio]),
                             xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",
                             fontsize=6, fontweight="bold", color=looks.colour, annotation_clip=False)
                 lost[row.ratio] += 1

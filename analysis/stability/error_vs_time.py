@@ -38,10 +38,10 @@ def make(results: Results) -> Report:
         for solver, label in labels:
             rows = [r for r in run_rows(results, panel) if results.names[r] == label]
             if rows:
-                table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
+                table.rows.append([panel_title(results, panel, panels), style.title(solver, label),
                                    *finest(results, rows, times)])
     ours = pareto.cells(results, OURS)
-    front = [pareto.judge(ours, style.look(OURS).title).line()] if ours else []
+    front = [pareto.judge(ours, style.title(OURS)).line()] if ours else []
     table.notes = left_out(results, panels, labels) + unknown(results, panels) + front + [
         tables.coverage_note(times.values()) + " " + clock_note(results) + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
@@ -57,7 +57,7 @@ def shown_as(solver: str, label: str) -> tuple[str, str]:
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
     """Rows of the solvers that were run on this scene: not those that do not take its shapes, or were not built."""
-    cases, rows = results.cases, [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
+    cases, rows = results.cases, results.rows(scene=panel[0], pose_index=panel[1])
     run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
     return [r for r in rows if results.names[r] in run]
 
@@ -71,7 +71,7 @@ def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]
         asked = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
         for solver, label in labels:
             if label in asked - run:
-                where.setdefault(panel_title(results, panel, panels), []).append(style.look(solver, label).title)
+                where.setdefault(panel_title(results, panel, panels), []).append(style.title(solver, label))
     parts = [f"{title}: {', '.join(names)}" for title, names in where.items()]
     why = "they do not take the shapes, were not built, or a model is missing"
     return [f"Not run ({why}): {'; '.join(parts)}."] if parts else []
@@ -102,8 +102,8 @@ def distances(results: Results, case: int) -> int:
 
 def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> list[str]:
     """Cells of the printed table: of the row with the least tolerance that has bounds."""
-    failed = Counter(str(results.cases.status[r]) for r in rows if results.cases.status[r] != "ok")
-    why = ", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in failed.items())
+    failed = Counter(results.cases.status[r] for r in rows if results.cases.status[r] != "ok")
+    why = ", ".join(f"{n} {style.status_word(status)}" for status, n in failed.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
         return [tables.NOTHING] * 5 + [why]
@@ -154,7 +154,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
         upper.set_title(panel_title(results, panel, panels), pad=3)
         failed = Counter((*shown_as(results.cases.solver[r], results.names[r]), results.cases.status[r])
                          for r in rows if results.cases.status[r] != "ok")
-        marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
+        marks = [(style.look(*pair), style.status_letter(status) + (f"{n}" if n > 1 else ""))
                  for pair in entries for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
         style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
         shown |= {(solver, label) for solver, label, _ in failed}
@@ -204,9 +204,8 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
                 drawstyle="steps-post")
     for case, y in points.items():
         looks, time = style.look(*shown_as(cases.solver[case], results.names[case])), times[case]
-        at = axis.place(y)
-        if time.has_interval:
-            ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
+        at = float(axis.place(y))
+        style.interval(ax, time, at, color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
     scales.log_ticks(ax.xaxis)

@@ -20,7 +20,7 @@ VIEWS: Final[dict[str, View]] = {"Alphabet Domino": view((1, -1.2, 1.6), (0, 0, 
 
 def group(results: Results, row: int) -> str:
     """The scene of a pair, or the recorded scene that the frame is of."""
-    name = str(results.cases.scene[row])
+    name: str = results.cases.scene[row]
     return name.partition(": ")[0] if int(results.cases.frame[row]) >= 0 else name
 
 
@@ -40,10 +40,10 @@ def make(results: Results) -> Report:
             deepest = max(known or own, key=lambda row: float(cases.lower[row] / cases.source_longest[row]) if row in known else 0.0)
             longest = float(cases.source_longest[deepest])
             what = "H" if int(cases.frame[deepest]) < 0 else f"depth, frame {int(cases.frame[deepest])}"
-            table.rows.append([name if i == 0 else "", style.look(str(cases.solver[deepest]), str(label)).title, what, f"{len(known)} of {len(own)}",
+            table.rows.append([name if i == 0 else "", style.title(cases.solver[deepest], str(label)), what, f"{len(known)} of {len(own)}",
                                *[tables.number(100 * float(bound[deepest]) / longest, 7) for bound in (cases.lower, cases.upper)]])
-        records += [{"scene": name, "label": str(cases.label[row]), "frame": int(cases.frame[row]), "source": str(cases.source[row]), "target": str(cases.target[row]),
-                     "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
+        records += [{"scene": name, "label": cases.label[row], "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
+                     "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
     notes = dict.fromkeys(f"{cases.scene[rows[0]]}: {cases.scene_note[rows[0]]}" for rows in groups.values() if cases.scene_note[rows[0]])
     table.notes = ["Of a frame the pair of objects that are deepest in each other; all pairs have a green line in the picture, and objects that overlap no other one are not drawn. "
                    "Tolerance 1e-4 of A's longest side.",
@@ -59,7 +59,7 @@ def draw(results: Results, groups: dict[str, list[int]]) -> Any:
     upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1.1))
     for ax, row in zip(upper.subplots(1, max(1, len(pairs)), squeeze=False).flat, pairs):
         tang_pictures.draw_pair(ax, results, row)
-        ax.set_title(str(results.cases.scene[row]))
+        ax.set_title(results.cases.scene[row])
     for ax, (name, rows) in zip(lower.subplots(1, max(1, len(frames)), squeeze=False).flat, frames.items()):
         tang_pictures.draw_frame(ax, results, [row for row in rows if results.is_bounded(row)], VIEWS.get(name, tang_pictures.SIDE))
         ax.set_title(f"{name}, frame {int(results.cases.frame[rows[0]])}")

@@ -23,7 +23,7 @@ def make(results: Results) -> Report:
     found = tang_motion.motions(results)
     table = tables.Table("The time of each stage of Tang's algorithm, two-sided, as a share of all poses and of the tenth of them that are nearest "
                          "(Fig. 9 of Tang et al. 2009).",
-                         ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", f"{style.look('cover').title}, mean, ms"], left=1)
+                         ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", f"{style.title('cover')}, mean, ms"], left=1)
     records: list[tables.Record] = []
     for motion in found:
         table.rules.add(len(table.rows))
@@ -37,7 +37,7 @@ def make(results: Results) -> Report:
                                *[tables.number(100 * seconds / total) if total > 0 else tables.NOTHING for seconds in spent.values()],
                                *[tables.number(1e3 * float(run.per_pose[chosen].mean())) if run and len(run.per_pose) else tables.NOTHING for run in (tang, cover)]])
         for i, row in enumerate(tang.rows):
-            records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": str(results.cases.status[row]),
+            records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": results.cases.status[row],
                             "distance_of_longest": float(tang.distance[i]), **{stage.replace(" ", "_"): float(tang.stage(stage)[i]) for stage in STAGES},
                             "seconds": float(tang.per_pose[i]) if len(tang.per_pose) else float("nan"), "rounds": len(tang.by_round),
                             **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
@@ -63,8 +63,8 @@ def draw(found: list[Motion], clock: str) -> Any:
         lower.set(xlabel="frame", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} (ms)")
     axes[1][0].set_ylabel("H(A, B), % of\nA's longest side")
-    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"{style.look('tang').title}: {stage}") for stage, colour in STAGES.items()]
-    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label=f"{style.look('cover').title}, in all")]
+    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"{style.title('tang')}: {stage}") for stage, colour in STAGES.items()]
+    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label=f"{style.title('cover')}, in all")]
     style.legend_above(figure, entries, columns=4)
     return figure
 

@@ -139,10 +139,10 @@ def make(results: Results) -> Report:
                          ["", "shape", "nearest", "H, %", "as in the matrix", "cut off", *[cell for what in MEASURES for cell in (f"{what}, matrix", "search", "ratio")]], left=3)
     records, every = list[tables.Record](), dict[str, list[Search]]()
     for solver, label in style.order(zip(results.cases.solver, results.cases.label)):
-        found = every[style.look(solver, label).title] = searches(results, matrix, label)
+        found = every[style.title(solver, label)] = searches(results, matrix, label)
         table.rules.add(len(table.rows))
         for i, one in enumerate(found):
-            table.rows.append([style.look(solver, label).title if i == 0 else "", one.name, *cells_of(one)])
+            table.rows.append([style.title(solver, label) if i == 0 else "", one.name, *cells_of(one)])
             nearest = one.found.nearest()
             records.append({"label": label, "source": one.name, "nearest": nearest, "percent": one.found.percent(nearest) if nearest else float("nan"), "same": one.same,
                             "cut_off": one.found.cut_off(), "targets": len(one.found.rows), "failed": "; ".join(one.found.failed()),

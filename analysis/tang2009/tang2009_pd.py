@@ -25,9 +25,9 @@ VIEW: Final = view((0.35, 0.25, 1))
 
 
 def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
-    result = [faster(f"Measuring the depths of a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+    result = [faster(f"Measuring the depths of a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.title(scene.label)}",
                      mean_over_frames(scene.per_frame(MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
-    result += [faster(f"With CGAL's cutting a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+    result += [faster(f"With CGAL's cutting a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.title(scene.label)}",
                       mean_over_frames(scene.per_frame(CUT, MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
     rows = [row for scene in found for row in scene.rows]
     answered = sum(len(scene.answered) for scene in found)
@@ -58,7 +58,7 @@ def make(results: Results) -> Report:
     for name in dict.fromkeys(scene.name for scene in found):
         table.rules.add(len(table.rows))
         for i, scene in enumerate(scene for scene in found if scene.name == name):
-            table.rows.append([name if i == 0 else "", style.look(scene.label).title, *cells(scene)])
+            table.rows.append([name if i == 0 else "", style.title(scene.label), *cells(scene)])
             records += [record(scene, row) for row in scene.rows]
         if name in papers:
             table.rows.append(["", "paper", *[tables.NOTHING] * 8, f"{papers[name]:g}"])
@@ -69,7 +69,7 @@ def make(results: Results) -> Report:
                    "overlap far deeper. Cutting is CGAL's corefinement of both whole meshes; the paper finds the triangles inside by flood fill, and does not say whether its times have it.",
                    "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames. It covers how the scene changes, too.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    rows = [int(row) for row in results.rows(scene=FIGURE, label="each part")]
+    rows = results.rows(scene=FIGURE, label="each part")
     return Report(lambda: draw(results, rows[0] if rows else None, found, papers), table, records)
 
 
@@ -83,8 +83,8 @@ def cells(scene: Scene) -> list[str]:
 
 def record(scene: Scene, row: int) -> tables.Record:
     cases, extras = scene.results.cases, scene.results.extras(row)
-    return {"scene": scene.name, "label": scene.label, "frame": int(cases.frame[row]), "source": str(cases.source[row]), "target": str(cases.target[row]),
-            "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row]),
+    return {"scene": scene.name, "label": scene.label, "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
+            "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row]),
             "cut_seconds": extras.get(CUT, float("nan")), "measure_seconds": extras.get(MEASURE, float("nan")), "parts": extras.get("parts", float("nan"))}
 
 
@@ -109,7 +109,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
         scales.log_ticks(ax.yaxis)
     if names:
         lower.axes[0].set_ylabel("measuring (ms a frame)")
-    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.look(label).title) for label in LABELS]
+    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
     style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean, in all")], columns=3)
     return figure
 

@@ -53,13 +53,13 @@ class Matrix:
 
 def matrix_of(results: Results, solver: str) -> Matrix:
     cases = results.cases
-    rows = [int(row) for row in results.rows(solver=solver)]
-    models = list(dict.fromkeys(str(cases.source[row]) for row in rows))
+    rows = results.rows(solver=solver)
+    models = list(dict.fromkeys(cases.source[row] for row in rows))
     place = {model: i for i, model in enumerate(models)}
     lower, upper = (np.full((len(models), len(models)), np.nan) for _ in range(2))
     for row in rows:
         if results.is_bounded(row):
-            at = place[str(cases.source[row])], place[str(cases.target[row])]
+            at = place[cases.source[row]], place[cases.target[row]]
             lower[at], upper[at] = float(cases.lower[row]), float(cases.upper[row])
     return Matrix([model.removesuffix(SUFFIX) for model in models], lower, upper)
 

@@ -48,7 +48,7 @@ def make(results: Results) -> Report:
         table.rules.add(len(table.rows))
         for i, (solver, label) in enumerate(motion.labels):
             run = motion.runs[label]
-            table.rows.append([motion.scene if i == 0 else "", style.look(solver, label).title, motion.sizes if i == 0 else "", str(len(run.rows)), *cells(run)])
+            table.rows.append([motion.scene if i == 0 else "", style.title(solver, label), motion.sizes if i == 0 else "", str(len(run.rows)), *cells(run)])
             records += record(motion, label)
         if paper := papers.get(motion.scene):
             table.rows.append(["", "paper", tables.NOTHING, tables.NOTHING, *[f"{paper[key]:.6g}" for key in ("average", "least", "most", "cull_on_source", "cull_on_target")],
@@ -68,7 +68,7 @@ def make(results: Results) -> Report:
 def record(motion: Motion, label: str) -> list[tables.Record]:
     run = motion.runs[label]
     times = run.per_pose if len(run.per_pose) else np.full(len(run.rows), np.nan)
-    return [{"scene": motion.scene, "label": label, "pose": int(run.results.cases.pose_index[row]), "status": str(run.results.cases.status[row]),
+    return [{"scene": motion.scene, "label": label, "pose": int(run.results.cases.pose_index[row]), "status": run.results.cases.status[row],
              "distance_of_longest": float(run.distance[i]), "seconds": float(times[i]), "rounds": len(run.by_round),
              "lower": float(run.results.cases.lower[row]), "upper": float(run.results.cases.upper[row]),
              **{name: int(counts[row]) for name, counts in run.results.cases.counters.items()}, **run.results.extras(row)}

@@ -75,9 +75,9 @@ def recorded(results: Results, labels: list[str]) -> list[Scene]:
     cases = results.cases
     names: dict[str, dict[str, list[int]]] = {}
     for row in range(len(cases)):
-        if int(cases.frame[row]) >= 0 and str(cases.label[row]) in labels:
-            name = str(cases.scene[row]).partition(": ")[0]
-            names.setdefault(name, {}).setdefault(str(cases.label[row]), []).append(row)
+        if int(cases.frame[row]) >= 0 and cases.label[row] in labels:
+            name = cases.scene[row].partition(": ")[0]
+            names.setdefault(name, {}).setdefault(cases.label[row], []).append(row)
     return [Scene(results, name, label, rows) for name, solvers in names.items() for label, rows in solvers.items()]
 
 

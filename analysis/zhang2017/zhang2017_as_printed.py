@@ -37,7 +37,7 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
     """
     found: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
-        key = str(results.cases.scene[row]), int(results.cases.pose_index[row]) // BLOCK
+        key = results.cases.scene[row], int(results.cases.pose_index[row]) // BLOCK
         found.setdefault(key, []).append(row)
     return list(found.values())
 
@@ -76,10 +76,10 @@ def printed_rate(results: Results, label: str) -> float:
     same scenes, poses and seeds. A mended solver that goes wrong as often would show it. NaN where it is never wrong.
     """
     def question(row: int) -> tuple[str, int, object]:
-        return str(results.cases.scene[row]), int(results.cases.pose_index[row]), results.options(row).get("seed")
+        return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
 
-    asked = {question(row) for row in answered(results, [int(row) for row in results.rows(label=label)])}
-    rows = [row for row in map(int, results.rows(label=PRINTED.get(label, ""))) if question(row) in asked]
+    asked = {question(row) for row in answered(results, results.rows(label=label))}
+    rows = [row for row in results.rows(label=PRINTED.get(label, "")) if question(row) in asked]
     parts = blocks(results, rows)
     bad = sum(bool(wrong(results, part)) for part in parts)
     return bad / len(parts) if bad else math.nan
@@ -87,7 +87,7 @@ def printed_rate(results: Results, label: str) -> float:
 
 def exactness(results: Results, label: str) -> Verdict:
     """Of a mended solver the bar is how often the printed one goes wrong; where that is never, it is RARE."""
-    rows = [int(row) for row in results.rows(label=label)]
+    rows = results.rows(label=label)
     rate = printed_rate(results, label)
     bar, against = (RARE, "") if math.isnan(rate) else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")
     return never(CLAIMS[label], len(wrong(results, rows)), len(answered(results, rows)), "answers are wrong",
@@ -104,14 +104,14 @@ def off(results: Results, row: int) -> float:
 
 def direction(results: Results, label: str) -> str:
     """Which way its wrong answers went."""
-    ratios = [off(results, row) for row in wrong(results, [int(row) for row in results.rows(label=label)])]
+    ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
     parts = [f"{count} too {way}" for count, way in ((sum(x < 1 for x in ratios), "small"),
                                                      (sum(x > 1 for x in ratios), "large")) if count]
     return f" (its wrong answers here: {', '.join(parts)})" if parts else " (no wrong answer here)"
 
 
 def make(results: Results) -> Report:
-    scenes = [str(scene) for scene in results.in_order("scene")]
+    scenes = results.scenes
     labels = [label for label in LOOKS if len(results.rows(label=label))]
     table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
                          ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %",
@@ -121,7 +121,7 @@ def make(results: Results) -> Report:
     for scene in scenes:
         table.rules.add(len(table.rows))
         for label in labels:
-            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            rows = results.rows(scene=scene, label=label)
             known, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
             low, high = (100 * x for x in share_interval(results, rows))
@@ -134,10 +134,10 @@ def make(results: Results) -> Report:
                                tables.number(worst, 4)])
             records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
                          "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),
-                         "status": str(results.cases.status[row]), "lower": float(results.cases.lower[row]),
+                         "status": results.cases.status[row], "lower": float(results.cases.lower[row]),
                          "true_lower": results.reference_of(row).lower, "true_upper": results.reference_of(row).upper,
-                         "why": str(results.cases.reason[row])} for row in rows]
-    notes = {str(results.cases.scene[row]): str(results.cases.scene_note[row]) for row in range(len(results.cases))}
+                         "why": results.cases.reason[row]} for row in rows]
+    notes = {results.cases.scene[row]: results.cases.scene_note[row] for row in range(len(results.cases))}
     table.notes = [*[exactness(results, label).line() for label in labels],
                    "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper "
                    "bound below a certified lower bound of NAIVEHDD ('unsound'). Answers at neighbouring poses are "
@@ -159,7 +159,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
     labels = [label for label in LOOKS if label.endswith("as_printed")]
     for (upper, lower), scene in zip(axes.T, scenes):
         for label in labels:
-            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            rows = results.rows(scene=scene, label=label)
             shifts = sorted({float(results.cases.pose[row][9]) for row in rows})
             shares = []
             for x in shifts:

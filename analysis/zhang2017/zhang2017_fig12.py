@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import Any, Final
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -24,7 +24,7 @@ MOST = 6000  # points drawn of a set
 
 def row_of(results: Results, scene: str) -> int:
     """A row with a witness if there is one."""
-    rows = [int(row) for row in results.rows(scene=scene)]
+    rows = results.rows(scene=scene)
     return next((row for row in rows if results.is_bounded(row)
                  and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
 
@@ -32,7 +32,7 @@ def row_of(results: Results, scene: str) -> int:
 def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("zhang2017_table3")
     papers = {row["scene"]: row for row in printed["row"]}
-    scenes = [str(scene) for scene in results.in_order("scene")]
+    scenes = results.scenes
     table = tables.Table("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12), and where their distance is.",
                          ["pair", "stands in", "|A| / |B|", "paper: |A| / |B|", "h(A, B)", "h / diagonal of A", "α",
                           "chosen", "witness on A", "witness on B"], left=2)
@@ -45,11 +45,11 @@ def make(results: Results) -> Report:
         theirs = (paper.get("source_elements", 0), paper.get("target_elements", 0))
         unlike += sizes != theirs
         known = results.is_bounded(row)
-        status = str(cases.status[row])
+        status = cases.status[row]
         table.rows.append([
-            style.scene_title(scene), str(cases.scene_note[row]), f"{sizes[0]:,} / {sizes[1]:,}",
+            style.scene_title(scene), cases.scene_note[row], f"{sizes[0]:,} / {sizes[1]:,}",
             f"{theirs[0]:,} / {theirs[1]:,}",
-            f"{low:.9g}" if known else style.STATUS_WORDS.get(status, status),
+            f"{low:.9g}" if known else style.status_word(status),
             tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
             tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
             *[str(column[row]) if known else ""
@@ -117,8 +117,8 @@ def draw(results: Results, scenes: list[str]) -> Any:
             for end, colour in zip(ends, (SOURCE, TARGET)):
                 ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
                         markeredgewidth=0.7,                        zorder=5)
-        status = str(cases.status[row])
-        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.STATUS_WORDS.get(status, status)
+        status = cases.status[row]
+        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.status_word(status)
         if not drawn:
             value += " (points not available)"
         ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "

@@ -60,9 +60,9 @@ def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
 
 def collect(results: Results) -> list[Step]:
     cases, found = results.cases, []
-    for scene in results.in_order("scene"):
+    for scene in results.scenes:
         for pose in sorted({int(p) for p in cases.pose_index[results.rows(scene=scene)]}):
-            rows = [int(row) for row in results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")]
+            rows = results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")
             if not rows:
                 continue
             first = rows[0]
@@ -70,13 +70,13 @@ def collect(results: Results) -> list[Step]:
             by_seed = {int(results.options(row).get("seed", 0)): float(cases.counters["point_distances"][row]) / n
                        for row in rows}
             counted = median(list(by_seed.values()))
-            distance = float(np.mean(results.reference_of(first)))
+            distance = results.middle(first)
             a, b = shapes.points(results, cases.source[first]), shapes.points(results, cases.target[first])
             expected = by_point = math.nan
             if a is not None and b is not None:
                 some = a[:: -(-n // MOST)]
                 expected, by_point = expectations(shapes.posed(some, cases.pose[first]), b, distance)
-            found.append(Step(str(scene), float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
+            found.append(Step(scene, float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
     return found
 
 
@@ -137,8 +137,7 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
                 ax.plot(x, values, color=looks.colour, linestyle=looks.line, linewidth=0.9)
         ax.plot(x, [s.counted.value for s in own], color=counted.colour, linewidth=0.7)
         for step in own:
-            if step.counted.has_interval:
-                ax.plot([step.shift] * 2, [step.counted.low, step.counted.high], color=counted.colour, linewidth=1.2)
+            style.interval(ax, step.counted, step.shift, upright=True, color=counted.colour, linewidth=1.2)
             ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
         scales.log_ticks(ax.yaxis)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
-import numpy as np
 
 from analysis.shared import scales, style, tables
-from analysis.shared.cells import MEASURES, Cell, compare, compare_work
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -40,12 +39,12 @@ class Sweep:
 
     def __init__(self, spec: Spec, results: Results) -> None:
         self.spec, self.results = spec, results
-        self.scenes = [str(scene) for scene in results.in_order("scene")]
+        self.scenes = results.scenes
         rows: dict[tuple[str, float], list[int]] = {}
         for row in range(len(results.cases)):
             value = results.options(row).get(spec.parameter)
             if value is not None:
-                rows.setdefault((str(results.cases.scene[row]), float(value)), []).append(row)
+                rows.setdefault((results.cases.scene[row], float(value)), []).append(row)
         self.cells = {key: Cell(results, of) for key, of in rows.items()}
         self.values = sorted({value for _, value in rows})
 
@@ -69,26 +68,22 @@ class Sweep:
 
     def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
         """A claim that one value is slower than another on every pair; in time, and in counted work."""
-        found = {what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes])
-                 for what in ("", *MEASURES)}
-        return found.pop("").with_counts(found)
+        return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]))
 
     def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
         """A claim that the least time is at one of these values; in time, and in counted work."""
-        timed, found = self.timed(scene), dict[str, Verdict]()
+        timed = self.timed(scene)
         among = [value for value in among if value in timed]
         texts = [self.spec.text_of(value) for value in among]
-        for what in ("", *MEASURES):
+
+        def judge(what: str) -> Verdict:
             rivals = [(self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
                       for value in timed if value not in among]
             known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
-            best = min(timed, key=lambda v: self.measure(scene, v, what), default=math.nan)
-            found[what] = least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
-        return found.pop("").with_counts(found)
+            best = min(timed, key=lambda v: self.cells[scene, v].cost(what), default=math.nan)
+            return least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
 
-    def measure(self, scene: str, value: float, what: str) -> float:
-        cell = self.cells[scene, value]
-        return cell.count(MEASURES[what]) if what else cell.time.value
+        return in_time_and_work(judge)
 
 
 def make(spec: Spec, results: Results) -> Report:
@@ -109,9 +104,8 @@ def make(spec: Spec, results: Results) -> Report:
             table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
                                tables.number(cell.time.value / least) + (" (least)" if value == best else ""),
                                *map(tables.number, more)])
-            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), "n": cell.time.n,
-                            "median_seconds": cell.time.value, "low_seconds": cell.time.low,
-                            "high_seconds": cell.time.high, "prepare_seconds": cell.prepare,
+            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), **tables.seconds(cell.time),
+                            "prepare_seconds": cell.prepare,
                             "peak_bytes": cell.peak, **cell.counters})
     table.notes = [*[verdict.line() for verdict in spec.verdicts(sweep)],
                    tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
@@ -135,8 +129,8 @@ def draw(sweep: Sweep) -> Any:
                     linewidth=0.8)
             for value in timed:
                 t = sweep.time(scene, value)
-                if t.has_interval and ax is axes[0]:
-                    ax.plot([place[value]] * 2, [t.low / unit, t.high / unit], color=colour, linewidth=1.2)
+                if ax is axes[0]:
+                    style.interval(ax, t, place[value], upright=True, color=colour, linewidth=1.2)
                 ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]

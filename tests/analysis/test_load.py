@@ -84,7 +84,7 @@ def test_fields(tmp_path: Path) -> None:
 
 
 def test_rows_and_order(small: Results) -> None:
-    assert small.rows(scene="y", pose_index=0).tolist() == [4, 5]
+    assert small.rows(scene="y", pose_index=0) == [4, 5]
     assert small.in_order("scene") == ["x", "y", "z"]
 
 
