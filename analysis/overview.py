@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, shapes, style
+from analysis.shared import mesh_picture, shapes, style
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 
-STEM = "overview"
 FROM = (-0.5, 0.3, -1.0)  # where the eye is
 
 
@@ -20,7 +18,7 @@ def make(results: Results) -> Report:
     answered = [case for case in range(len(results.cases)) if results.is_bounded(case)]
     with_fields = [case for case in answered if "distance" in results.fields_of(case)]
     if not with_fields:
-        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
     return Report(lambda: draw(results, with_fields[0], answered))
 
 
@@ -69,7 +67,3 @@ def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any)
     ax.set(xlabel="time (ms)", ylabel="h(A,B) / diagonal of A", ylim=(0, top / diagonal))
     ax.set_title("h(A,B) is in the interval at every moment")
     ax.legend(loc="lower center")
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -66,7 +66,7 @@ def stems_of(group: str, folder: Path) -> list[str]:
 def check(results: Results) -> Results:
     if results.meta.get("profile") != "paper":
         raise ResultError(f"{results.path}: is of profile '{results.meta.get('profile')}': measure it with "
-                          f"'make {results.path.stem} PROFILE=paper'")
+                          f"'make {results.stem} PROFILE=paper'")
     return results
 
 

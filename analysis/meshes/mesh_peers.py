@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -11,7 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import scipy.stats
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.cells import Cell, Grid, compare
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
@@ -19,7 +18,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
 from analysis.shared.verdicts import FAILS, OPEN, Verdict, above_one, everywhere
 
-STEM: Final = "mesh_peers"
 PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
 LARGE: Final = {"cover": 30_000}  # triangles of A and B, of the pairs that count for that mean, where not all do
@@ -192,7 +190,3 @@ def draw(grid: Grid) -> Any:
     ax.set_xlabel("time to prepare and solve (s)")
     style.legend_above(figure, style.handles(labels, lines=False))
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.cells import Grid
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -16,7 +15,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import everywhere
 
-STEM = "points_hostile"
 OURS, RIVAL = "scan", "kdtree"
 
 
@@ -58,7 +56,3 @@ def draw(scenes: list[str], ratios: list[Estimate]) -> Any:
     ax.set_yticks(range(len(scenes)), map(style.scene_title, scenes))
     ax.set_xlabel("time of the k-d tree / time of scan")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
-STEM = "points_speed"
 OURS = "scan"
 TITLES = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}
 
@@ -123,7 +121,3 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     style.legend_above(figure, [plt.Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
                                 for _, label in labels], columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

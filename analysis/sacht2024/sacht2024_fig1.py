@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, shapes, style, tables
+from analysis.shared import mesh_picture, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Mesh
 
-STEM = "sacht2024_fig1"
 MARK: Final = "#D55E00"
 PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
 
@@ -25,7 +23,7 @@ def make(results: Results) -> Report:
     shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)
              and np.isfinite(cases.witness_source[row]).all()]
     if not shown:
-        raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {results.stem}'")
     case = shown[0]
     diagonal, distance = float(cases.source_diagonal[case]), results.fields_of(case)["distance"]
     low, high = (100 * x / diagonal for x in results.reference_of(case))
@@ -97,7 +95,3 @@ def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
                 ends.append((p + (depth - p[2]) / (q[2] - p[2]) * (q - p))[:2])
         found.append(np.stack(ends))
     return found
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

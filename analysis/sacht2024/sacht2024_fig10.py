@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES, Cell, in_time_and_work
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import Wins, share_near, shared_wins, wins_more
@@ -17,7 +16,6 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_fig10"
 # What the paper draws, in its words: the seven worst, two in between, the ten best, from the worst to the best.
 DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
@@ -182,7 +180,3 @@ def draw(found: Orders) -> Any:
                patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
     style.legend_above(figure, entries, columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -11,14 +10,13 @@ import numpy as np
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
-from analysis.shared import command, mesh_picture, shapes, style, tables
+from analysis.shared import mesh_picture, shapes, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Mesh
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
-STEM = "sacht2024_fig11"
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
 THIN: Final = 0.1
 COLOURS: Final = ("#999999", "#0072B2", "#56B4E9", "#E69F00", "#D55E00")
@@ -48,7 +46,7 @@ def collect(results: Results) -> list[Shown]:
         if cases.solver[case] == "sacht" and results.is_bounded(case) and "bound" in fields:
             found.append(Shown(cases.scene[case], case, fields["bound"].astype(np.int64)))
     if not found:
-        raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {results.stem}'")
     return found
 
 
@@ -121,7 +119,3 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
                           label="the farthest point found")]
     style.legend_above(figure, entries, columns=6)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

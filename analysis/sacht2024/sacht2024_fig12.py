@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -10,12 +9,11 @@ import numpy as np
 from matplotlib.colors import PowerNorm
 
 from analysis.sacht2024.sacht_pairs import percent
-from analysis.shared import command, mesh_picture, shapes, style, tables
+from analysis.shared import mesh_picture, shapes, style, tables
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 
-STEM: Final = "sacht2024_fig12"
 EDGES: Final = 20_000  # triangles: of a mesh with more of them the edges would hide it
 
 
@@ -23,7 +21,7 @@ def make(results: Results) -> Report:
     cases = results.cases
     shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)]
     if not shown:
-        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
     table = tables.Table("The near-zero pairs of Fig. 12 of Sacht and Jacobson 2024, as they are drawn.",
                          ["pair", "A", "B", "|A|", "|B|", "h(A, B), % of the diagonal", "farthest vertex, %"], left=3)
     records: list[tables.Record] = []
@@ -56,7 +54,3 @@ def draw(results: Results, shown: list[int]) -> Any:
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=list(axes[0]), shrink=0.8, pad=0.01)
     bar.set_label("distance to B,\n% of the diagonal")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import clock_note, clock_title, machine_line
@@ -19,7 +18,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, everywhere
 
-STEM = "sacht2024_fig13"
 TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # of the diagonal of A
 RIVALS = ("kang", "zheng")
 
@@ -222,7 +220,3 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     style.legend_above(figure, style.handles(labels))
     figure.get_layout_engine().set(h_pad=0.02, hspace=0.0)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

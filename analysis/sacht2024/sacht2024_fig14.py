@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -11,14 +10,13 @@ import numpy as np
 
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
 from analysis.sacht2024.sacht_pairs import percent
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
-STEM: Final = "sacht2024_fig14"
 SLOW, FAST = "zheng", "sacht"  # whose ratio it is
 THOUSANDS: Final = ("square, cut the other way", 1000.0)  # the scene that was built for it, before it was timed
 TWENTIETH: Final = ("cube, finer", 20.0)
@@ -133,7 +131,3 @@ def draw(found: list[Outlier], clock: str) -> Any:
     style.legend_above(figure, [plt.Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
                                 for t, colour in zip(tolerances, colours)], columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import in_time_and_work
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM: Final = "sacht2024_fig15"
 NEAR: Final = "fandisk"  # the scene that is nearly the same, but has other triangles
 COARSE, FINE = 1e-6, 1e-8
 PAPER_SECONDS: Final = 180.0  # what the paper's program takes longer than, at FINE
@@ -122,7 +120,3 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
     style.legend_above(figure, [plt.Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
                                                                                else style.open_marker(grey))) for t in tolerances])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

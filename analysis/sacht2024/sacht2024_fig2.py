@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
@@ -19,7 +18,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_fig2"
 FAST, SLOW = "sacht", "zheng"
 PAPER = 16.0  # times as fast, on average
 SIZES = ((0, 1_000), (1_000, 5_000), (5_000, 20_000), (20_000, 10**12))  # triangles of A
@@ -209,7 +207,3 @@ def draw(found: Pairs) -> Any:
                 plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
     style.legend_above(figure, entries, columns=len(entries))
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

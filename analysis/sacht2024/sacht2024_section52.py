@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
-STEM: Final = "sacht2024_section52"
 PIECES: Final = "too many pieces"
 # What the published program does, as the paper tells, or as it was seen where that is said.
 THEIRS: Final = {
@@ -131,7 +129,3 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
     style.legend_above(figure, [*style.handles(labels, lines=False), style.filled_entry("ends"), style.open_entry("stopped, the bounds hold"),
                                 plt.Line2D([], [], linestyle="none", label="T: stopped, no bounds")], columns=5)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

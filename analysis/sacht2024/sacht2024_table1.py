@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-from typing import Any, Final
+from typing import Any
 
 import matplotlib.pyplot as plt
 
 from analysis.sacht2024.sacht_pairs import percent
-from analysis.shared import command, shapes, style, tables
+from analysis.shared import shapes, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
-
-STEM: Final = "sacht2024_table1"
 
 
 def topology(results: Results, model: str) -> str:
@@ -82,7 +79,3 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
                style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)")]
     style.legend_above(figure, entries, columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

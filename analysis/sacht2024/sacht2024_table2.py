@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-
 from analysis.sacht2024 import sacht_pairs
 from analysis.sacht2024.sacht_pairs import Pairs
-from analysis.shared import command
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_table2"
 CLAIMS = (("Kang takes less time than Zheng", ("zheng", "kang")), ("Sacht takes less time than Kang", ("kang", "sacht")),
           ("Sacht takes less time than Zheng", ("zheng", "sacht")))
 
@@ -26,7 +22,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
 
 SPEC = sacht_pairs.Spec(
-    STEM, "pairs of meshes near to each other", verdicts,
+    "pairs of meshes near to each other", verdicts,
     ["The paper's pairs are not public: others stand in for them, which are 0.35 to 0.72 % of the diagonal apart at the paper's sizes. So "
      "there are derived pairs as well, nearer than 0.1 %, which are not in the paper.",
      "The paper quotes Zheng et al. 2022 that their program is 4.38 times as fast as that of Tang et al. 2009, on half-decimated meshes."])
@@ -34,7 +30,3 @@ SPEC = sacht_pairs.Spec(
 
 def make(results: Results) -> Report:
     return sacht_pairs.make(SPEC, results)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-
 from analysis.sacht2024 import sacht_pairs
 from analysis.sacht2024.sacht_pairs import Pairs
-from analysis.shared import command
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_table3"
 LOST = "ramesses_bust"  # the pair on which the paper's own method is slower than Zheng's
 
 
@@ -24,14 +20,10 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
 
 SPEC = sacht_pairs.Spec(
-    STEM, "pairs of meshes that are not alike", verdicts,
+    "pairs of meshes that are not alike", verdicts,
     ["A is from one pair of Table 2 and B from another, both centred and scaled to diagonal 1, so that they overlap. The paper does not "
      "say how its models lie."])
 
 
 def make(results: Results) -> Report:
     return sacht_pairs.make(SPEC, results)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -24,9 +24,9 @@ Ratio = tuple[str, str]  # of the first label's time, or work, to the second's
 class Pairs(Grid):
     """All pairs of a result file, and what the paper prints of them."""
 
-    def __init__(self, results: Results, stem: str) -> None:
+    def __init__(self, results: Results) -> None:
         super().__init__(results)
-        self.printed = paper_numbers(stem)
+        self.printed = paper_numbers(results.stem)
         unit = SECOND[self.printed["unit"]]
         self.papers: dict[str, dict[str, Any]] = {
             row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}} for row in self.printed["row"]}
@@ -46,7 +46,6 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Spec:
-    stem: str
     what: str  # for the caption
     verdicts: Callable[[Pairs], list[Verdict]]
     notes: Sequence[str] = ()
@@ -58,7 +57,7 @@ def title(pair: Ratio) -> str:
 
 
 def make(spec: Spec, results: Results) -> Report:
-    pairs = Pairs(results, spec.stem)
+    pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}: {spec.what}, measured here and as printed in "
                          f"{pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024; and the work counted.",

@@ -25,7 +25,7 @@ class Report:
 
     def save(self, results: Results, out: Path) -> list[Path]:
         """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png."""
-        stem = results.path.stem
+        stem = results.stem
         if self.table is None:
             return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")))
         footnote = ". ".join(filter(None, [self.key, unchecked_line(results)]))

@@ -51,6 +51,10 @@ class Results:
         return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
 
     @property
+    def stem(self) -> str:
+        return self.path.stem
+
+    @property
     def scenes(self) -> list[str]:
         return self.in_order("scene")
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shou2014.shou2014_example import Joined, join
 
-STEM = "shou2014_convergence"
 FORMS = ("natural", "centred", "affine", "modified_affine")
 MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"}
 
@@ -154,7 +152,3 @@ def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined
         ax.legend(fontsize=6, frameon=False)
     figure.tight_layout(w_pad=1.5)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-
-STEM = "shou2014_example"
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ def join(results: Results, rows: list[int]) -> Joined:
 
 
 def make(results: Results) -> Report:
-    cases, reference = results.cases, paper_numbers(STEM)
+    cases, reference = results.cases, paper_numbers(results.stem)
     paper: dict[str, Any] = reference["row"][0]
     exact = float(reference["exact"])
     methods = [(solver, label, float(tolerance)) for solver, label in style.order(zip(cases.solver, cases.label))
@@ -114,7 +111,3 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
     ax.set_ylim(len(names) - 0.4, -0.9)
     ax.set_xlabel("Hausdorff distance H")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import ast
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import median
 
-STEM = "surfaces_gallery"
 VOXELS = 32  # an axis, in pictures
 Values = npt.NDArray[np.float64]
 
@@ -184,7 +182,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
     figure.legend(marks, ["voxels kept of A", "voxels kept of B", "from the witness on A to its nearest point of B"],
                   loc="upper center", ncols=3, fontsize=6.5, borderaxespad=0.2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables, verdicts
+from analysis.shared import scales, style, tables, verdicts
 from analysis.shared.cells import takes_seed
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -21,7 +20,6 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import median
 from analysis.shared.verdicts import Verdict
 
-STEM = "cliffs"
 MOST: Final = 4.0  # times the work of ratio 1: more is a cliff
 FLAT: Final = 1.02  # work that differs by no more has stopped growing
 COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
@@ -330,7 +328,3 @@ def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str
     notes = [f"Each line is relative to its first point. Dashed: {MOST:g} times that.", "Open markers: precision floor.",
              *([f"Letters: no answer ({key})."] if key else [])]
     figure.text(0.5, 0.04 / height, "  ".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

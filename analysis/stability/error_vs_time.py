@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from typing import Any
 
@@ -10,13 +9,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import pareto
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
-STEM = "error_vs_time"
 ACROSS = 3  # panels side by side
 OURS = "cover"
 Panel = tuple[str, int]  # scene, pose
@@ -219,7 +217,3 @@ def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:
     seconds = trace.seconds + results.prepare_seconds(case)
     keep = np.isfinite(values) & (seconds > 0)
     return seconds[keep], values[keep] / size
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

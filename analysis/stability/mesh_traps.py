@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, never
 
-STEM: Final = "mesh_traps"
 # From best to worst: what the cell says, and its colour.
 OUTCOMES: Final = (("converged", "#7FBF7B"), ("stopped", "#D9F0D3"), ("no bounds", "#DDDDDD"), ("wrong", "#D6604D"))
 CONVERGED, STOPPED, NO_BOUNDS, WRONG = (name for name, _ in OUTCOMES)
@@ -121,7 +119,3 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], row
     words = {CONVERGED: "converged", STOPPED: "stopped, bounds hold", NO_BOUNDS: "no bounds", WRONG: "wrong"}
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, color=colour, label=words[name]) for name, colour in OUTCOMES], columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
 from analysis.shared.report import Report
@@ -18,7 +17,6 @@ from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
 from analysis.tang2009.tang_motion import Run
 
-STEM = "tang2009_ablation"
 FINEST: Final = 1e-4
 PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
@@ -116,7 +114,3 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
         scales.log_ticks(axis)
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=style.scene_title(scene)) for scene, colour in zip(variants.scenes, colours)], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

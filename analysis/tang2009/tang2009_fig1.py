@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.mesh_picture import View, view
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
 
-STEM = "tang2009_fig1"
 VIEWS: Final[dict[str, View]] = {"Alphabet Domino": view((1, -1.2, 1.6), (0, 0, 1)), "Falling Bunnies": view((0.4, -1, 0.7), (0, 0, 1))}
 
 
@@ -64,7 +62,3 @@ def draw(results: Results, groups: dict[str, list[int]]) -> Any:
         tang_pictures.draw_frame(ax, results, [row for row in rows if results.is_bounded(row)], VIEWS.get(name, tang_pictures.SIDE))
         ax.set_title(f"{name}, frame {int(results.cases.frame[rows[0]])}")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

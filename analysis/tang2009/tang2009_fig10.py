@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Grid, in_time_and_work
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
 from analysis.shared.report import Report
@@ -16,7 +15,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import Verdict, everywhere
 
-STEM = "tang2009_fig10"
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
 MOST: Final = 0.03  # of the longest side: where the paper's models overlap
 TIMES: Final = 10  # "by more than an order of magnitude"
@@ -97,7 +95,3 @@ def draw(pairs: Pairs, clock: str) -> Any:
     axes[0].invert_yaxis()
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, label=style.title(*pair)) for pair in pairs.labels], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
 
-STEM = "tang2009_fig7"
 PAPER: Final = {"Bird1": "2.2K", "Bird2": "6.2K", "Watch1": "3.8K", "Watch2": "38.1K", "Puma1": "8.2K", "Puma2": "7.1K", "Bunny1": "16.7K", "Bunny2": "69.7K",
                 "Fish1": "11K", "Fish2": "36.5K", "Dog": "3.2K", "Lion": "1.3M"}
 
@@ -48,7 +46,3 @@ def draw(results: Results, scenes: list[int]) -> Any:
             tang_pictures.draw_model(ax, results, str(model), i)
             ax.set_title(f"{name}\n{count:,}", fontsize=7)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

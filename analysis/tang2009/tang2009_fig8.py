@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
-
-STEM = "tang2009_fig8"
 
 
 def make(results: Results) -> Report:
@@ -46,7 +43,3 @@ def draw(results: Results, shown: list[int]) -> Any:
         tang_pictures.draw_pair(ax, results, row)
         ax.set_title(results.cases.scene[row])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

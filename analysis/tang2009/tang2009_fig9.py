@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_motion
 from analysis.tang2009.tang_motion import Motion
 
-STEM = "tang2009_fig9"
 STAGES: Final = {"cull on A": "#56B4E9", "cull on B": "#E69F00", "subdivide": "#009E73"}
 
 
@@ -67,7 +65,3 @@ def draw(found: list[Motion], clock: str) -> Any:
     entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label=f"{style.title('cover')}, in all")]
     style.legend_above(figure, entries, columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES
 from analysis.shared.load import load
 from analysis.shared.notes import machine_line
@@ -20,7 +19,6 @@ from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.tang2009 import tang2009_similarity
 from analysis.tang2009.tang2009_similarity import SUFFIX
 
-STEM = "tang2009_nearest"
 WORK: Final = "distances, bounds and nodes"
 
 
@@ -82,7 +80,7 @@ class Search:
 def matrix_beside(results: Results) -> tuple[Results | None, str]:
     """The matrix, from the same folder and profile; else why there is none."""
     try:
-        return load(results.path.parent / f"{tang2009_similarity.STEM}.h5", str(results.meta.get("profile", ""))), ""
+        return load(results.path.parent / "tang2009_similarity.h5", str(results.meta.get("profile", ""))), ""
     except ResultError as problem:
         return None, str(problem)
 
@@ -175,7 +173,3 @@ def draw(every: dict[str, list[Search]]) -> Any:
     axes[0][0].invert_yaxis()
     axes[0][-1].legend()
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.mesh_picture import view
 from analysis.shared.notes import machine_line
@@ -18,7 +17,6 @@ from analysis.shared.verdicts import Verdict, all_of
 from analysis.tang2009 import tang_depth, tang_pictures
 from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
 
-STEM = "tang2009_pd"
 LABELS: Final = ["tang", "cover"]
 FIGURE: Final = "Fig. 11"
 VIEW: Final = view((0.35, 0.25, 1))
@@ -49,7 +47,7 @@ def agreement(found: list[Scene]) -> Verdict:
 
 
 def make(results: Results) -> Report:
-    printed = paper_numbers(STEM)
+    printed = paper_numbers(results.stem)
     papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
     found = tang_depth.recorded(results, LABELS)
     table = tables.Table("The penetration depth in dynamic scenes, and what it costs a frame: the mean over the frames in which objects overlap (Tang et al. 2009, section 7.3).",
@@ -112,7 +110,3 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
     entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
     style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean, in all")], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

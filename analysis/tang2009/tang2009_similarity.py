@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -14,14 +13,13 @@ import scipy.cluster.hierarchy as hierarchy
 import scipy.spatial.distance
 import scipy.stats
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
 Floats = npt.NDArray[np.float64]
-STEM = "tang2009_similarity"
 SUFFIX: Final = "_centred"
 SOLVER: Final = "cover"
 # What shows the same thing, by our judgement.
@@ -109,7 +107,7 @@ def retrieval(matrix: Matrix) -> Verdict:
 def make(results: Results) -> Report:
     matrix = matrix_of(results, SOLVER)
     if len(matrix.names) < 2:
-        raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {results.stem}'")
     table = tables.Table("Shapes by their two-sided distance, all of one size and centred, none turned; in percent of the diagonal.",
                          ["shape", "family", "nearest", "H", "second", "H", "third", "H", "same family"], left=3)
     middle, records = matrix.middle, list[tables.Record]()
@@ -141,7 +139,3 @@ def draw(matrix: Matrix) -> Any:
     right.grid(False)
     figure.colorbar(image, ax=right, pad=0.02).set_label("H(A, B), % of the diagonal")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

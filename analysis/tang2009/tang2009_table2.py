@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
 from analysis.shared.report import Report
@@ -17,7 +16,6 @@ from analysis.shared.verdicts import Verdict
 from analysis.tang2009 import tang_motion
 from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
-STEM = "tang2009_table2"
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
 HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", "culled on A, %", "culled on B, %", "deepest",
                  "queries, median")
@@ -39,7 +37,7 @@ def cells(run: Run) -> list[str]:
 
 
 def make(results: Results) -> Report:
-    found, printed = tang_motion.motions(results), paper_numbers(STEM)
+    found, printed = tang_motion.motions(results), paper_numbers(results.stem)
     papers = {"/".join(row["models"]): row for row in printed["row"]}
     table = tables.Table(f"{clock_title(results)} of the two-sided distance at a pose, while A is translated towards B; measured here, and as printed in "
                          "Table 2 of Tang et al. 2009.", list(HEADER), left=2)
@@ -97,7 +95,3 @@ def draw(found: list[Motion], clock: str) -> Any:
         ax.set_xlabel("H(A, B), % of A's longest side")
     style.legend_above(figure, style.handles(tang_motion.labels_of(found)), columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

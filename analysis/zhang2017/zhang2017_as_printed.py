@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -12,14 +11,13 @@ import matplotlib.ticker
 import numpy as np
 import scipy.stats
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
-STEM = "zhang2017_as_printed"
 BLOCK: Final = 5  # neighbouring poses
 LOOKS: Final = {"ohd_as_printed": style.Look(style.TITLES["ohd_as_printed"], "#0072B2", "D"),
                 "nohd_as_printed": style.Look(style.TITLES["nohd_as_printed"], "#009E73", "^"),
@@ -187,7 +185,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
     style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
                                 for label in labels])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

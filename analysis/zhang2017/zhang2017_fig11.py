@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-
-from analysis.shared import command
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.zhang2017 import zhang_motion
-
-STEM = "zhang2017_fig11"
 
 
 def make(results: Results) -> Report:
     caption = "A gear moved and turned through one of another shape and size (Fig. 11 of Zhang et al. 2017)."
     return zhang_motion.make(caption, results)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

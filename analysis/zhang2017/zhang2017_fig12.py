@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, shapes, style, tables
+from analysis.shared import shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
@@ -17,7 +16,6 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
-STEM = "zhang2017_fig12"
 SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
 MOST = 6000  # points drawn of a set
 
@@ -131,7 +129,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
                               linewidth=1.3))
     style.legend_above(figure, entries, columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

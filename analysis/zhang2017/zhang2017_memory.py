@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import Cell
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
-STEM = "zhang2017_memory"
 POINT: Final = 24  # bytes: three doubles
 LEAST: Final = 2**20  # bytes; below it pages and what loading left free decide, not the solver
 ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less: how the allocator rounds up and gives back
@@ -169,7 +167,3 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
                               linestyle=style.DOTTED))
     style.legend_above(figure, entries)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, scales, shapes, style, tables
+from analysis.shared import scales, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -18,7 +17,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
-STEM = "zhang2017_steps"
 MOST: Final = 4000  # points of A whose distances to all of B are looked at
 CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
 EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
@@ -148,7 +146,3 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
                  for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
     style.legend_above(figure, entries)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import numpy as np
 
-from analysis.shared import beside_paper, command, style, tables
+from analysis.shared import beside_paper, style, tables
 from analysis.shared.cells import DISTANCES, MEASURES, WORK, Cell, Grid, count_text
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import clock_note, clock_title, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 
-STEM = "zhang2017_table3"
 COLUMNS = ("naive", "inc", "earlybreak", "adaptive")  # the paper's four
 RATIOS = (("naive", "earlybreak"), ("naive", "adaptive"), ("inc", "adaptive"), ("earlybreak", "adaptive"))
 
@@ -60,7 +58,7 @@ def paper_ratio(paper: dict[str, Any], slow: str, fast: str) -> str:
 
 
 def make(results: Results) -> Report:
-    cases, printed = results.cases, paper_numbers(STEM)
+    cases, printed = results.cases, paper_numbers(results.stem)
     papers = {row["scene"]: row for row in printed["row"]}
     columns = [(name, name) for name in COLUMNS]
     grid = Grid(results, [*columns, *[pair for pair in style.order(zip(cases.solver, cases.label)) if pair not in columns]])
@@ -109,7 +107,3 @@ def make(results: Results) -> Report:
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
     return Report(lambda: beside_paper.draw(grid, papers), table, records)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -22,7 +22,6 @@ from analysis.shared.verdicts import Verdict, everywhere, rising
 
 @dataclass(frozen=True)
 class Spec:
-    stem: str
     caption: str
     without: str  # labels of the two variants
     with_it: str
@@ -63,7 +62,7 @@ class Pair:
 
 
 def make(spec: Spec, results: Results) -> Report:
-    printed = paper_numbers(spec.stem)
+    printed = paper_numbers(results.stem)
     papers = {row["pair"]: row for row in printed["row"]}
     pairs = [Pair(results, spec, scene) for scene in results.scenes]
     shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]

@@ -23,7 +23,6 @@ PAIR_LOOKS = [("#56B4E9", "o"), ("#009E73", "^"), ("#D55E00", "s"), ("#882255", 
 
 @dataclass(frozen=True)
 class Spec:
-    stem: str
     caption: str
     parameter: str
     axis: str  # label

@@ -12,7 +12,8 @@ import pytest
 import synthetic
 from stem_runner import Make, stem_runner
 
-from analysis.shared import command, load, style
+from analysis.__main__ import main
+from analysis.shared import load, style
 from analysis.stability import cliffs
 from analysis.stability.cliffs import FAMILIES
 
@@ -122,7 +123,7 @@ def test_a_scene_of_no_family_is_refused(tmp_path: Path, capsys: pytest.CaptureF
     file = synthetic.ResultFile("cliffs")
     file.case("scan", "bunny", [1.0], lower=0.5, upper=0.5)
     file.write(tmp_path)
-    assert command.main("cliffs", cliffs.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert main(["cliffs", "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     assert "scene 'bunny' belongs to no family" in capsys.readouterr().err
 
 

@@ -14,8 +14,9 @@ from stem_runner import TETRAHEDRON, Make, stem_runner
 from synthetic import ResultFile
 from synthetic_sacht import TIE, Ratio, Tie, size_of
 
+from analysis.__main__ import main
 from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
-from analysis.shared import command, mesh_picture
+from analysis.shared import mesh_picture
 from analysis.shared.shapes import Mesh
 from analysis.shared.statistics import exact
 from analysis.shared.stems import module_of
@@ -255,7 +256,7 @@ def test_pictures_need_fields(stem: str, tmp_path: Path, capsys: pytest.CaptureF
     file.case("sacht", "x", [0.1], lower=0.5, upper=0.5)
     file.write(tmp_path)
     module = {"sacht2024_fig1": sacht2024_fig1, "sacht2024_fig11": sacht2024_fig11}.get(stem) or importlib.import_module(module_of(stem))
-    assert command.main(stem, module.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert main([stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert f"make {stem}" in error and len(error.splitlines()) == 1
 
