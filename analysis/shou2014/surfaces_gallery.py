@@ -10,23 +10,23 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.shared import style, tables
+from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import median
 
 VOXELS = 32  # an axis, in pictures
-Values = npt.NDArray[np.float64]
 
 
 class Surface:
     """A surface where a polynomial in x, y and z vanishes, clipped by a box, for pictures."""
 
-    def __init__(self, polynomial: str, box: Values) -> None:
+    def __init__(self, polynomial: str, box: Floats) -> None:
         self.tree = ast.parse(polynomial.replace("^", "**"), mode="eval").body
         self.low, self.high = box[0::2], box[1::2]
 
-    def bounds(self, low: dict[str, Values], high: dict[str, Values]) -> tuple[Values, Values]:
+    def bounds(self, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
         """Natural interval extension over many boxes at once, not rounded outward: for pictures alone."""
         return _bounds(self.tree, low, high)
 
@@ -39,14 +39,14 @@ class Surface:
         return np.asarray((least <= 0) & (most >= 0))
 
 
-def _power(low: Values, high: Values, n: int) -> tuple[Values, Values]:
+def _power(low: Floats, high: Floats, n: int) -> tuple[Floats, Floats]:
     a, b = low**n, high**n
     if n % 2:
         return a, b
     return np.where((low <= 0) & (high >= 0), 0.0 if n else 1.0, np.minimum(a, b)), np.maximum(a, b)
 
 
-def _bounds(node: ast.expr, low: dict[str, Values], high: dict[str, Values]) -> tuple[Values, Values]:
+def _bounds(node: ast.expr, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
     if isinstance(node, ast.Name):
         return low[node.id], high[node.id]
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
@@ -127,7 +127,7 @@ def make(results: Results) -> Report:
     return Report(lambda: draw(results, scenes), table, records)
 
 
-def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Values]:
+def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Floats]:
     """The slice to draw: across the axis along which the witness reaches least, through its source point; with the
     witness. Without one, or if it is shorter than a voxel, the slice through the middle of the box."""
     cases = results.cases

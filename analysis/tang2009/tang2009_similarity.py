@@ -8,18 +8,17 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
 import scipy.cluster.hierarchy as hierarchy
 import scipy.spatial.distance
 import scipy.stats
 
 from analysis.shared import style, tables
+from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
-Floats = npt.NDArray[np.float64]
 SUFFIX: Final = "_centred"
 SOLVER: Final = "cover"
 # What shows the same thing, by our judgement.

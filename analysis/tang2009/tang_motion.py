@@ -12,15 +12,14 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
+from analysis.shared.columns import Floats
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, rising_by_run
 
-Floats = npt.NDArray[np.float64]
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
 AIM_OF_CULLING: Final = 0.97
