@@ -27,6 +27,10 @@ class Joined:
     evaluations: int
     status: str
 
+    def record(self) -> tables.Record:
+        return {"lower": self.lower, "upper": self.upper, "subdivision_seconds": self.prepare, "distance_seconds": self.solve,
+                "box_distances": self.distances, "polynomial_evaluations": self.evaluations}
+
 
 def join(results: Results, rows: list[int]) -> Joined:
     """Rows of both directions with the same solver, label and options."""
@@ -68,9 +72,7 @@ def make(results: Results) -> Report:
                            if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
                            tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
                            tables.number(ratio), f"{one.evaluations:,}"])
-        records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, "lower": one.lower, "upper": one.upper,
-                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
-                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations,
+        records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
                         "paper_lower": paper["lower"], "paper_upper": paper["upper"],
                         "paper_seconds": paper["seconds"]})
     speed = paper["seconds"] / (all_pairs.prepare + all_pairs.solve) if all_pairs else float("nan")

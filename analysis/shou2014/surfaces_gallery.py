@@ -72,6 +72,22 @@ def _bounds(node: ast.expr, low: dict[str, Floats], high: dict[str, Floats]) -> 
     raise ValueError(f"not part of a polynomial: {ast.dump(node)}")
 
 
+def holds(results: Results, row: int, exact: float) -> bool:
+    """The experiment gives h to the nearest double."""
+    return not (results.cases.lower[row] > exact * (1 + 1e-15) or results.cases.upper[row] < exact * (1 - 1e-15))
+
+
+def cells_of(results: Results, row: int, exact: float) -> list[str]:
+    """The interval and the time."""
+    cases, status = results.cases, results.cases.status[row]
+    low, high = float(cases.lower[row]), float(cases.upper[row])
+    word = "stalled" if cases.solver_status[row] == "stalled" else style.status_word(status)
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return [word, tables.NOTHING]
+    said = ("" if status == "ok" else f" ({word})") + ("" if holds(results, row, exact) else ", misses h")
+    return [f"[{low:.6f}, {high:.6f}]{said}", tables.number(median(results.total_seconds(row)).value)]
+
+
 def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
@@ -85,29 +101,18 @@ def make(results: Results) -> Report:
         cells, checks, off = [scene, tables.number(exact, 6)], set[str](), 2 * [tables.NOTHING]
         for solver, label in labels:
             rows = results.rows(scene=scene, label=label)
-            if not len(rows):
+            if not rows:
                 cells += 2 * [tables.NOTHING]
                 continue
-            row = rows[0]
-            low, high, status = float(cases.lower[row]), float(cases.upper[row]), cases.status[row]
-            # The experiment gives h to the nearest double.
-            holds = not (low > exact * (1 + 1e-15) or high < exact * (1 - 1e-15))
-            solved = str(cases.solver_status[row])
-            word = "stalled" if solved == "stalled" else style.status_word(status)
-            if np.isfinite(low) and np.isfinite(high):
-                said = ("" if status == "ok" else f" ({word})") + ("" if holds else ", misses h")
-                cells += [f"[{low:.6f}, {high:.6f}]{said}",
-                          tables.number(median(results.total_seconds(row)).value)]
-                if cases.certified[row] == 1:
-                    checks.add(results.check_of(row))
-            else:
-                cells += [word, tables.NOTHING]
-            extras = results.extras(row)
+            row, extras = rows[0], results.extras(rows[0])
+            cells += cells_of(results, row, exact)
+            if cases.certified[row] == 1 and np.isfinite([cases.lower[row], cases.upper[row]]).all():
+                checks.add(results.check_of(row))
             if "mesh_a_to_surface" in extras:
                 off = [tables.number(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
                        for m in "ab"]
-            records.append({"scene": scene, "solver": solver, "label": label, "status": status, "solver_status": solved,
-                            "h": exact, "lower": low, "upper": high, "holds": int(holds),
+            records.append({"scene": scene, "solver": solver, "label": label, "status": cases.status[row], "solver_status": cases.solver_status[row],
+                            "h": exact, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "holds": int(holds(results, row, exact)),
                             "lower_check": results.check_of(row),
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
