@@ -146,8 +146,7 @@ for stem in $(1); do \
     echo "== $$stem"; \
     code=0; "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(RUN_ARGS) || code=$$?; \
     case $$code in 0) ;; 1) failed+=" $$stem (unsound rows)";; *) failed+=" $$stem (run)"; continue;; esac; \
-    script=$$(find analysis -name "$$stem.py" 2>/dev/null || true); \
-    [ -z "$$script" ] || $(PYTHON) -m "$$(tr / . <<< "$${script%.py}")" || failed+=" $$stem (analysis)"; \
+    [ -z "$$(find analysis -name "$$stem.py")" ] || $(PYTHON) -m analysis "$$stem" || failed+=" $$stem (analysis)"; \
 done; \
 [ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 endef
@@ -166,9 +165,8 @@ $(STEMS): %: build
 figures: $(DEPS)
 	@trap 'exit 130' INT TERM; failed=; none=yes; \
 	for stem in $(STEMS); do \
-	    script=$$(find analysis -name "$$stem.py" 2>/dev/null || true); \
-	    [ -f "results/$$stem.h5" ] && [ -n "$$script" ] || continue; \
-	    none=; echo "== $$stem"; $(PYTHON) -m "$$(tr / . <<< "$${script%.py}")" || failed+=" $$stem"; \
+	    [ -f "results/$$stem.h5" ] && [ -n "$$(find analysis -name "$$stem.py")" ] || continue; \
+	    none=; echo "== $$stem"; $(PYTHON) -m analysis "$$stem" || failed+=" $$stem"; \
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
@@ -193,7 +191,7 @@ certificates: build
 	$(PYTHON) tests/certificates.py
 
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
 

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, style
-from analysis.shared.load import ResultError, Results
+from analysis.shared import mesh_picture, shapes, style
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
-STEM = "overview"
 FROM = (-0.5, 0.3, -1.0)  # where the eye is
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     answered = [case for case in range(len(results.cases)) if results.is_bounded(case)]
-    shown = next((case for case in answered if "distance" in results.fields_of(case)), None)
-    if shown is None:
-        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+    with_fields = [case for case in answered if "distance" in results.fields_of(case)]
+    if not with_fields:
+        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
+    return Report(lambda: draw(results, with_fields[0], answered))
+
+
+def draw(results: Results, shown: int, answered: list[int]) -> Any:
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 3.0), width_ratios=(1, 1.15))
     draw_distances(results, shown, left, figure)
     draw_bounds(results, answered, float(results.fields_of(shown)["distance"].max()), right)
-    return style.save(figure, out, STEM, str(results.meta.get("title", "")))
+    return figure
 
 
 def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
-    shown, eye = mesh_picture.mesh(str(results.cases.source[case])), mesh_picture.view(FROM)
+    shown, eye = shapes.mesh(results, results.cases.source[case]), mesh_picture.view(FROM)
     distance = results.fields_of(case)["distance"][shown.triangles].mean(axis=1) / results.cases.source_diagonal[case]
     scale = plt.Normalize(0, float(distance.max()))
     mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(distance)))
@@ -45,7 +47,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
 def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any) -> None:
     diagonal, titled, top = float(results.cases.source_diagonal[cases[0]]), set[str](), 2.5 * at_vertices
     for case in (case for case in cases if not results.cases.from_trace[case]):
-        looks = style.look(str(results.cases.solver[case]), str(results.names[case]))
+        looks = style.look(results.cases.solver[case], str(results.names[case]))
         trace, first = results.trace_of(case), results.first_by_round(case)
         if len(trace.seconds) > 1:
             keep = np.isfinite(trace.upper) & (trace.seconds > 0)
@@ -65,7 +67,3 @@ def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any)
     ax.set(xlabel="time (ms)", ylabel="h(A,B) / diagonal of A", ylim=(0, top / diagonal))
     ax.set_title("h(A,B) is in the interval at every moment")
     ax.legend(loc="lower center")
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -13,13 +13,15 @@ import argparse
 import importlib
 import re
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis import winners
-from analysis.shared.load import REFERENCE, ResultError, Results, load, measured_on
+from analysis.shared import tables
+from analysis.shared.load import REFERENCE, load
+from analysis.shared.notes import measured_on
+from analysis.shared.results import ResultError, Results
 from analysis.shared.stems import module_of
 
 
@@ -64,7 +66,7 @@ def stems_of(group: str, folder: Path) -> list[str]:
 def check(results: Results) -> Results:
     if results.meta.get("profile") != "paper":
         raise ResultError(f"{results.path}: is of profile '{results.meta.get('profile')}': measure it with "
-                          f"'make {results.path.stem} PROFILE=paper'")
+                          f"'make {results.stem} PROFILE=paper'")
     return results
 
 
@@ -75,13 +77,11 @@ def text_of(group: str, folder: Path, kept: Kept) -> str:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE=paper'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
     rows, texts = dict(kept.rows), dict(kept.tables)
-    with tempfile.TemporaryDirectory() as out:
-        for stem, results in zip(stems, all_results):
-            counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
-            rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
-                          f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-            importlib.import_module(module_of(stem)).make(results, Path(out))
-            texts[stem] = (Path(out) / "tables" / f"{stem}.md").read_text(encoding="utf-8").strip("\n")
+    for stem, results in zip(stems, all_results):
+        counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
+        rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
+                      f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
+        texts[stem] = tables.markdown(importlib.import_module(module_of(stem)).make(results).table).strip("\n")
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Final
 
 from analysis.shared import style, tables
-from analysis.shared.load import ResultError, Results, load
+from analysis.shared.load import load
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
@@ -55,11 +56,11 @@ def cells(results: Results, solver: str) -> list[Cell]:
         if {kinds.get(cases.source[own]), kinds.get(cases.target[own])} != {"mesh"}:
             continue
         same = results.rows(scene=cases.scene[own], pose_index=cases.pose_index[own], tolerance=cases.tolerance[own], certified=1)
-        rivals = [Rival(style.look(cases.solver[row], results.names[row]).title,
+        rivals = [Rival(style.title(cases.solver[row], results.names[row]),
                         ratio_by_round(results.total_by_round(int(own)), results.total_by_round(int(row))), results.gap(int(row)))
                   for row in same if cases.solver[row] != solver and results.is_bounded(int(row)) and results.gap(int(row)) <= results.gap(int(own))]
         near = tuple(rival for rival in rivals if rival.ratio.n and not (rival.ratio.separated and rival.ratio.high < 1))
-        found.append(Cell(str(cases.scene[own]), int(cases.pose_index[own]), float(cases.tolerance[own]), results.gap(int(own)), near))
+        found.append(Cell(cases.scene[own], int(cases.pose_index[own]), float(cases.tolerance[own]), results.gap(int(own)), near))
     return found
 
 
@@ -84,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    print(judge(found, style.look(chosen.solver).title).line())
+    print(judge(found, style.title(chosen.solver)).line())
     for cell in found:
         if cell.rivals:
             print(cell.line())

@@ -1,23 +1,27 @@
-"""What follows in Python and in prose from the program's table of columns: analysis/shared/columns.py and the tables of results/README.md.
+"""What follows in Python and in prose from the program's own tables: analysis/shared/columns.py and the tables of results/README.md from
+its columns, analysis/shared/solvers.py from its solvers.
 
     python3 -m analysis.schema
 
-asks the program (`hausbench list columns`) and writes both; a test fails where they differ from it.
+asks the program (`hausbench list columns`, `hausbench list --json`) and writes all three; a test fails where they differ from it.
+Nothing else in analysis/ starts the program: stems read result files, and shapes from the cache.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any, Final
 
-from analysis.shared.program import ROOT, program
 
+ROOT: Final = Path(__file__).resolve().parents[1]
 README: Final = ROOT / "results" / "README.md"
 MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
+SOLVERS: Final = MODULE.with_name("solvers.py")
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
 HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
 
@@ -38,10 +42,34 @@ Counters = dict[str, npt.NDArray[np.uint64]]
 Groups = dict[str, list[dict[str, Any]]]
 
 
+def program() -> Path:
+    """HAUSBENCH_PROGRAM, else the program that `make build` builds."""
+    return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
+
+
+def listed(what: str) -> Any:
+    """What `hausbench list` says, as JSON."""
+    done = subprocess.run([program(), "list", what], cwd=ROOT, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
 def columns() -> Groups:
-    done = subprocess.run([program(), "list", "columns"], cwd=ROOT, capture_output=True, text=True, check=True)
-    groups: Groups = json.loads(done.stdout)
+    groups: Groups = listed("columns")
     return groups
+
+
+def titles() -> dict[str, str]:
+    """Of the solvers that are built."""
+    return {solver["name"]: solver["title"] for solver in listed("--json")["solvers"]}
+
+
+def solvers_module(known: dict[str, str]) -> str:
+    lines = "".join(f"    {json.dumps(name)}: {json.dumps(title)},\n" for name, title in sorted(known.items()))
+    return f'''"""What each solver is called. Written by `python3 -m analysis.schema`: do not edit."""
+
+TITLES: dict[str, str] = {{
+{lines}}}
+'''
 
 
 def module(groups: Groups) -> str:
@@ -94,7 +122,8 @@ def main() -> int:
     groups = columns()
     MODULE.write_text(module(groups), encoding="utf-8")
     README.write_text(readme(README.read_text(encoding="utf-8"), groups), encoding="utf-8")
-    for path in (MODULE, README):
+    SOLVERS.write_text(solvers_module(titles()), encoding="utf-8")
+    for path in (MODULE, README, SOLVERS):
         print(path.relative_to(ROOT))
     return 0
 

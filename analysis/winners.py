@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from analysis.points.points_speed import TITLES
 from analysis.shared import style, tables
 from analysis.shared.load import REFERENCE
-from analysis.points.points_speed import TITLES
 
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"

@@ -1,6 +1,7 @@
 #include "derive.h"
 
 #include "error.h"
+#include "kernel/splitmix.h"
 #include "random.h"
 #include "surfaces/surface_mesh.h"
 
@@ -186,7 +187,7 @@ std::vector<Index> first_equal(const Points& points) {
     const auto hash = [](const Coordinates& p) {
         std::uint64_t mixed = 0;
         for (const double value : p) {
-            mixed = (mixed ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
+            mixed = (mixed ^ std::bit_cast<std::uint64_t>(value)) * golden_step;
             mixed ^= mixed >> 32;
         }
         return static_cast<std::size_t>(mixed);

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import scipy.stats
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import Cell, clock_note, compare
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.cells import Cell, Grid, compare
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
 from analysis.shared.verdicts import FAILS, OPEN, Verdict, above_one, everywhere
 
-STEM: Final = "mesh_peers"
 PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
 LARGE: Final = {"cover": 30_000}  # triangles of A and B, of the pairs that count for that mean, where not all do
@@ -38,7 +37,7 @@ def ratio(pair: Pair) -> Estimate:
 
 def identical(results: Results, scene: str) -> bool:
     """A mesh and itself, which is not in the means: CGAL matches faces."""
-    row = int(results.rows(scene=scene)[0])
+    row = results.rows(scene=scene)[0]
     return bool(results.cases.source[row] == results.cases.target[row])
 
 
@@ -64,7 +63,7 @@ def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
-    title, aim = style.look(label).title, AIMS[label]
+    title, aim = style.title(label), AIMS[label]
     claim = f"{title} is {f'at least {aim} times as' if aim > 1 else 'as'} fast as CGAL in geometric mean"
     if label in LARGE:
         claim += f" over pairs of {LARGE[label]:,} triangles and more"
@@ -103,7 +102,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
         return NO_DATA if stopped and not found.low > 1 else found
 
     ratios = [over_aim(pair) for pair in pairs]
-    verdict = everywhere(f"{style.look(label).title} is at least {aim} times as fast as CGAL on every pair", ratios)
+    verdict = everywhere(f"{style.title(label)} is at least {aim} times as fast as CGAL on every pair", ratios)
     known = [aim * x.value for x in ratios if x.n]
     spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
     return replace(verdict, evidence=spread + verdict.evidence)
@@ -115,36 +114,30 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
     if not answered:
         return []
-    return [f"{style.look(other).title} takes {tables.estimate(mean_ratio(answered))} times as long as {style.look(label).title} "
+    return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} "
             f"in geometric mean over the {len(answered)} pairs that both answered."]
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    cases = results.cases
-    scenes = [str(scene) for scene in results.in_order("scene")]
-    labels = style.order(zip(cases.solver, cases.label))
-    cells = {(scene, label): Cell(results, [int(row) for row in rows]) for scene in scenes for _, label in labels
-             if len(rows := results.rows(scene=scene, label=label))}
+def make(results: Results) -> Report:
+    cases, grid = results.cases, Grid(results)
+    scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory beside the shapes, "
                          f"MiB. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
-                         ["pair", "triangles", "h / diagonal", "", *[style.look(*pair).title for pair in labels]], left=4)
+                         ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
     records: list[tables.Record] = []
     for scene in scenes:
-        row = int(results.rows(scene=scene)[0])
-        peer = cells.get((scene, PEER))
-        own = [cells.get((scene, label)) for _, label in labels]
+        row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
         h = best_lower([cell for cell in own if cell]) / float(cases.source_diagonal[row])
         table.rules.add(len(table.rows))
-        table.rows.append([scene, f"{cases.source_elements[row]:,} → {cases.target_elements[row]:,}", tables.number(h), "ms",
-                           *[cell.text(1000) if cell else tables.NOTHING for cell in own]])
+        table.rows.append([scene, results.sizes(row, " → "), tables.number(h), "ms",
+                           *grid.texts(scene, 1000)])
         at_least = "≥ " if peer and peer.failures else ""
         table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + tables.estimate(x) for x in ratios]])
         table.rows.append(["", "", "", "MiB", *[tables.number(cell.peak / 2**20) if cell else tables.NOTHING for cell in own]])
         if cases.scene_note[row]:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
-        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), "n": cell.time.n,
-                     "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
                      "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value,
                      "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
                     for (solver, label), cell, x in zip(labels, own, ratios) if cell]
@@ -155,7 +148,7 @@ def make(results: Results, out: Path) -> list[Path]:
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", "", "times",
                        *[tables.estimate(mean_ratio(answered[label])) if label in answered else "" for _, label in labels]])
-    counted = ", ".join(f"{style.look(label).title} {len(found)}" for label, found in answered.items())
+    counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
         f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥).",
@@ -163,8 +156,7 @@ def make(results: Results, out: Path) -> list[Path]:
         *[judge_each(label, pairs[label]).line() for label in EVERYWHERE if label in pairs],
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
-    return (tables.save(table, records, out, STEM)
-            + style.save(draw(scenes, labels, cells), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
+    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
 
 
 def best_lower(cells: Sequence[Cell]) -> float:
@@ -172,8 +164,9 @@ def best_lower(cells: Sequence[Cell]) -> float:
     return max((cell.interval[0] for cell in cells if not math.isnan(cell.interval[0])), default=math.nan)
 
 
-def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
+def draw(grid: Grid) -> Any:
     """One line a pair, one mark a solver; those that did not end stand right of the frame, with the letter why."""
+    scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.19 * len(scenes)))
     for i, scene in enumerate(scenes):
         ax.axhline(i, color="#EEEEEE", linewidth=0.5, zorder=0)
@@ -187,7 +180,7 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
                 failed += 1
                 status = cell.failures.most_common(1)[0][0]
                 ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks))
-                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(status, "?"), transform=ax.get_yaxis_transform(),
+                ax.text(at + 0.025, i, style.status_letter(status), transform=ax.get_yaxis_transform(),
                         va="center", fontsize=6, color="#333333")
     known = [cell.time.value for cell in cells.values() if cell.time.n] or [1.0]
     ax.set_xscale("log")
@@ -197,7 +190,3 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     ax.set_xlabel("time to prepare and solve (s)")
     style.legend_above(figure, style.handles(labels, lines=False))
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,58 +3,51 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import Cell, compare
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared import style, tables
+from analysis.shared.cells import Grid
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import everywhere
 
-STEM = "points_hostile"
 OURS, RIVAL = "scan", "kdtree"
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    cases = results.cases
-    scenes = [str(scene) for scene in results.in_order("scene")]
+def make(results: Results) -> Report:
+    cases, grid = results.cases, Grid(results, ((OURS, OURS), (RIVAL, RIVAL)))
     table = tables.Table("Time to prepare and solve, ms, on point sets that are hard for grids and trees.",
-                         ["workload", style.look(OURS).title, style.look(RIVAL).title, "ratio",
+                         ["workload", style.title(OURS), style.title(RIVAL), "ratio",
                           "distances of ours a point"], left=1)
     records: list[tables.Record] = []
     ratios: list[Estimate] = []
-    for scene in scenes:
-        cells = {label: Cell(results, [int(r) for r in rows]) for label in (OURS, RIVAL)
-                 if len(rows := results.rows(scene=scene, label=label))}
-        ours, rival = cells.get(OURS), cells.get(RIVAL)
-        ratio = compare(rival, ours) if ours and rival else NO_DATA
+    for scene in grid.scenes:
+        first, ours, ratio = grid.first(scene), grid.cells.get((scene, OURS)), grid.ratio(scene, RIVAL, OURS)
         ratios.append(ratio)
-        first = int(results.rows(scene=scene)[0])
         points = int(cases.source_elements[first])
         distances = ours.counters["point_distances"] / points if ours and not ours.failures else math.nan
-        texts = [cell.text(1000) if cell else tables.NOTHING for cell in (ours, rival)]
-        table.rows.append([style.scene_title(scene), *texts, tables.ratio(ratio), tables.number(distances)])
+        table.rows.append([style.scene_title(scene), *grid.texts(scene, 1000), tables.ratio(ratio), tables.number(distances)])
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}.")
+        own = {label: cell for (_, label), cell in zip(grid.labels, grid.row(scene)) if cell}
         records.append({"scene": scene, "points": points, "ratio": ratio.value, "ratio_low": ratio.low,
                         "ratio_high": ratio.high, "n": ratio.n, "distances_per_point": distances,
-                        **{f"{label}_seconds": cell.time.value for label, cell in cells.items()},
-                        **{f"{label}_status": cell.status() for label, cell in cells.items()}})
+                        **{f"{label}_seconds": cell.time.value for label, cell in own.items()},
+                        **{f"{label}_status": cell.status() for label, cell in own.items()}})
     verdict = everywhere("scan is faster than the k-d tree on every one", ratios, "workloads")
     table.notes += ["Ratio: time of the k-d tree over that of scan.", verdict.line(),
                     tables.coverage_note(ratios), f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, ratios), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(grid.scenes, ratios), table, records)
 
 
 def draw(scenes: list[str], ratios: list[Estimate]) -> Any:
     """One line a workload: the ratio and its interval."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.0 + 0.16 * len(scenes)))
     for i, ratio in enumerate(ratios):
-        if ratio.has_interval:
-            ax.plot([ratio.low, ratio.high], [i, i], color=style.look(OURS).colour, linewidth=1)
+        style.interval(ax, ratio, i, color=style.look(OURS).colour, linewidth=1)
         if ratio.n:
             ax.plot(ratio.value, i, **style.filled_marker(style.look(OURS)))
     ax.axvline(1.0, color="#333333", linewidth=0.6)
@@ -63,7 +56,3 @@ def draw(scenes: list[str], ratios: list[Estimate]) -> Any:
     ax.set_yticks(range(len(scenes)), map(style.scene_title, scenes))
     ax.set_xlabel("time of the k-d tree / time of scan")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import clock_note
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
-STEM = "points_speed"
 OURS = "scan"
 TITLES = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}
 
@@ -26,7 +24,7 @@ class Cell:
 
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases
-        self.row, self.status = row, str(cases.status[row])
+        self.row, self.status = row, cases.status[row]
         self.reported = not math.isnan(cases.reported_seconds[row])  # a program outside, by its own clock
         self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
         self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
@@ -35,12 +33,12 @@ class Cell:
 
     def text(self) -> str:
         if self.status != "ok":
-            return style.STATUS_WORDS.get(self.status, self.status)
+            return style.status_word(self.status)
         return tables.estimate(self.time, 1000)
 
 
 def title_of(solver: str, label: str) -> str:
-    return TITLES.get(label, style.look(solver, label).title)
+    return TITLES.get(label, style.title(solver, label))
 
 
 def ratio(other: Cell, ours: Cell) -> Estimate:
@@ -49,12 +47,12 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
     return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(ours.rounds.values()))
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    scenes = [str(scene) for scene in results.in_order("scene")]
+    scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
-    cells = {(scene, label): Cell(results, int(rows[0])) for scene in scenes for _, label in labels
-             if len(rows := results.rows(scene=scene, label=label))}
+    cells = {(scene, label): Cell(results, rows[0]) for scene in scenes for _, label in labels
+             if (rows := results.rows(scene=scene, label=label))}
     titles = [title_of(*pair) for pair in labels]
     table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, and below it the "
                          "peak memory, MiB.", ["workload", "", *titles, "best other / ours"], left=2)
@@ -72,7 +70,7 @@ def make(results: Results, out: Path) -> list[Path]:
         table.rows.append([style.scene_title(scene), "ms", *[cell.text() if cell else tables.NOTHING for cell in own],
                            tables.ratio(speedup)])
         table.rows.append(["", "MiB", *[tables.number(cell.mebibytes) if cell else tables.NOTHING for cell in own], ""])
-        first = int(results.rows(scene=scene)[0])
+        first = results.rows(scene=scene)[0]
         table.notes.append(f"{style.scene_title(scene)}: {cases.scene_note[first]}; {cases.source_elements[first]:,} to "
                            f"{cases.target_elements[first]:,} points.")
         for (solver, label), cell in zip(labels, own):
@@ -94,7 +92,7 @@ def make(results: Results, out: Path) -> list[Path]:
         + " SciPy: by its own clock, without starting Python and reading files; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(scenes, labels, cells), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(scenes, labels, cells), table, records)
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
@@ -112,7 +110,7 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
                 at = 1.03 + 0.09 * failed
                 failed += 1
                 ax.plot(at, i, transform=ax.get_yaxis_transform(), clip_on=False, **style.open_marker(looks[label]))
-                ax.text(at + 0.025, i, style.STATUS_LETTERS.get(cell.status, "?"), transform=ax.get_yaxis_transform(),
+                ax.text(at + 0.025, i, style.status_letter(cell.status), transform=ax.get_yaxis_transform(),
                         va="center", fontsize=6, color="#333333")
     known = [cell.time.value for cell in cells.values() if cell.time.n and np.isfinite(cell.time.value)] or [1.0]
     ax.set_xscale("log")
@@ -123,7 +121,3 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     style.legend_above(figure, [plt.Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
                                 for _, label in labels], columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,47 +2,48 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, mesh_picture, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
-from analysis.shared.mesh_picture import Mesh, Values
+from analysis.shared import mesh_picture, shapes, style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
+from analysis.shared.shapes import Mesh
 
-STEM = "sacht2024_fig1"
 MARK: Final = "#D55E00"
 PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    case = next((row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)
-                 and np.isfinite(cases.witness_source[row]).all()), None)
-    if case is None:
-        raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {STEM}'")
+    shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)
+             and np.isfinite(cases.witness_source[row]).all()]
+    if not shown:
+        raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {results.stem}'")
+    case = shown[0]
     diagonal, distance = float(cases.source_diagonal[case]), results.fields_of(case)["distance"]
     low, high = (100 * x / diagonal for x in results.reference_of(case))
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
                          ["pair", "|A| / |B|", "h, lower", "h, upper", "at the vertices of A alone", "paper"], left=1)
-    table.rows.append([str(cases.scene[case]), f"{cases.source_elements[case]:,} / {cases.target_elements[case]:,}",
+    table.rows.append([cases.scene[case], results.sizes(case),
                        tables.number(low, 6), tables.number(high, 6), tables.number(100 * float(distance.max()) / diagonal),
                        f"< {PAPER:g}"])
     table.notes = [f"{cases.scene_note[case]}.", "The paper's number is of its own pair, and of the diagonal of the box of A and B.",
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [{"scene": cases.scene[case], "lower": cases.lower[case], "upper": cases.upper[case],
                                      "diagonal": diagonal, "at_vertices": float(distance.max())}]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, case), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, case), table, records)
 
 
 def draw(results: Results, case: int) -> Any:
     """A, B, how far A is from B, and the witness from near."""
     cases = results.cases
-    source, target = str(cases.source[case]), str(cases.target[case])
-    a, b, eye = mesh_picture.mesh(source), mesh_picture.mesh(target), mesh_picture.view_of(source)
+    source, target = cases.source[case], cases.target[case]
+    a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
     pair = np.stack([cases.witness_source[case], cases.witness_target[case]])
     figure, axes = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 5.6))
     for ax, shown, title in ((axes[0][0], a, f"A: {len(a.triangles):,} triangles"), (axes[0][1], b, f"B: {len(b.triangles):,} triangles")):
@@ -53,7 +54,7 @@ def draw(results: Results, case: int) -> Any:
     return figure
 
 
-def draw_distances(ax: Any, figure: Any, a: Mesh, share: Values, eye: mesh_picture.View, pair: Values) -> None:
+def draw_distances(ax: Any, figure: Any, a: Mesh, share: Floats, eye: mesh_picture.View, pair: Floats) -> None:
     values = 100 * share[a.triangles].mean(axis=1)
     scale = plt.Normalize(0, float(values.max()))
     mesh_picture.draw(ax, a, eye, plt.get_cmap("viridis")(scale(values)), both_sides=not a.closed)
@@ -66,11 +67,11 @@ def draw_distances(ax: Any, figure: Any, a: Mesh, share: Values, eye: mesh_pictu
         "mean over the vertices, % of the diagonal")
 
 
-def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Values) -> None:
+def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -> None:
     """A cut through both meshes in the plane of the picture, which holds the witness."""
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
-    for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", (0, (4, 1.5)), "B")):
+    for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", style.DASHED, "B")):
         cut = section(eye.seen(shown.corners), shown, float(ends[0, 2]))
         for piece in cut:
             ax.plot(*piece.T, color=colour, linestyle=line, linewidth=1.0)
@@ -82,9 +83,9 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Values) -
     ax.set_title("cut through A and B at the witness")
 
 
-def section(corners: Values, shown: Mesh, depth: float) -> list[Values]:
+def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
     """Where the triangles meet the plane at this depth: a segment of each that crosses it, from one of its sides to another."""
-    sides, found = corners[shown.triangles], list[Values]()
+    sides, found = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]):
         ends = []
@@ -94,7 +95,3 @@ def section(corners: Values, shown: Mesh, depth: float) -> list[Values]:
                 ends.append((p + (depth - p[2]) / (q[2] - p[2]) * (q - p))[:2])
         found.append(np.stack(ends))
     return found
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

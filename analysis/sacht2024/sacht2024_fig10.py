@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.cells import MEASURES, Cell, in_time_and_work
+from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import Wins, share_near, shared_wins, wins_more
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_fig10"
 # What the paper draws, in its words: the seven worst, two in between, the ten best, from the worst to the best.
 DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
@@ -34,12 +33,12 @@ class Orders:
         rows: dict[str, dict[str, int]] = {}
         self.lost: dict[str, str] = {}  # pairs without a model, and why
         for row in range(len(cases)):
-            scene = str(cases.scene[row])
+            scene = cases.scene[row]
             if cases.status[row] in NEVER_RAN:
-                self.lost[scene] = str(cases.reason[row]) or str(cases.status[row])
+                self.lost[scene] = cases.reason[row] or cases.status[row]
             else:
                 rows.setdefault(str(results.options(row).get("order", BEST)), {})[scene] = row
-        self.scenes = [s for s in map(str, results.in_order("scene")) if s not in self.lost]
+        self.scenes = [s for s in map(str, results.scenes) if s not in self.lost]
         known = [order for order in DRAWN if order in rows]
         self.orders = [*sorted(rows.keys() - set(known), key=lambda order: (len(order), order)), *known]
         self.cells = {(order, scene): Cell(results, [row]) for order, of in rows.items() for scene, row in of.items()}
@@ -53,7 +52,7 @@ class Orders:
     def cost(self, order: str, scene: str, what: str) -> float:
         """Time, or what is named in MEASURES; NaN where it did not come to the tolerance."""
         cell = self.cells.get((order, scene))
-        return np.nan if cell is None else cell.count(MEASURES[what]) if what else cell.time.value
+        return np.nan if cell is None else cell.cost(what)
 
     def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
         """Who wins among these, on each pair that some order solves."""
@@ -77,14 +76,15 @@ def verdicts(found: Orders) -> list[Verdict]:
     """The first three in time and in counted work."""
     def more(claim: str, ahead: Iterable[str], behind: Iterable[str]) -> Verdict:
         ahead, behind = list(ahead), list(behind)
-        by = {what: wins_more(claim, found.of(ahead, what), found.of(behind, what)) for what in ("", *MEASURES)}
-        return by.pop("").with_counts(by)
+        return in_time_and_work(lambda what: wins_more(claim, found.of(ahead, what), found.of(behind, what)))
 
     def alone(claim: str, ahead: list[str], behind: list[str]) -> Verdict:
-        wins = {what: found.shared(SINGLE, what) for what in ("", *MEASURES)}
-        by = {what: wins_more(claim, {o: of[o] for o in ahead if o in of}, {o: of[o] for o in behind if o in of})
-              for what, of in wins.items()}
-        return by.pop("").with_counts(by)
+        def judge(what: str) -> Verdict:
+            wins = found.shared(SINGLE, what)
+            better, worse = ({order: wins[order] for order in orders if order in wins} for orders in (ahead, behind))
+            return wins_more(claim, better, worse)
+
+        return in_time_and_work(judge)
 
     with_u3 = [order for order in found.orders if "3" in order]
     return [
@@ -95,7 +95,7 @@ def verdicts(found: Orders) -> list[Verdict]:
     ]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found = Orders(results)
     word = clock_word(results)
     table = tables.Table(
@@ -125,7 +125,7 @@ def make(results: Results, out: Path) -> list[Path]:
             for what in ("", *MEASURES)}, **cell.counters}
         for (order, scene), cell in found.cells.items()]
     records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found), table, records)
 
 
 def place(order: str) -> str:
@@ -180,7 +180,3 @@ def draw(found: Orders) -> Any:
                patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
     style.legend_above(figure, entries, columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -12,11 +10,13 @@ import numpy as np
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
-from analysis.shared import command, mesh_picture, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared import mesh_picture, shapes, style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
+from analysis.shared.shapes import Mesh
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
-STEM = "sacht2024_fig11"
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
 THIN: Final = 0.1
 COLOURS: Final = ("#999999", "#0072B2", "#56B4E9", "#E69F00", "#D55E00")
@@ -44,9 +44,9 @@ def collect(results: Results) -> list[Shown]:
     for case in range(len(cases)):
         fields = results.fields_of(case)
         if cases.solver[case] == "sacht" and results.is_bounded(case) and "bound" in fields:
-            found.append(Shown(str(cases.scene[case]), case, fields["bound"].astype(np.int64)))
+            found.append(Shown(cases.scene[case], case, fields["bound"].astype(np.int64)))
     if not found:
-        raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row of sacht has the field 'bound': measure it again with 'make {results.stem}'")
     return found
 
 
@@ -65,7 +65,7 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
     return found
 
 
-def thin(pair: Shown, a: mesh_picture.Mesh) -> Verdict:
+def thin(pair: Shown, a: Mesh) -> Verdict:
     """The bound that most of the thinnest triangles of A end with: of those whose height is below THIN of their longest edge."""
     sides = a.corners[a.triangles]
     edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
@@ -80,25 +80,23 @@ def thin(pair: Shown, a: mesh_picture.Mesh) -> Verdict:
                    f"longest edge: {said}")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     pairs, cases = collect(results), results.cases
     table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
                          "Fig. 11 of Sacht and Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
     for pair in pairs:
-        low, high = results.reference_of(pair.case)
-        table.rows.append([pair.scene, f"{cases.source_elements[pair.case]:,} / {cases.target_elements[pair.case]:,}",
-                           tables.number(50 * (low + high) / float(cases.source_diagonal[pair.case])),
+        table.rows.append([pair.scene, results.sizes(pair.case), tables.number(100 * results.share(pair.case)),
                            f"{cases.counters['subdivisions'][pair.case]:,}", *[tables.number(100 * share) for share in pair.shares]])
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]
     table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
-                   *[thin(pair, mesh_picture.mesh(str(cases.source[pair.case]))).line() for pair in pairs],
+                   *[thin(pair, shapes.mesh(results, cases.source[pair.case])).line() for pair in pairs],
                    "Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed where "
                    "those before it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints "
                    "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles.",
                    *[f"{pair.scene}: {cases.scene_note[pair.case]}." for pair in pairs],
                    f"Tolerance {cases.tolerance[pairs[0].case]:g} of the diagonal of A. Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, pairs), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, pairs), table, records)
 
 
 def draw(results: Results, pairs: list[Shown]) -> Any:
@@ -107,9 +105,9 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
     palette = np.array([to_rgba(colour) for colour in COLOURS])
     for (left, right), pair in zip(axes, pairs):
         source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
-        eye, a = mesh_picture.view_of(source), mesh_picture.mesh(source)
+        eye, a = mesh_picture.view_of(source), shapes.mesh(results, source)
         mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed)
-        b = mesh_picture.mesh(target)
+        b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
         witness = eye.seen(results.cases.witness_source[pair.case])
         left.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
@@ -121,7 +119,3 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
                           label="the farthest point found")]
     style.legend_above(figure, entries, columns=6)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,38 +2,37 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm
 
-from analysis.shared import command, mesh_picture, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.sacht2024.sacht_pairs import percent
+from analysis.shared import mesh_picture, shapes, style, tables
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
-STEM: Final = "sacht2024_fig12"
 EDGES: Final = 20_000  # triangles: of a mesh with more of them the edges would hide it
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)]
     if not shown:
-        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
     table = tables.Table("The near-zero pairs of Fig. 12 of Sacht and Jacobson 2024, as they are drawn.",
                          ["pair", "A", "B", "|A|", "|B|", "h(A, B), % of the diagonal", "farthest vertex, %"], left=3)
     records: list[tables.Record] = []
     for row in shown:
         diagonal, farthest = float(cases.source_diagonal[row]), float(results.fields_of(row)["distance"].max())
         low, high = results.reference_of(row)
-        table.rows.append([str(cases.scene[row]), str(cases.source[row]), str(cases.target[row]), f"{cases.source_elements[row]:,}",
+        table.rows.append([cases.scene[row], cases.source[row], cases.target[row], f"{cases.source_elements[row]:,}",
                            f"{cases.target_elements[row]:,}", percent(0.5 * (low + high) / diagonal), percent(farthest / diagonal)])
         records.append({"scene": cases.scene[row], "lower": low, "upper": high, "diagonal": diagonal, "farthest_vertex": farthest})
     table.notes = ["None of the models is the paper's.", *scene_notes(results), f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, shown), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, shown), table, records)
 
 
 def draw(results: Results, shown: list[int]) -> Any:
@@ -42,12 +41,12 @@ def draw(results: Results, shown: list[int]) -> Any:
     figure, axes = plt.subplots(2, len(shown), figsize=(style.DOUBLE_COLUMN, 4.3), squeeze=False)
     pairs = []
     for row in shown:
-        a, b = (mesh_picture.mesh(str(column[row])) for column in (cases.source, cases.target))
+        a, b = (shapes.mesh(results, column[row]) for column in (cases.source, cases.target))
         of_corner = 100 * results.fields_of(row)["distance"] / float(cases.source_diagonal[row])
         pairs.append((row, a, b, of_corner[a.triangles].mean(axis=1)))
     scale = PowerNorm(0.5, 0, float(np.max([values.max() for *_, values in pairs])))
     for k, (row, a, b, values) in enumerate(pairs):
-        eye, scene = mesh_picture.view_of(str(cases.scene[row])), str(cases.scene[row])
+        eye, scene = mesh_picture.view_of(cases.scene[row]), cases.scene[row]
         for ax, shape, colours, side in ((axes[0][k], a, plt.get_cmap("viridis")(scale(values)), "A"), (axes[1][k], b, None, "B")):
             mesh_picture.draw(ax, shape, eye, colours, edges=0.1 if side == "B" and len(shape.triangles) <= EDGES else 0.0,
                               both_sides=not (shape.closed and shape.manifold))
@@ -55,7 +54,3 @@ def draw(results: Results, shown: list[int]) -> Any:
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=list(axes[0]), shrink=0.8, pad=0.01)
     bar.set_label("distance to B,\n% of the diagonal")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, everywhere
 
-STEM = "sacht2024_fig13"
 TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # of the diagonal of A
 RIVALS = ("kang", "zheng")
 
@@ -45,7 +45,7 @@ def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
         if len(hits):
             seconds = results.prepare_seconds(finest) + float(trace.seconds[hits[0]])
             return Reach(seconds, "trace", {0: seconds})
-        return Reach(np.nan, str(cases.status[finest]) if cases.status[finest] != "ok" else "not asked")
+        return Reach(np.nan, cases.status[finest] if cases.status[finest] != "ok" else "not asked")
     asked = [r for r in rows if np.isclose(cases.tolerance[r], tolerance, rtol=1e-9, atol=0)]
     if not asked:
         return Reach(np.nan, "not asked" if rows or not len(results.rows(scene=scene, label=label)) else "unsound")
@@ -91,14 +91,14 @@ def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
         def counted(what: str, rival: str = rival) -> Callable[[float], Estimate]:
             return lambda t: exact(work_of(found, rival, scenes, t, what) / work_of(found, "sacht", scenes, t, what))
 
-        claim = f"Sacht reaches every tolerance in less time than {style.look(rival).title}"
+        claim = f"Sacht reaches every tolerance in less time than {style.title(rival)}"
         lines.append(over(claim, timed).with_counts({what: over(claim, counted(what)) for what in MEASURES}))
     return lines
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
-    scenes = results.in_order("scene")
+    scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
     found = {(label, scene, t): reach(results, scene, label, t)
              for _, label in labels for scene in scenes for t in TOLERANCES}
@@ -118,7 +118,7 @@ def make(results: Results, out: Path) -> list[Path]:
     for solver, label in labels:
         row = [tables.NOTHING if (label, t) not in asked else tables.estimate(average[label, t], 1e3) if average[label, t].n
                else f"{reached[label, t]} of {len(scenes)}" for t in TOLERANCES]
-        table.rows.append([style.look(solver, label).title, *row, tables.number(paper.get(label, np.nan) * 1e3)])
+        table.rows.append([style.title(solver, label), *row, tables.number(paper.get(label, np.nan) * 1e3)])
     table.notes = [
         *[verdict.line() for verdict in verdicts(found, scenes)],
         "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
@@ -128,8 +128,7 @@ def make(results: Results, out: Path) -> list[Path]:
         ("Each tolerance is asked for on its own. " + tables.coverage_note(average.values()) + " Of each round the mean over the pairs. "
          + clock_note(results)),
         "The paper's times include the construction of the BVH. A dash: not asked for.",
-        *[f"{style.scene_title(scene)}: {note}" for scene in scenes
-          if (note := cases.scene_note[results.rows(scene=scene)[0]])],
+        *[f"{style.scene_title(scene)}: {note}" for scene in scenes if (note := cases.scene_note[results.rows(scene=scene)[0]])],
         "Paper: means of its Table 2 at 1e-8; Fig. 13 itself prints no numbers. Its pairs: "
         + ", ".join(row["scene"] for row in printed["row"]) + f"; {printed['machine']}.",
         f"Here: {machine_line(results)}."]
@@ -140,8 +139,7 @@ def make(results: Results, out: Path) -> list[Path]:
          **found[label, scene, t].work,
          "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
         for solver, label in labels for scene in scenes for t in TOLERANCES]
-    figure = draw(labels, len(scenes), average, reached, asked, paper)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(labels, len(scenes), average, reached, asked, paper), table, records)
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
@@ -153,11 +151,11 @@ def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) ->
             for k, t in enumerate(TOLERANCES, start=1):
                 reached = found[label, scene, t]
                 if np.isnan(reached.seconds) and reached.read_from != "not asked":
-                    word = style.STATUS_WORDS.get(reached.read_from, reached.read_from)
+                    word = style.status_word(reached.read_from)
                     why.setdefault(f"{scene} {word}", []).append(f"1e-{k}")
         if why:
             each = "; ".join(f"{what} ({', '.join(where)})" for what, where in why.items())
-            parts.append(f"{style.look(solver, label).title}: {each}.")
+            parts.append(f"{style.title(solver, label)}: {each}.")
     return " ".join(parts)
 
 
@@ -185,8 +183,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
         looks = style.look(solver, label)
         drawn = [t for t in TOLERANCES if average[label, t].n]
         for t in drawn:
-            if average[label, t].has_interval:
-                ax.plot([t, t], [average[label, t].low * 1e3, average[label, t].high * 1e3], color=looks.colour, linewidth=1.2)
+            style.interval(ax, average[label, t], t, 1e3, upright=True, color=looks.colour, linewidth=1.2)
         ax.plot(drawn, [average[label, t].value * 1e3 for t in drawn], zorder=3,
                 **(style.filled_marker(looks) | {"linestyle": looks.line}))
         if label in paper:
@@ -210,7 +207,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
         ax.set_ylim(1, 1e4)
     ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
-    style.log_ticks(ax.yaxis)
+    scales.log_ticks(ax.yaxis)
     powers = [f"$10^{{-{k}}}$" for k in range(1, 9)]
     if any(label in paper for _, label in labels):
         ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper"])
@@ -223,7 +220,3 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     style.legend_above(figure, style.handles(labels))
     figure.get_layout_engine().set(h_pad=0.02, hspace=0.0)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
+from analysis.sacht2024.sacht_pairs import percent
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, in_time_and_work
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
-STEM: Final = "sacht2024_fig14"
 SLOW, FAST = "zheng", "sacht"  # whose ratio it is
 THOUSANDS: Final = ("square, cut the other way", 1000.0)  # the scene that was built for it, before it was timed
 TWENTIETH: Final = ("cube, finer", 20.0)
@@ -45,9 +44,9 @@ class Outlier:
 def collect(results: Results) -> list[Outlier]:
     def find(scene: str, label: str, tolerance: float) -> Row | None:
         rows = results.rows(scene=scene, label=label, tolerance=tolerance)
-        return row_of(results, int(rows[0])) if len(rows) else None
+        return row_of(results, rows[0]) if len(rows) else None
 
-    return [Outlier(scene, t, find(scene, SLOW, t), find(scene, FAST, t)) for scene in results.in_order("scene")
+    return [Outlier(scene, t, find(scene, SLOW, t), find(scene, FAST, t)) for scene in results.scenes
             for t in sorted(results.in_order("tolerance"), reverse=True)]
 
 
@@ -59,8 +58,7 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
     def one(claim: str, scene: str, times: float, turned: bool) -> Verdict:
         x = by_scene.get(scene, Outlier(scene, 0.0, None, None))
         pair = (x.fast, x.slow) if turned else (x.slow, x.fast)
-        return above(claim, time_ratio(*pair), times).with_counts(
-            {what: above(claim, work_ratio(*pair, what), times) for what in MEASURES})
+        return in_time_and_work(lambda what: above(claim, ratio_of(*pair, what), times))
 
     slower = [x for x in finest if x.slow and x.fast and x.fast.time.n and x.ratio.estimate.separated and x.ratio.estimate.high < 1]
     long = [x for x in slower if x.fast and x.fast.time.value >= MILLISECOND]
@@ -70,20 +68,19 @@ def verdicts(found: list[Outlier]) -> list[Verdict]:
                    "pairs on which it is slower")]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found, cases = collect(results), results.cases
     unit, scale = "ms", 1e3
-    names = [style.look(label).title for label in (SLOW, FAST)]
+    names = [style.title(label) for label in (SLOW, FAST)]
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and counted work, on pairs that were built so that the two "
                          "solvers differ much (Fig. 14 of Sacht and Jacobson 2024).",
                          ["pair", "|A| / |B|", "h / diagonal, %", "tolerance", *names, " / ".join(names),
                           *[f"{what}: ratio" for what in MEASURES]], left=1)
     records: list[tables.Record] = []
     for x in found:
-        row = int(results.rows(scene=x.scene)[0])
-        low, high = results.reference(x.scene)
-        share = 0.5 * (low + high) / float(cases.source_diagonal[row])
-        table.rows.append([x.scene, f"{cases.source_elements[row]:,} / {cases.target_elements[row]:,}", percent(share), f"{x.tolerance:g}",
+        row = results.rows(scene=x.scene)[0]
+        share = results.share(row)
+        table.rows.append([x.scene, results.sizes(row), percent(share), f"{x.tolerance:g}",
                            *[each.text(scale) if each else tables.NOTHING for each in (x.slow, x.fast)], x.ratio.text(),
                            *[x.counted(what).text() for what in MEASURES]])
         records.append({"scene": x.scene, "tolerance": x.tolerance, "share": share, "ratio": x.ratio.estimate.value,
@@ -100,8 +97,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a "
                    "twentieth as fast on a third, on which both take less than a millisecond; MacBook Air M2, 8 GB.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(found, clock_word(results)), out, STEM, table.caption,
-                                                               unchecked_line(results))
+    return Report(lambda: draw(found, clock_word(results)), table, records)
 
 
 def draw(found: list[Outlier], clock: str) -> Any:
@@ -114,8 +110,7 @@ def draw(found: list[Outlier], clock: str) -> Any:
         k = tolerances.index(x.tolerance)
         y, colour, ratio = scenes.index(x.scene) + 0.14 * (k - 0.5 * (len(tolerances) - 1)), colours[k], x.ratio
         if ratio.estimate.n:
-            if ratio.estimate.has_interval:
-                ax.plot([ratio.estimate.low, ratio.estimate.high], [y, y], color=colour, linewidth=1.4)
+            style.interval(ax, ratio.estimate, y, color=colour, linewidth=1.4)
             ax.plot(ratio.estimate.value, y, "o", color=colour, markersize=4.5, markeredgecolor="white", markeredgewidth=0.4)
         elif ratio.at_least:
             ax.plot(ratio.at_least, y, ">", color=colour, markersize=5)
@@ -131,12 +126,8 @@ def draw(found: list[Outlier], clock: str) -> Any:
     ax.set_ylim(len(scenes) - 0.5, -0.6)
     ax.set_yticks(range(len(scenes)), scenes)
     ax.tick_params(axis="y", length=0)
-    style.log_ticks(ax.xaxis)
-    ax.set_xlabel(f"{clock} of {style.look(SLOW).title} / {style.look(FAST).title}; right of 1, {style.look(FAST).title} is faster")
+    scales.log_ticks(ax.xaxis)
+    ax.set_xlabel(f"{clock} of {style.title(SLOW)} / {style.title(FAST)}; right of 1, {style.title(FAST)} is faster")
     style.legend_above(figure, [plt.Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
                                 for t, colour in zip(tolerances, colours)], columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_limits import Bounded, Row, above, row_of, time_ratio, work_ratio
-from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import in_time_and_work
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-STEM: Final = "sacht2024_fig15"
 NEAR: Final = "fandisk"  # the scene that is nearly the same, but has other triangles
 COARSE, FINE = 1e-6, 1e-8
 PAPER_SECONDS: Final = 180.0  # what the paper's program takes longer than, at FINE
@@ -26,7 +24,7 @@ Rows = dict[tuple[str, str, float], int]
 
 def rows_of(results: Results) -> Rows:
     cases = results.cases
-    return {(str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])): row for row in range(len(cases))}
+    return {(cases.scene[row], cases.label[row], float(cases.tolerance[row])): row for row in range(len(cases))}
 
 
 def find(results: Results, rows: Rows, scene: str, label: str, tolerance: float) -> Row | None:
@@ -39,8 +37,7 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
     zheng = find(results, rows, NEAR, "zheng", FINE)
 
     def both(claim: str, slow: Row | None, fast: Row | None) -> Verdict:
-        return above(claim, time_ratio(slow, fast), 1).with_counts({what: above(claim, work_ratio(slow, fast, what), 1)
-                                                                    for what in MEASURES})
+        return in_time_and_work(lambda what: above(claim, ratio_of(slow, fast, what), 1))
 
     long = Bounded() if fine is None else time_ratio(fine, Row("ok", dict.fromkeys(fine.times or {0: 0.0}, PAPER_SECONDS), 0.0, {}))
     return [above("Sacht takes more than three minutes (the ratio is to these) at 1e-8 on a pair that is nearly the same", long, 1),
@@ -49,9 +46,9 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
             both("nearly the same: Sacht takes less time than Kang", kang, fine)]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, rows = results.cases, rows_of(results)
-    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     tolerances = sorted(results.in_order("tolerance"), reverse=True)
     table = tables.Table(f"{clock_title(results)} to prepare and solve, ms, on pairs that are nearly the same, and the bounds that were "
                          "reached (Fig. 15 of Sacht and Jacobson 2024).",
@@ -67,29 +64,28 @@ def make(results: Results, out: Path) -> list[Path]:
                 found, diagonal = row_of(results, row), float(cases.source_diagonal[row])
                 low, high = float(cases.lower[row]) / diagonal, float(cases.upper[row]) / diagonal
                 work = found.work["distances, bounds and nodes"]
-                table.rows.append([scene, style.look(solver, label).title, f"{t:g}", tables.number(low, 5), tables.number(high, 5),
+                table.rows.append([scene, style.title(solver, label), f"{t:g}", tables.number(low, 5), tables.number(high, 5),
                                    found.text(1e3), f"{work:,.0f}" if work else tables.NOTHING,
                                    f"{cases.counters['subdivisions'][row]:,}" if work else tables.NOTHING,
                                    ratio.text() if t == FINE else ""])
                 records.append({"scene": scene, "label": label, "tolerance": t, "status": found.status, "lower": low, "upper": high,
                                 "seconds": found.time.value, "low_seconds": found.time.low, "high_seconds": found.time.high,
                                 "stopped_seconds": found.limit, "work": work})
-    table.rows.append(["paper", "Sacht 2024", f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
-    table.rows.append(["paper", "Sacht 2024", f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", style.title("sacht"), f"{COARSE:g}", f"{PAPER_LOWER:g}", f"{PAPER_UPPER:g}", "about 120000", *3 * [tables.NOTHING]])
+    table.rows.append(["paper", style.title("sacht"), f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
     table.notes = [*[verdict.line() for verdict in verdicts(results, rows)], *scene_notes(results),
                    "Neither pair is the paper's (model 104606 of Thingi10K and its half): they are as near to each other as that, by design.",
                    "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
                    + tables.coverage_note(row_of(results, row).time for row in rows.values()) + " " + clock_note(results),
                    f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]
-    figure = draw(results, rows, labels, tolerances, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, rows, labels, tolerances, clock_word(results)), table, records)
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
     """A frame for each pair, a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
     leads on from where a solver was stopped: how far, nobody knows.
     """
-    scenes = results.in_order("scene")
+    scenes = results.scenes
     figure, axes = plt.subplots(1, len(scenes), figsize=(style.DOUBLE_COLUMN, 0.9 + 0.28 * len(labels)), sharey=True, squeeze=False)
     for ax, scene in zip(axes[0], scenes):
         for y, (solver, label) in enumerate(labels):
@@ -101,8 +97,7 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
                 at = y + 0.24 * (k - 0.5 * (len(tolerances) - 1))
                 marker = style.filled_marker(looks) if t == min(tolerances) else style.open_marker(looks)
                 if found.time.n:
-                    if found.time.has_interval:
-                        ax.plot([1e3 * found.time.low, 1e3 * found.time.high], [at, at], color=looks.colour, linewidth=1.4)
+                    style.interval(ax, found.time, at, 1e3, color=looks.colour, linewidth=1.4)
                     ax.plot(1e3 * found.time.value, at, **marker)
                 elif found.limit:
                     ax.plot(1e3 * found.limit, at, **(marker | {"marker": ">"}))
@@ -111,22 +106,17 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
                     ax.annotate("stopped", (1e3 * found.limit, at), xytext=(-5, -2), textcoords="offset points", fontsize=6, ha="right",
                                 color="#333333")
                 else:
-                    ax.text(0.98, at, f"{style.STATUS_WORDS.get(found.status, found.status)}, {t:g}", fontsize=6, ha="right", va="center",
+                    ax.text(0.98, at, f"{style.status_word(found.status)}, {t:g}", fontsize=6, ha="right", va="center",
                             transform=ax.get_yaxis_transform(), color="#333333")
-        low, high = results.reference(scene)
-        share = 0.5 * (low + high) / float(results.cases.source_diagonal[results.rows(scene=scene)[0]])
+        share = results.share(results.rows(scene=scene)[0])
         ax.set_title(f"{scene}: h / dA = {tables.number(share, 2)}")
         ax.set_xscale("log")
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
         ax.set_xlabel(f"{clock} to prepare and solve (ms)")
         ax.tick_params(axis="y", length=0)
-    axes[0][0].set_yticks(range(len(labels)), [style.look(*label).title for label in labels])
+    axes[0][0].set_yticks(range(len(labels)), [style.title(*label) for label in labels])
     axes[0][0].set_ylim(len(labels) - 0.5, -0.5)
     grey = style.Look("", style.GREY, "o")
     style.legend_above(figure, [plt.Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
                                                                                else style.open_marker(grey))) for t in tolerances])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

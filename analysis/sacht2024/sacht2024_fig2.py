@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
+from analysis.shared.notes import clock_note, clock_word, machine_line
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import Verdict
 
-STEM = "sacht2024_fig2"
 FAST, SLOW = "sacht", "zheng"
 PAPER = 16.0  # times as fast, on average
 SIZES = ((0, 1_000), (1_000, 5_000), (5_000, 20_000), (20_000, 10**12))  # triangles of A
@@ -60,15 +59,15 @@ class Pairs:
         self.pairs: list[Pair] = []
         self.lost: dict[str, str] = {}  # pairs without an answer of both, and why: a model that is not there
         cases = results.cases
-        for scene in results.in_order("scene"):
-            rows = {solver: [int(r) for r in results.rows(scene=scene, label=solver)] for solver in (FAST, SLOW)}
-            absent = [str(cases.reason[r]) or str(cases.status[r]) for of in rows.values() for r in of
+        for scene in results.scenes:
+            rows = {solver: results.rows(scene=scene, label=solver) for solver in (FAST, SLOW)}
+            absent = [cases.reason[r] or cases.status[r] for of in rows.values() for r in of
                       if cases.status[r] in NEVER_RAN]
             if absent or not all(rows.values()):
-                self.lost[str(scene)] = absent[0] if absent else "one solver was not run"
+                self.lost[scene] = absent[0] if absent else "one solver was not run"
                 continue
             first = rows[FAST][0]
-            self.pairs.append(Pair(str(scene), int(cases.source_elements[first]),
+            self.pairs.append(Pair(scene, int(cases.source_elements[first]),
                                    {solver: Cell(results, of) for solver, of in rows.items()},
                                    float(cases.case_seconds_limit[first])))
 
@@ -83,8 +82,7 @@ class Pairs:
 def verdicts(found: Pairs) -> list[Verdict]:
     """Each in time and in counted work."""
     def means(claim: str, mean: Any, bar: float, what: str) -> Verdict:
-        by = {measure: mean_at_least(claim, mean(found.ratios(measure)), bar, what) for measure in ("", *MEASURES)}
-        return by.pop("").with_counts(by)
+        return in_time_and_work(lambda measure: mean_at_least(claim, mean(found.ratios(measure)), bar, what))
 
     done = {solver: np.array([not pair.over(solver) for pair in found.pairs], dtype=bool) for solver in (FAST, SLOW)}
     return [
@@ -96,7 +94,7 @@ def verdicts(found: Pairs) -> list[Verdict]:
     ]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found = Pairs(results)
     word = clock_word(results)
     table = tables.Table(
@@ -126,7 +124,7 @@ def make(results: Results, out: Path) -> list[Path]:
          **cell.counters}
         for pair in found.pairs for solver, cell in pair.cells.items()]
     records += [{"scene": scene, "status": why} for scene, why in found.lost.items()]
-    return tables.save(table, records, out, STEM) + style.save(draw(found), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found), table, records)
 
 
 def rounds_text(found: Pairs) -> str:
@@ -176,9 +174,9 @@ def draw(found: Pairs) -> Any:
                 markeredgecolor="white", markeredgewidth=0.25, zorder=3)
         mean: Estimate = geometric_mean([y for _, y in known])
         ax.axhline(1, color="black", linewidth=0.6, zorder=1)
-        ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), zorder=1)
+        ax.axhline(PAPER, color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, zorder=1)
         if mean.n:
-            ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), zorder=2)
+            ax.axhline(mean.value, color="#D55E00", linewidth=0.9, linestyle=style.DASHED, zorder=2)
             if mean.has_interval:
                 ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
         ax.set(xscale="log", yscale="log", xlabel="triangles of A",
@@ -196,7 +194,7 @@ def draw(found: Pairs) -> Any:
     sizes = [pair.triangles for pair in found.pairs] or [1000]
     for ax in axes:
         ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
         ax.yaxis.set_minor_locator(plt.NullLocator())
         ax.yaxis.set_major_locator(plt.FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
         ax.yaxis.set_major_formatter(plt.FuncFormatter(lambda y, _: f"{y:,g}"))
@@ -205,11 +203,7 @@ def draw(found: Pairs) -> Any:
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
             entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
                                       markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=(0, (4, 1.5)), label="geometric mean, 95 %"),
-                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=(0, (1, 1)), label="16, the paper's average")]
+    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean, 95 %"),
+                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
     style.legend_above(figure, entries, columns=len(entries))
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

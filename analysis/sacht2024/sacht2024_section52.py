@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.sacht2024.sacht_pairs import scene_notes
+from analysis.shared import scales, style, tables
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
-STEM: Final = "sacht2024_section52"
 PIECES: Final = "too many pieces"
 # What the published program does, as the paper tells, or as it was seen where that is said.
 THEIRS: Final = {
@@ -28,10 +26,10 @@ THEIRS: Final = {
 
 def problem(results: Results, row: int) -> str:
     """How the row fails; empty where it has bounds that hold and says truly how it ended."""
-    cases, status = results.cases, str(results.cases.status[row])
+    cases, status = results.cases, results.cases.status[row]
     low, high = float(cases.lower[row]), float(cases.upper[row])
     if not (np.isfinite(low) and np.isfinite(high)):
-        return f"no bounds ({style.STATUS_WORDS.get(status, status)})"
+        return f"no bounds ({style.status_word(status)})"
     if status == "unsound" or "unsound" in (cases.lower_check[row], cases.upper_check[row]):
         return "unsound"
     if low > high:
@@ -47,9 +45,9 @@ def problem(results: Results, row: int) -> str:
 def text(results: Results, row: int) -> str:
     if found := problem(results, row):
         return found
-    cases, status = results.cases, str(results.cases.status[row])
+    cases, status = results.cases, results.cases.status[row]
     gap = results.gap(row) / float(cases.source_diagonal[row])
-    return f"{'ends' if status == 'ok' else style.STATUS_WORDS.get(status, status)}, gap {tables.number(gap, 2)}"
+    return f"{'ends' if status == 'ok' else style.status_word(status)}, gap {tables.number(gap, 2)}"
 
 
 def certified(results: Results, scene: str) -> list[int]:
@@ -59,7 +57,7 @@ def certified(results: Results, scene: str) -> list[int]:
 def verdicts(results: Results) -> list[Verdict]:
     """Each row is deterministic, so a count says all."""
     found = []
-    for scene in results.in_order("scene"):
+    for scene in results.scenes:
         rows = certified(results, scene)
         bad = [row for row in rows if problem(results, row)]
         found.append(all_of(f"{scene}: the bounds of every certified solver hold", len(bad), len(rows), len(rows), "rows"))
@@ -69,25 +67,25 @@ def verdicts(results: Results) -> list[Verdict]:
 def reached(results: Results) -> Verdict:
     """Of the rows of sacht with a max_factor of their own: whether only the coarser tolerance is reached."""
     cases, claim = results.cases, "with too few pieces allowed, Sacht ends at 1e-5 and not at 1e-8"
-    status = {float(cases.tolerance[row]): str(cases.status[row]) for row in results.rows(scene=PIECES, solver="sacht")
+    status = {float(cases.tolerance[row]): cases.status[row] for row in results.rows(scene=PIECES, solver="sacht")
               if cases.label[row] != "sacht"}
     if not {1e-5, 1e-8} <= status.keys():
         return Verdict(claim, UNTESTED, "no such rows")
-    said = ", ".join(f"{t:g}: {style.STATUS_WORDS.get(status[t], status[t])}" for t in (1e-5, 1e-8))
+    said = ", ".join(f"{t:g}: {style.status_word(status[t])}" for t in (1e-5, 1e-8))
     return Verdict(claim, HOLDS if (status[1e-5], status[1e-8]) == ("ok", "budget") else FAILS, said)
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     table = tables.Table("The failures of section 5.2 of Sacht and Jacobson 2024, built again: how each solver ends here, and the gap between "
                          "its bounds over the diagonal of A.",
-                         ["scene", "the paper's program", "tolerance", "h / dA", *[style.look(*label).title for label in labels]], left=2)
+                         ["scene", "the paper's program", "tolerance", "h / dA", *[style.title(*label) for label in labels]], left=2)
     for scene in scenes:
         first = results.rows(scene=scene)[0]
         low, high = (x / float(cases.source_diagonal[first]) for x in results.reference(scene))
         for t in sorted({float(cases.tolerance[row]) for row in results.rows(scene=scene)}):
-            cells = [text(results, int(rows[0])) if len(rows := results.rows(scene=scene, label=label, tolerance=t)) else tables.NOTHING
+            cells = [text(results, rows[0]) if (rows := results.rows(scene=scene, label=label, tolerance=t)) else tables.NOTHING
                      for _, label in labels]
             table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", f"[{tables.number(low, 4)}, {tables.number(high, 4)}]",
                                *cells])
@@ -101,8 +99,7 @@ def make(results: Results, out: Path) -> list[Path]:
          "lower": cases.lower[row], "upper": cases.upper[row], "diagonal": cases.source_diagonal[row], "exact": cases.exact[row],
          "problem": problem(results, row), "lower_check": results.check_of(row),
          "subdivisions": int(cases.counters["subdivisions"][row])} for row in range(len(cases))]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes, labels), out, STEM, table.caption,
-                                                               unchecked_line(results))
+    return Report(lambda: draw(results, scenes, labels), table, records)
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
@@ -110,13 +107,13 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
     cases = results.cases
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
     gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]
-    axis = style.LogAxis(ax, [*gaps, 1e-8])
+    axis = scales.LogAxis(ax, [*gaps, 1e-8])
     for k, (solver, label) in enumerate(labels):
         looks = style.look(solver, label)
         for row in results.rows(label=label):
             x = scenes.index(cases.scene[row]) + 0.11 * (k - 0.5 * (len(labels) - 1))
             if not results.is_bounded(int(row)):
-                ax.annotate(style.STATUS_LETTERS.get(str(cases.status[row]), "F"), (x, 0.97), xycoords=("data", "axes fraction"),
+                ax.annotate(style.STATUS_LETTERS.get(cases.status[row], "F"), (x, 0.97), xycoords=("data", "axes fraction"),
                             fontsize=6.5, color=looks.colour, ha="center", va="top")
                 continue
             y = float(axis.place(results.gap(int(row)) / float(cases.source_diagonal[row])))
@@ -129,12 +126,6 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
     ax.tick_params(axis="x", length=0)
     ax.grid(False, axis="x")
     ax.set_ylabel("gap / diagonal of A")
-    grey = style.Look("", style.GREY, "o")
-    style.legend_above(figure, [*style.handles(labels, lines=False), plt.Line2D([], [], label="ends", **style.filled_marker(grey)),
-                                plt.Line2D([], [], label="stopped, the bounds hold", **style.open_marker(grey)),
+    style.legend_above(figure, [*style.handles(labels, lines=False), style.filled_entry("ends"), style.open_entry("stopped, the bounds hold"),
                                 plt.Line2D([], [], linestyle="none", label="T: stopped, no bounds")], columns=5)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, mesh_picture, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, paper_numbers, unchecked_line
-from analysis.sacht2024.sacht_pairs import percent, scene_notes
+from analysis.sacht2024.sacht_pairs import percent
+from analysis.shared import shapes, style, tables
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line, scene_notes
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 
-STEM: Final = "sacht2024_table1"
 
-
-def topology(model: str) -> str:
+def topology(results: Results, model: str) -> str:
     """'closed', 'open', and whether it is a manifold; a dash where the model is not there."""
     try:
-        found = mesh_picture.mesh(model)
+        found = shapes.mesh(results, model)
     except ResultError:
         return tables.NOTHING
     return ("closed" if found.closed else "open") + ("" if found.manifold else ", not a manifold")
@@ -27,13 +26,10 @@ def topology(model: str) -> str:
 def share(results: Results, scene: str, quantity: str) -> float:
     """The distance over the diagonal of A, from its certified interval."""
     rows = results.rows(scene=scene, quantity=quantity)
-    if not len(rows):
-        return float("nan")
-    low, high = results.reference_of(int(rows[0]))
-    return 0.5 * (low + high) / float(results.cases.source_diagonal[rows[0]])
+    return results.share(rows[0]) if rows else float("nan")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
     papers = {row["scene"]: row for row in printed["row"]}
     table = tables.Table("Near-zero pairs of meshes: numbers of triangles here and as printed in Table 1 of Sacht and Jacobson 2024, and how "
@@ -41,10 +37,10 @@ def make(results: Results, out: Path) -> list[Path]:
                          ["pair", "A", "B", "A is", "B is", "|A|", "|B|", "paper: |A|", "paper: |B|", "diagonal of A", "h(A, B), %",
                           "H(A, B), %"], left=5)
     records: list[tables.Record] = []
-    for scene in results.in_order("scene"):
-        row, paper = int(results.rows(scene=scene)[0]), papers.get(scene, {})
+    for scene in results.scenes:
+        row, paper = results.rows(scene=scene)[0], papers.get(scene, {})
         models = [str(column[row]) for column in (cases.source, cases.target)]
-        shapes = [topology(model) for model in models]
+        shapes = [topology(results, model) for model in models]
         sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
         counted = [int(paper[key]) if key in paper else -1 for key in ("source_elements", "target_elements")]
         distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]
@@ -59,15 +55,15 @@ def make(results: Results, out: Path) -> list[Path]:
                    "diagonals nor distances.",
                    "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
                    *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, papers), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, papers), table, records)
 
 
 def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
     """How far apart each pair is, against its triangles; the line is at 0.1 %."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     cases = results.cases
-    for scene in results.in_order("scene"):
-        row = int(results.rows(scene=scene)[0])
+    for scene in results.scenes:
+        row = results.rows(scene=scene)[0]
         x = float(cases.source_elements[row] + cases.target_elements[row])
         looks = style.look("sacht" if scene in papers else "zheng")
         for quantity, fill in (("symmetric", style.open_marker), ("directed", style.filled_marker)):
@@ -79,13 +75,7 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
     ax.axhline(0.1, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
     ax.set(xscale="log", yscale="log", xlabel="triangles, |A| + |B|", ylabel="distance, % of the diagonal of A")
     ax.margins(x=0.25, y=0.15)
-    entries = [plt.Line2D([], [], label="stands in", **style.filled_marker(style.look("sacht"))),
-               plt.Line2D([], [], label="derived", **style.filled_marker(style.look("zheng"))),
-               plt.Line2D([], [], label="filled: h(A, B)", **style.filled_marker(style.Look("", style.GREY, "o"))),
-               plt.Line2D([], [], label="open: H(A, B)", **style.open_marker(style.Look("", style.GREY, "o")))]
+    entries = [style.filled_entry("stands in", style.look("sacht")), style.filled_entry("derived", style.look("zheng")),
+               style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)")]
     style.legend_above(figure, entries, columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -7,7 +7,7 @@ from typing import Final
 
 from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES
-from analysis.shared.load import Results
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few
 
@@ -35,11 +35,11 @@ class Row:
     def text(self, scale: float) -> str:
         if self.ended:
             return tables.estimate(self.time, scale)
-        return f"> {tables.number(self.limit * scale)}" if self.limit else style.STATUS_WORDS.get(self.status, self.status)
+        return f"> {tables.number(self.limit * scale)}" if self.limit else style.status_word(self.status)
 
 
 def row_of(results: Results, row: int) -> Row:
-    cases, status = results.cases, str(results.cases.status[row])
+    cases, status = results.cases, results.cases.status[row]
     work = {what: float(sum(int(cases.counters[name][row]) for name in names if name in cases.counters))
             for what, names in MEASURES.items()}
     times = results.total_by_round(row)
@@ -85,6 +85,11 @@ def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
     if slow.ended and fast.ended:
         return Bounded(exact(ratio))
     return Bounded(at_least=ratio) if fast.ended else Bounded(at_most=ratio) if slow.ended else Bounded()
+
+
+def ratio_of(slow: Row | None, fast: Row | None, what: str) -> Bounded:
+    """Of times, or of what is named in MEASURES."""
+    return work_ratio(slow, fast, what) if what else time_ratio(slow, fast)
 
 
 def above(claim: str, ratio: Bounded, times: float) -> Verdict:

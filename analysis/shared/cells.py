@@ -1,7 +1,7 @@
 """Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
 
 A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
-file says which (`clock`), and `clock_note` says it under a table. Preparing is wall time, and is added to the first answer of
+file says which (`clock`), and notes.clock_note says it under a table. Preparing is wall time, and is added to the first answer of
 the process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is
 the round, a fresh process. Of several seeds it is the seed, which has processes of its own, by the median of its rounds:
 rounds alone would show how times vary, but not how seeds do.
@@ -11,21 +11,15 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 import numpy as np
 
 from analysis.shared import style, tables
-from analysis.shared.load import ResultError, Results
-from analysis.shared.statistics import (
-    NO_DATA,
-    Estimate,
-    median,
-    ratio_by_round,
-    ratio_of_counts,
-    ratio_of_medians,
-)
+from analysis.shared.results import ResultError, Results
+from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
+from analysis.shared.verdicts import Verdict, everywhere
 
 DISTANCES: Final = ("point_distances", "point_triangle_distances")
 WORK: Final = (*DISTANCES, "bound_tests", "node_visits")
@@ -49,7 +43,7 @@ class Cell:
                               "more than their seed: give each variant a label of its own in the experiment")
         self.results, self.cases, self.rows = results, rows, len(rows)
         self.seeded = takes_seed(results, first)
-        self.failures = Counter(str(cases.status[r]) for r in rows if cases.status[r] != "ok")
+        self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
         # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
         ok = not self.failures
         self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
@@ -93,12 +87,16 @@ class Cell:
         found = list(self.counted(names).values())
         return float(np.median(found)) if found and min(found) > 0 else np.nan
 
+    def cost(self, what: str = "") -> float:
+        """Time, or what is named in MEASURES; NaN where it has none."""
+        return self.count(MEASURES[what]) if what else self.time.value
+
     def text(self, scale: float) -> str:
         return self.failure_text() if self.failures else tables.estimate(self.time, scale)
 
     def failure_text(self) -> str:
         status, count = self.failures.most_common(1)[0]
-        word = style.STATUS_WORDS.get(status, status)
+        word = style.status_word(status)
         return word if count == self.rows else f"{word} ({count} of {self.rows})"
 
     def status(self) -> str:
@@ -119,34 +117,47 @@ def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
     return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
 
 
-def clocks(results: Results) -> dict[str, list[str]]:
-    """Labels by the clock of their rows with answers."""
-    found: dict[str, list[str]] = {}
-    for row in range(len(results.cases)):
-        if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
-            titles = found.setdefault(results.clock_of(row), [])
-            title = style.look(str(results.cases.solver[row]), str(results.cases.label[row])).title
-            if title not in titles:
-                titles.append(title)
-    return found
+def in_time_and_work(judge: Callable[[str], Verdict], counted: Iterable[str] = MEASURES) -> Verdict:
+    """The verdict on times, `judge("")`, with those on each kind of counted work."""
+    return judge("").with_counts({what: judge(what) for what in counted})
 
 
-def clock_word(results: Results) -> str:
-    """For captions and axes: 'CPU time', 'wall time', or 'time' where a table shows both."""
-    found = clocks(results)
-    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
+def count_text(cell: Cell | None, names: Sequence[str]) -> str:
+    count = cell.count(names) if cell else np.nan
+    return tables.NOTHING if np.isnan(count) else f"{count:,.0f}"
 
 
-def clock_title(results: Results) -> str:
-    """The same, to begin a sentence."""
-    word = clock_word(results)
-    return word[0].upper() + word[1:]
+class Grid:
+    """A cell for each scene and each label that was run on it."""
 
+    def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = ()) -> None:
+        """Labels with their solvers, in the order of columns: if not given, that of style.LOOKS."""
+        self.results, self.scenes = results, results.scenes
+        self.labels = list(labels) or style.order(zip(results.cases.solver, results.cases.label))
+        self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
+                      if (rows := results.rows(scene=scene, label=label))}
 
-def clock_note(results: Results) -> str:
-    found = clocks(results)
-    cpu = "process CPU time, children included"
-    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
-            "was read off a trace" if len(found) > 1 else
-            "Times are wall time" if "wall" in found else f"Times are {cpu}")
-    return f"{what}; preparing is wall time."
+    def first(self, scene: str) -> int:
+        return self.results.rows(scene=scene)[0]
+
+    def row(self, scene: str) -> list[Cell | None]:
+        """A cell for each label; None where it was not run."""
+        return [self.cells.get((scene, label)) for _, label in self.labels]
+
+    def texts(self, scene: str, scale: float) -> list[str]:
+        return [cell.text(scale) if cell else tables.NOTHING for cell in self.row(scene)]
+
+    def titles(self) -> list[str]:
+        return [style.title(*pair) for pair in self.labels]
+
+    def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
+        """Of times, or of what is named in MEASURES; NO_DATA where one of the two was not run."""
+        above, below = self.cells.get((scene, slow)), self.cells.get((scene, fast))
+        if above is None or below is None:
+            return NO_DATA
+        return compare_work(above, below, MEASURES[what]) if what else compare(above, below)
+
+    def less(self, claim: str, slow: str, fast: str, scenes: Sequence[str] | None = None) -> Verdict:
+        """A claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
+        among = self.scenes if scenes is None else scenes
+        return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among]))

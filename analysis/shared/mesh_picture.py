@@ -2,72 +2,25 @@
 
 from __future__ import annotations
 
-import subprocess
-import tempfile
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.collections import PolyCollection
 
-from analysis.shared.load import ResultError
-from analysis.shared.program import ROOT, program
+from analysis.shared.columns import Floats
+from analysis.shared.shapes import Mesh
 
-Values = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 GREY: Final = (0.80, 0.80, 0.82, 1.0)
-
-
-@dataclass(frozen=True)
-class Mesh:
-    corners: Values
-    triangles: Indices  # in the order in which the fields of a result are
-
-    @cached_property
-    def _edge_uses(self) -> Indices:
-        """Of each edge that joins two places, how many triangles use it. Corners at one place are one corner."""
-        _, place = np.unique(self.corners + 0.0, axis=0, return_inverse=True)
-        sides = np.sort(place.reshape(-1)[self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
-        return np.asarray(np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)[1], dtype=np.int64)
-
-    @property
-    def closed(self) -> bool:
-        """No edge is used once."""
-        return bool((self._edge_uses > 1).all())
-
-    @property
-    def manifold(self) -> bool:
-        """No edge is used more than twice. Vertices at which two fans of triangles meet are not looked for."""
-        return bool((self._edge_uses < 3).all())
-
-
-def mesh(name: str) -> Mesh:
-    """A model, from the program: result files hold no coordinates."""
-    if not program().is_file():
-        raise ResultError(f"model '{name}' cannot be drawn: there is no program {program()}: build it with 'make build'")
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "mesh.off"
-        done = subprocess.run([program(), "export", name, file], cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ResultError(f"model '{name}' cannot be drawn: {done.stderr.strip()}")
-        with file.open(encoding="ascii") as text:
-            text.readline()
-            count, faces = map(int, text.readline().split()[:2])
-            corners = np.loadtxt(text, max_rows=count, ndmin=2)
-            triangles = np.loadtxt(text, max_rows=faces, dtype=np.int64, ndmin=2)[:, 1:4]
-    return Mesh(corners, triangles)
 
 
 @dataclass(frozen=True)
 class View:
     """Three unit vectors: to the right, up, and towards the eye."""
 
-    axes: Values
+    axes: Floats
 
-    def seen(self, points: Values) -> Values:
+    def seen(self, points: Floats) -> Floats:
         return np.asarray(points @ self.axes.T)
 
 
@@ -78,7 +31,7 @@ def view(eye: tuple[float, float, float], up: tuple[float, float, float] = (0.0,
     return View(np.stack([right, np.cross(towards, right), towards]))
 
 
-def draw(ax: Any, shown: Mesh, of: View, colours: Values | None = None, edges: float = 0.0, both_sides: bool = False) -> None:
+def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False) -> None:
     """Triangles in their colours (n x 4; grey, if not given), darker where they are turned away from the eye. `edges` is the width of
     their outlines; 0: none. What faces away is left out, unless both sides are asked for: a surface with holes shows its inside.
     """
@@ -95,7 +48,7 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Values | None = None, edges: f
     frame(ax, corners)
 
 
-def frame(ax: Any, corners: Values, margin: float = 0.02) -> None:
+def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
     """Shows all of these points, as seen, and nothing of the axes."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     room = margin * float((high - low)[:2].max())
@@ -113,7 +66,7 @@ def view_of(name: str) -> View:
     return VIEWS.get(name, view((0.5, 0.4, 1)))
 
 
-def across(of: View, direction: Values) -> View:
+def across(of: View, direction: Floats) -> View:
     """The view that is turned until this direction lies in the plane of the picture, from left to right."""
     length = float(np.linalg.norm(direction))
     if not length > 0:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import scipy.stats
 
 from analysis.shared import tables
-from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate
+from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 Wins = npt.NDArray[np.bool_]  # one a pair
@@ -30,7 +30,7 @@ def arithmetic_mean(values: npt.ArrayLike) -> Estimate:
     middle = float(np.mean(x))
     if len(x) == 1:
         return Estimate(middle, math.nan, math.nan, 1, 0.0)
-    half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(x) - 1) * np.std(x, ddof=1) / math.sqrt(len(x)))
+    half = student_half_width(x)
     return Estimate(middle, middle - half, middle + half, len(x), CONFIDENCE)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.stats
 
-Floats = npt.NDArray[np.float64]
+from analysis.shared.columns import Floats
 
 CONFIDENCE = 0.95
 
@@ -138,6 +138,11 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
                         for count in ((a > b).sum(), (a < b).sum()))
     return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below,
                     0.5**logs.n)
+
+
+def student_half_width(values: Floats) -> float:
+    """Of Student's interval for the mean of two values or more, which is near 95 % where no few of them make the sum."""
+    return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
 def exact(ratio: float) -> Estimate:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis.shared.load import ResultError
+from analysis.shared.results import ResultError
 
 ANALYSIS = Path(__file__).resolve().parents[1]
 

@@ -86,6 +86,11 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
             f"with order-statistic intervals in brackets ({percent}).")
 
 
+def seconds(x: Estimate) -> Record:
+    """Fields of a record."""
+    return {"n": x.n, "median_seconds": x.value, "low_seconds": x.low, "high_seconds": x.high}
+
+
 def tex_escape(text: str) -> str:
     return "".join(_TEX.get(c, c) for c in text)
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shou2014.shou2014_example import Joined, join
 
-STEM = "shou2014_convergence"
 FORMS = ("natural", "centred", "affine", "modified_affine")
 MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"}
 
@@ -28,14 +28,14 @@ def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[
         key: tuple[Any, ...] = (float(cases.tolerance[row]),)
         if cases.solver[row] == "interval_subdivision":
             options = results.options(row)
-            key = (str(cases.label[row]), str(options["form"]), int(options["depth"]))
+            key = (cases.label[row], str(options["form"]), int(options["depth"]))
         groups.setdefault(key, []).append(row)
     both = {key: join(results, rows) for key, rows in groups.items() if len(rows) == 2}
     return ({(str(k[0]), str(k[1]), int(k[2])): v for k, v in both.items() if len(k) == 3},
             {float(k[0]): v for k, v in both.items() if len(k) == 1})
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     published, ours = collect(results)
     exact = float(paper_numbers("shou2014_example")["exact"])
     depths = sorted({depth for _, _, depth in published})
@@ -47,9 +47,7 @@ def make(results: Results, out: Path) -> list[Path]:
          "subdivision, s", "pruned pairs, s", "box distances", "all pairs, s", "box distances, all"])
     records: list[tables.Record] = []
     for (label, form, depth), one in sorted(published.items()):
-        records.append({"method": label, "form": form, "voxels": 2**depth, "lower": one.lower, "upper": one.upper,
-                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
-                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations})
+        records.append({"method": label, "form": form, "voxels": 2**depth, **one.record()})
     for depth in depths:
         if ("pruned pairs", "modified_affine", depth) not in published:
             continue
@@ -69,9 +67,7 @@ def make(results: Results, out: Path) -> list[Path]:
                            tables.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
                            *3 * [tables.NOTHING], f"{one.evaluations:,}", tables.number(one.prepare),
                            tables.number(one.solve), f"{one.distances:,}", tables.NOTHING, tables.NOTHING])
-        records.append({"method": "surface_enclosure", "tolerance": tolerance, "lower": one.lower, "upper": one.upper,
-                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
-                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations})
+        records.append({"method": "surface_enclosure", "tolerance": tolerance, **one.record()})
     table.rules = {rule}
     different = sorted({depth for depth in depths
                         if len({(o.lower, o.upper) for (label, _, d), o in published.items()
@@ -83,8 +79,7 @@ def make(results: Results, out: Path) -> list[Path]:
         "All four forms give the same interval at every size." if not different else
         "The forms give different intervals at " + ", ".join(f"{2**d}^3" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(published, ours, exact, depths), out, STEM,
-                                                               table.caption, unchecked_line(results))
+    return Report(lambda: draw(published, ours, exact, depths), table, records)
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:
@@ -93,60 +88,26 @@ def holding(intervals: Iterable[Joined], exact: float) -> str:
     return f"{sum(held)} of {len(held)}"
 
 
-def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float,
-         depths: list[int]) -> Any:
+Points = list[tuple[float, Joined]]  # by voxels an axis
+
+
+def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float, depths: list[int]) -> Any:
     figure, ((interval, bounds), (seconds, widths)) = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 4.3))
-    plain, enclosure = style.look("interval_subdivision"), style.look("surface_enclosure")
     at = [2.0**d for d in depths]
 
-    def of(label: str, form: str = "modified_affine") -> list[tuple[float, Joined]]:
+    def of(label: str, form: str = "modified_affine") -> Points:
         return [(2.0**d, published[label, form, d]) for d in depths if (label, form, d) in published]
 
-    pruned, every = of("pruned pairs"), of("all pairs")
-    interval.fill_between([x for x, _ in pruned], [r.lower for _, r in pruned], [r.upper for _, r in pruned],
-                          color=plain.colour, alpha=0.15, linewidth=0)
-    for end in ("lower", "upper"):
-        interval.plot([x for x, _ in pruned], [getattr(r, end) for _, r in pruned], color=plain.colour,
-                      marker=plain.marker, markersize=3.5)
-    interval.axhline(exact, color=enclosure.colour, linewidth=0.9, linestyle=(0, (3, 2)))
-    interval.annotate(r"$H = \sqrt{43}/3 - 4/3$", (at[0] if at else 1, exact), xytext=(4, -3),
-                      textcoords="offset points", ha="left", va="top", fontsize=7)
-    interval.set_ylabel("interval of H")
-    natural = dict(of("pruned pairs", "natural"))
-    for form in FORMS:
-        rows = [(x, r) for x, r in of("pruned pairs", form) if x in natural]
-        bounds.plot([x for x, _ in rows], [r.evaluations / natural[x].evaluations for x, r in rows],
-                    marker=MARKERS[form], markersize=3.5, linewidth=0.8, label=form.replace("_", " "),
-                    color=str(0.65 - 0.2 * FORMS.index(form)))
-        rows = of("pruned pairs", form)
-        seconds.plot([x for x, _ in rows], [r.prepare for _, r in rows], marker=MARKERS[form], markersize=3.5,
-                     linewidth=0.8, label=f"subdivision, {form.replace('_', ' ')}",
-                     color=str(0.65 - 0.2 * FORMS.index(form)))
-    bounds.set_ylabel("polynomial bounds, natural = 1")
-    for rows, name, face in ((pruned, "pruned pairs", plain.colour), (every, "all pairs", "white")):
-        seconds.plot([x for x, _ in rows], [r.solve for _, r in rows], color=plain.colour, marker="o", markersize=3.5,
-                     linestyle=(0, (3, 1.5)), markerfacecolor=face, markeredgecolor=plain.colour, label=f"distances, {name}")
-    seconds.set_yscale("log")
-    seconds.set_ylabel("time, s")
+    pruned, every, forms = of("pruned pairs"), of("all pairs"), {form: of("pruned pairs", form) for form in FORMS}
+    draw_interval(interval, pruned, exact, at[0] if at else 1)
+    draw_bounds(bounds, forms)
+    draw_seconds(seconds, forms, pruned, every)
     for ax in (interval, bounds, seconds):
         ax.set_xscale("log", base=2)
         ax.set_xticks(at, [f"{int(a)}" for a in at])
         ax.minorticks_off()
         ax.set_xlabel("voxels an axis")
-
-    def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
-        points = sorted(((m.upper - m.lower, m.prepare + m.solve) for m in members), reverse=True)
-        widths.plot([p[1] for p in points], [p[0] for p in points],
-                    **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name)
-
-    line([r for _, r in every], plain, "all pairs", markerfacecolor="white", markeredgecolor=plain.colour)
-    line([r for _, r in pruned], plain, "pruned pairs")
-    line(list(ours.values()), enclosure, "ours")
-    widths.set_xscale("log")
-    widths.set_yscale("log")
-    widths.minorticks_off()
-    widths.set_xlabel("time, s (subdivision included)")
-    widths.set_ylabel("width of the interval")
+    draw_widths(widths, pruned, every, list(ours.values()))
     seconds.set_ylim(top=seconds.get_ylim()[1] * 30)  # room for the legend
     seconds.legend(fontsize=6, frameon=False, ncols=2, loc="upper left")
     for ax in (bounds, widths):
@@ -155,5 +116,51 @@ def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined
     return figure
 
 
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+def draw_interval(ax: Any, pruned: Points, exact: float, left: float) -> None:
+    plain = style.look("interval_subdivision")
+    x = [voxels for voxels, _ in pruned]
+    ax.fill_between(x, [one.lower for _, one in pruned], [one.upper for _, one in pruned], color=plain.colour, alpha=0.15, linewidth=0)
+    for end in ("lower", "upper"):
+        ax.plot(x, [getattr(one, end) for _, one in pruned], color=plain.colour, marker=plain.marker, markersize=3.5)
+    ax.axhline(exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2)))
+    ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (left, exact), xytext=(4, -3), textcoords="offset points", ha="left", va="top", fontsize=7)
+    ax.set_ylabel("interval of H")
+
+
+def look_of(form: str) -> dict[str, Any]:
+    return {"marker": MARKERS[form], "markersize": 3.5, "linewidth": 0.8, "color": str(0.65 - 0.2 * FORMS.index(form))}
+
+
+def draw_bounds(ax: Any, forms: dict[str, Points]) -> None:
+    natural = dict(forms["natural"])
+    for form, points in forms.items():
+        known = [(x, one.evaluations / natural[x].evaluations) for x, one in points if x in natural]
+        ax.plot([x for x, _ in known], [y for _, y in known], label=form.replace("_", " "), **look_of(form))
+    ax.set_ylabel("polynomial bounds, natural = 1")
+
+
+def draw_seconds(ax: Any, forms: dict[str, Points], pruned: Points, every: Points) -> None:
+    for form, points in forms.items():
+        ax.plot([x for x, _ in points], [one.prepare for _, one in points], label=f"subdivision, {form.replace('_', ' ')}", **look_of(form))
+    colour = style.look("interval_subdivision").colour
+    for points, name, face in ((pruned, "pruned pairs", colour), (every, "all pairs", "white")):
+        ax.plot([x for x, _ in points], [one.solve for _, one in points], color=colour, marker="o", markersize=3.5, linestyle=(0, (3, 1.5)),
+                markerfacecolor=face, markeredgecolor=colour, label=f"distances, {name}")
+    ax.set_yscale("log")
+    ax.set_ylabel("time, s")
+
+
+def draw_widths(ax: Any, pruned: Points, every: Points, ours: list[Joined]) -> None:
+    def line(members: list[Joined], looks: style.Look, name: str, **more: Any) -> None:
+        points = sorted(((one.upper - one.lower, one.prepare + one.solve) for one in members), reverse=True)
+        ax.plot([p[1] for p in points], [p[0] for p in points], **(style.filled_marker(looks) | {"linestyle": "-"} | more), label=name)
+
+    plain = style.look("interval_subdivision")
+    line([one for _, one in every], plain, "all pairs", markerfacecolor="white", markeredgecolor=plain.colour)
+    line([one for _, one in pruned], plain, "pruned pairs")
+    line(ours, style.look("surface_enclosure"), "ours")
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.minorticks_off()
+    ax.set_xlabel("time, s (subdivision included)")
+    ax.set_ylabel("width of the interval")

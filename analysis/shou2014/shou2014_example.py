@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
-
-STEM = "shou2014_example"
+from analysis.shared import style, tables
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 
 
 @dataclass(frozen=True)
@@ -28,11 +27,15 @@ class Joined:
     evaluations: int
     status: str
 
+    def record(self) -> tables.Record:
+        return {"lower": self.lower, "upper": self.upper, "subdivision_seconds": self.prepare, "distance_seconds": self.solve,
+                "box_distances": self.distances, "polynomial_evaluations": self.evaluations}
+
 
 def join(results: Results, rows: list[int]) -> Joined:
     """Rows of both directions with the same solver, label and options."""
     cases = results.cases
-    bad = [str(cases.status[row]) for row in rows if cases.status[row] != "ok"]
+    bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
     return Joined(max(float(cases.lower[row]) for row in rows), max(float(cases.upper[row]) for row in rows),
                   sum(results.prepare_seconds(row) for row in rows),
                   sum(float(np.median(list(results.solve_by_round(row).values()))) if results.solve_by_round(row) else
@@ -41,8 +44,8 @@ def join(results: Results, rows: list[int]) -> Joined:
                   sum(int(cases.counters["polynomial_evaluations"][row]) for row in rows), bad[0] if bad else "ok")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    cases, reference = results.cases, paper_numbers(STEM)
+def make(results: Results) -> Report:
+    cases, reference = results.cases, paper_numbers(results.stem)
     paper: dict[str, Any] = reference["row"][0]
     exact = float(reference["exact"])
     methods = [(solver, label, float(tolerance)) for solver, label in style.order(zip(cases.solver, cases.label))
@@ -63,15 +66,13 @@ def make(results: Results, out: Path) -> list[Path]:
         one = found[label, tolerance]
         ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
         title = title_of(solver, label, tolerance)
-        table.rows.append([title if one.status == "ok" else f"{title} ({style.STATUS_WORDS.get(one.status, one.status)})",
+        table.rows.append([title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
                            f"{one.lower:.10f}", f"{one.upper:.10f}",
                            f"{(one.lower + one.upper) / 2:.11f}", f"{(one.upper - one.lower) / 2:.3e}"
                            if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
                            tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
                            tables.number(ratio), f"{one.evaluations:,}"])
-        records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, "lower": one.lower, "upper": one.upper,
-                        "subdivision_seconds": one.prepare, "distance_seconds": one.solve,
-                        "box_distances": one.distances, "polynomial_evaluations": one.evaluations,
+        records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
                         "paper_lower": paper["lower"], "paper_upper": paper["upper"],
                         "paper_seconds": paper["seconds"]})
     speed = paper["seconds"] / (all_pairs.prepare + all_pairs.solve) if all_pairs else float("nan")
@@ -86,13 +87,12 @@ def make(results: Results, out: Path) -> list[Path]:
         "where that fails (stem surfaces_gallery shows such a pair); 'surface enclosure' proves both of its ends.",
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
-    figure = draw(methods, found, paper, exact)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(methods, found, paper, exact), table, records)
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:
     """The published method has no tolerance: one larger than the box stands for none."""
-    title = style.look(solver, label).title.replace(" (ours)", ", ours")
+    title = style.title(solver, label).replace(" (ours)", ", ours")
     return title if tolerance > 1 else f"{title}, to {tolerance:g}".replace("e-0", "e-")
 
 
@@ -113,7 +113,3 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
     ax.set_ylim(len(names) - 0.4, -0.9)
     ax.set_xlabel("Hausdorff distance H")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

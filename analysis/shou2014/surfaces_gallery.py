@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import ast
-import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import median
 
-STEM = "surfaces_gallery"
 VOXELS = 32  # an axis, in pictures
-Values = npt.NDArray[np.float64]
 
 
 class Surface:
     """A surface where a polynomial in x, y and z vanishes, clipped by a box, for pictures."""
 
-    def __init__(self, polynomial: str, box: Values) -> None:
+    def __init__(self, polynomial: str, box: Floats) -> None:
         self.tree = ast.parse(polynomial.replace("^", "**"), mode="eval").body
         self.low, self.high = box[0::2], box[1::2]
 
-    def bounds(self, low: dict[str, Values], high: dict[str, Values]) -> tuple[Values, Values]:
+    def bounds(self, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
         """Natural interval extension over many boxes at once, not rounded outward: for pictures alone."""
         return _bounds(self.tree, low, high)
 
@@ -40,14 +39,14 @@ class Surface:
         return np.asarray((least <= 0) & (most >= 0))
 
 
-def _power(low: Values, high: Values, n: int) -> tuple[Values, Values]:
+def _power(low: Floats, high: Floats, n: int) -> tuple[Floats, Floats]:
     a, b = low**n, high**n
     if n % 2:
         return a, b
     return np.where((low <= 0) & (high >= 0), 0.0 if n else 1.0, np.minimum(a, b)), np.maximum(a, b)
 
 
-def _bounds(node: ast.expr, low: dict[str, Values], high: dict[str, Values]) -> tuple[Values, Values]:
+def _bounds(node: ast.expr, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
     if isinstance(node, ast.Name):
         return low[node.id], high[node.id]
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
@@ -73,11 +72,27 @@ def _bounds(node: ast.expr, low: dict[str, Values], high: dict[str, Values]) -> 
     raise ValueError(f"not part of a polynomial: {ast.dump(node)}")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def holds(results: Results, row: int, exact: float) -> bool:
+    """The experiment gives h to the nearest double."""
+    return not (results.cases.lower[row] > exact * (1 + 1e-15) or results.cases.upper[row] < exact * (1 - 1e-15))
+
+
+def cells_of(results: Results, row: int, exact: float) -> list[str]:
+    """The interval and the time."""
+    cases, status = results.cases, results.cases.status[row]
+    low, high = float(cases.lower[row]), float(cases.upper[row])
+    word = "stalled" if cases.solver_status[row] == "stalled" else style.status_word(status)
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return [word, tables.NOTHING]
+    said = ("" if status == "ok" else f" ({word})") + ("" if holds(results, row, exact) else ", misses h")
+    return [f"[{low:.6f}, {high:.6f}]{said}", tables.number(median(results.total_seconds(row)).value)]
+
+
+def make(results: Results) -> Report:
     cases = results.cases
-    scenes, labels = results.in_order("scene"), style.order(zip(cases.solver, cases.label))
+    scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     table = tables.Table("Pairs of algebraic surfaces with a known directed distance h(A,B).",
-                         ["pair", "h", *[f"{style.look(*pair).title}{what}" for pair in labels
+                         ["pair", "h", *[f"{style.title(*pair)}{what}" for pair in labels
                                          for what in (": interval", ", s")], "checked", "meshes off by, A", "B"])
     table.left = 1
     records: list[tables.Record] = []
@@ -86,29 +101,18 @@ def make(results: Results, out: Path) -> list[Path]:
         cells, checks, off = [scene, tables.number(exact, 6)], set[str](), 2 * [tables.NOTHING]
         for solver, label in labels:
             rows = results.rows(scene=scene, label=label)
-            if not len(rows):
+            if not rows:
                 cells += 2 * [tables.NOTHING]
                 continue
-            row = int(rows[0])
-            low, high, status = float(cases.lower[row]), float(cases.upper[row]), str(cases.status[row])
-            # The experiment gives h to the nearest double.
-            holds = not (low > exact * (1 + 1e-15) or high < exact * (1 - 1e-15))
-            solved = str(cases.solver_status[row])
-            word = "stalled" if solved == "stalled" else style.STATUS_WORDS.get(status, status)
-            if np.isfinite(low) and np.isfinite(high):
-                said = ("" if status == "ok" else f" ({word})") + ("" if holds else ", misses h")
-                cells += [f"[{low:.6f}, {high:.6f}]{said}",
-                          tables.number(median(results.total_seconds(row)).value)]
-                if cases.certified[row] == 1:
-                    checks.add(results.check_of(row))
-            else:
-                cells += [word, tables.NOTHING]
-            extras = results.extras(row)
+            row, extras = rows[0], results.extras(rows[0])
+            cells += cells_of(results, row, exact)
+            if cases.certified[row] == 1 and np.isfinite([cases.lower[row], cases.upper[row]]).all():
+                checks.add(results.check_of(row))
             if "mesh_a_to_surface" in extras:
                 off = [tables.number(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
                        for m in "ab"]
-            records.append({"scene": scene, "solver": solver, "label": label, "status": status, "solver_status": solved,
-                            "h": exact, "lower": low, "upper": high, "holds": int(holds),
+            records.append({"scene": scene, "solver": solver, "label": label, "status": cases.status[row], "solver_status": cases.solver_status[row],
+                            "h": exact, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "holds": int(holds(results, row, exact)),
                             "lower_check": results.check_of(row),
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
@@ -125,10 +129,10 @@ def make(results: Results, out: Path) -> list[Path]:
         "They take the text as it stands; the false piece of 'ghost' comes with multiplying its product out.",
         "Of a distance that is constant over A (concentric spheres) a tolerance e needs O(1/e) boxes.",
         f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
-def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Values]:
+def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Floats]:
     """The slice to draw: across the axis along which the witness reaches least, through its source point; with the
     witness. Without one, or if it is shorter than a voxel, the slice through the middle of the box."""
     cases = results.cases
@@ -154,7 +158,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
     for ax in axes.flat[len(scenes):]:
         ax.set_axis_off()
     for ax, scene in zip(axes.flat, scenes):
-        first = int(results.rows(scene=scene)[0])
+        first = results.rows(scene=scene)[0]
         surfaces = [known[model] for model in (cases.target[first], cases.source[first])]
         axis, at, witness = plane_of(results, scene, surfaces[1])
         across = [k for k in range(3) if k != axis]
@@ -183,7 +187,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
     figure.legend(marks, ["voxels kept of A", "voxels kept of B", "from the witness on A to its nearest point of B"],
                   loc="upper center", ncols=3, fontsize=6.5, borderaxespad=0.2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

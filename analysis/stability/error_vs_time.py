@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import pareto
-from analysis.shared import command, style, tables
-from analysis.shared.cells import clock_note
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
-STEM = "error_vs_time"
 ACROSS = 3  # panels side by side
 OURS = "cover"
 Panel = tuple[str, int]  # scene, pose
@@ -24,7 +22,7 @@ Panel = tuple[str, int]  # scene, pose
 ONE_LINE = {"sampling"}
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     panels: list[Panel] = list(dict.fromkeys(zip(cases.scene, map(int, cases.pose_index))))
     labels = style.order(zip(cases.solver, results.names))
@@ -38,17 +36,16 @@ def make(results: Results, out: Path) -> list[Path]:
         for solver, label in labels:
             rows = [r for r in run_rows(results, panel) if results.names[r] == label]
             if rows:
-                table.rows.append([panel_title(results, panel, panels), style.look(solver, label).title,
+                table.rows.append([panel_title(results, panel, panels), style.title(solver, label),
                                    *finest(results, rows, times)])
     ours = pareto.cells(results, OURS)
-    front = [pareto.judge(ours, style.look(OURS).title).line()] if ours else []
+    front = [pareto.judge(ours, style.title(OURS)).line()] if ours else []
     table.notes = left_out(results, panels, labels) + unknown(results, panels) + front + [
         tables.coverage_note(times.values()) + " " + clock_note(results) + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]
-    figure = draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times)
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times), table, records)
 
 
 def shown_as(solver: str, label: str) -> tuple[str, str]:
@@ -58,7 +55,7 @@ def shown_as(solver: str, label: str) -> tuple[str, str]:
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
     """Rows of the solvers that were run on this scene: not those that do not take its shapes, or were not built."""
-    cases, rows = results.cases, [int(r) for r in results.rows(scene=panel[0], pose_index=panel[1])]
+    cases, rows = results.cases, results.rows(scene=panel[0], pose_index=panel[1])
     run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
     return [r for r in rows if results.names[r] in run]
 
@@ -72,7 +69,7 @@ def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]
         asked = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
         for solver, label in labels:
             if label in asked - run:
-                where.setdefault(panel_title(results, panel, panels), []).append(style.look(solver, label).title)
+                where.setdefault(panel_title(results, panel, panels), []).append(style.title(solver, label))
     parts = [f"{title}: {', '.join(names)}" for title, names in where.items()]
     why = "they do not take the shapes, were not built, or a model is missing"
     return [f"Not run ({why}): {'; '.join(parts)}."] if parts else []
@@ -103,8 +100,8 @@ def distances(results: Results, case: int) -> int:
 
 def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> list[str]:
     """Cells of the printed table: of the row with the least tolerance that has bounds."""
-    failed = Counter(str(results.cases.status[r]) for r in rows if results.cases.status[r] != "ok")
-    why = ", ".join(f"{n} {style.STATUS_WORDS.get(status, status)}" for status, n in failed.items())
+    failed = Counter(results.cases.status[r] for r in rows if results.cases.status[r] != "ok")
+    why = ", ".join(f"{n} {style.status_word(status)}" for status, n in failed.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
         return [tables.NOTHING] * 5 + [why]
@@ -155,7 +152,7 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
         upper.set_title(panel_title(results, panel, panels), pad=3)
         failed = Counter((*shown_as(results.cases.solver[r], results.names[r]), results.cases.status[r])
                          for r in rows if results.cases.status[r] != "ok")
-        marks = [(style.look(*pair), style.STATUS_LETTERS.get(status, "?") + (f"{n}" if n > 1 else ""))
+        marks = [(style.look(*pair), style.status_letter(status) + (f"{n}" if n > 1 else ""))
                  for pair in entries for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
         style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
         shown |= {(solver, label) for solver, label, _ in failed}
@@ -193,7 +190,7 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
         if traced:
             case = min(traced, key=lambda r: float(cases.tolerance[r]))
             lines[case] = trace_line(results, case, what)
-    axis = style.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
+    axis = scales.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
     ax.set_xscale("log")
     for solver in sorted(ONE_LINE & {cases.solver[case] for case in points}):
         at_times = sorted((times[case].value, y) for case, y in points.items() if cases.solver[case] == solver)
@@ -205,12 +202,11 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
                 drawstyle="steps-post")
     for case, y in points.items():
         looks, time = style.look(*shown_as(cases.solver[case], results.names[case])), times[case]
-        at = axis.place(y)
-        if time.has_interval:
-            ax.plot([time.low, time.high], [at, at], color=looks.colour, linewidth=1.0, zorder=3)
+        at = float(axis.place(y))
+        style.interval(ax, time, at, color=looks.colour, linewidth=1.0, zorder=3)
         marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
         ax.plot([time.value], [at], zorder=4, **marker)
-    style.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.xaxis)
     return {shown_as(cases.solver[case], results.names[case]) for case in [*points, *lines]}
 
 
@@ -221,7 +217,3 @@ def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:
     seconds = trace.seconds + results.prepare_seconds(case)
     keep = np.isfinite(values) & (seconds > 0)
     return seconds[keep], values[keep] / size
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

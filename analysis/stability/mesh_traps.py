@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, never
 
-STEM: Final = "mesh_traps"
 # From best to worst: what the cell says, and its colour.
 OUTCOMES: Final = (("converged", "#7FBF7B"), ("stopped", "#D9F0D3"), ("no bounds", "#DDDDDD"), ("wrong", "#D6604D"))
 CONVERGED, STOPPED, NO_BOUNDS, WRONG = (name for name, _ in OUTCOMES)
@@ -25,7 +24,7 @@ SLACK: Final = 1e-12  # of the diagonal of A: models' coordinates are rounded, `
 def outcome(results: Results, row: int) -> str:
     """`stopped`: at its time limit, budget or precision floor, with bounds that hold. `wrong`: bounds that cannot be true."""
     cases = results.cases
-    status, lower, upper, exact = str(cases.status[row]), cases.lower[row], cases.upper[row], cases.exact[row]
+    status, lower, upper, exact = cases.status[row], cases.lower[row], cases.upper[row], cases.exact[row]
     if status == "unsound":
         return WRONG
     if math.isnan(lower) or math.isnan(upper):
@@ -41,8 +40,8 @@ def outcome(results: Results, row: int) -> str:
 
 def ends(results: Results, row: int) -> str:
     """The text of a cell: the outcome, and why it is not `converged`."""
-    found, status = outcome(results, row), str(results.cases.status[row])
-    word = style.STATUS_WORDS.get(status, status)
+    found, status = outcome(results, row), results.cases.status[row]
+    word = style.status_word(status)
     return found if found in (CONVERGED, WRONG) else f"{word}, bounds hold" if found == STOPPED else word
 
 
@@ -53,26 +52,26 @@ def claim(results: Results) -> Verdict:
     return never("no certified solver ends with wrong bounds, or without any", len(ill), len(rows), "answers")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    scenes = [str(scene) for scene in results.in_order("scene")]
+    scenes = results.scenes
     labels = style.order(zip(cases.solver, cases.label))
     rows = {(scene, label): int(found[0]) for scene in scenes for _, label in labels
-            if len(found := results.rows(scene=scene, label=label))}
+            if (found := results.rows(scene=scene, label=label))}
     table = tables.Table("How each solver ends on pairs of meshes that are traps: converged to "
                          f"{tables.number(float(cases.tolerance[0]))} of the diagonal of A, or stopped with bounds that hold.",
-                         ["pair", "triangles", "h(A,B) / diagonal", *[style.look(*pair).title for pair in labels]],
+                         ["pair", "triangles", "h(A,B) / diagonal", *[style.title(*pair) for pair in labels]],
                          left=3 + len(labels))
     records: list[tables.Record] = []
     for scene in scenes:
-        first = int(results.rows(scene=scene)[0])
-        table.rows.append([scene, f"{cases.source_elements[first]:,} → {cases.target_elements[first]:,}", distance(results, first),
+        first = results.rows(scene=scene)[0]
+        table.rows.append([scene, results.sizes(first, " → "), distance(results, first),
                            *[ends(results, rows[scene, label]) if (scene, label) in rows else tables.NOTHING for _, label in labels]])
         table.notes.append(f"{scene}: {cases.scene_note[first]}.")
         records += [{"scene": scene, "solver": solver, "label": label, "outcome": outcome(results, row),
-                     "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
+                     "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                      "exact": float(cases.exact[row]), "certified": bool(cases.certified[row]),
-                     "solve_seconds": float(cases.solve_seconds[row]), "reason": str(cases.reason[row])}
+                     "solve_seconds": float(cases.solve_seconds[row]), "reason": cases.reason[row]}
                     for solver, label in labels if (row := rows.get((scene, label))) is not None]
     wrong = [f"{record['label']} on {record['scene']} ([{record['lower']:.3g}, {record['upper']:.3g}])"
              for record in records if record["outcome"] == WRONG]
@@ -81,8 +80,7 @@ def make(results: Results, out: Path) -> list[Path]:
                     "has converged and has not. CGAL returns no interval: its answer and the tolerance make one.",
                     f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
                     claim(results).line(), f"{machine_line(results)}."]
-    return (tables.save(table, records, out, STEM)
-            + style.save(draw(results, scenes, labels, rows), out, STEM, table.caption, ". ".join(filter(None, [style.letters_key(results.cases.status), unchecked_line(results)]))))
+    return Report(lambda: draw(results, scenes, labels, rows), table, records, style.letters_key(results.cases.status))
 
 
 def distance(results: Results, row: int) -> str:
@@ -105,11 +103,11 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], row
             if row is None:
                 continue
             codes[i, j] = names.index(outcome(results, row))
-            status = str(results.cases.status[row])
-            letter = style.STATUS_LETTERS.get(status, "?") if status != "ok" else "" if codes[i, j] == 0 else "!"
+            status = results.cases.status[row]
+            letter = style.status_letter(status) if status != "ok" else "" if codes[i, j] == 0 else "!"
             ax.text(j, i, letter, ha="center", va="center", fontsize=6, color="#222222")
     ax.imshow(codes, cmap=ListedColormap([colour for _, colour in OUTCOMES]), vmin=-0.5, vmax=len(OUTCOMES) - 0.5, aspect="auto")
-    ax.set_xticks(range(len(labels)), [style.look(*pair).title for pair in labels], rotation=40, ha="right", rotation_mode="anchor")
+    ax.set_xticks(range(len(labels)), [style.title(*pair) for pair in labels], rotation=40, ha="right", rotation_mode="anchor")
     ax.set_yticks(range(len(scenes)), scenes)
     ax.set_xticks(np.arange(0.5, len(labels)), minor=True)
     ax.set_yticks(np.arange(0.5, len(scenes)), minor=True)
@@ -121,7 +119,3 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], row
     words = {CONVERGED: "converged", STOPPED: "stopped, bounds hold", NO_BOUNDS: "no bounds", WRONG: "wrong"}
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, color=colour, label=words[name]) for name, colour in OUTCOMES], columns=2)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, in_time_and_work
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
-from analysis.tang2009.tang_motion import Run
 from analysis.shared.verdicts import Verdict, everywhere
+from analysis.tang2009.tang_motion import Run
 
-STEM = "tang2009_ablation"
 FINEST: Final = 1e-4
 PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
 COUNTED: Final = {**CUTS, **MEASURES}
 CLAIMS: Final = (("tang, midpoint", "Voronoi subdivision takes less than cutting at midpoints"),
-                 ("tang, corners alone", "sending three corners through B together takes less than sending each alone"),
-                 ("tang, warm", ""), ("tang, Lemma 4", ""))
+                 ("tang, corners alone", "sending three corners through B together takes less than sending each alone"))
 
 
 class Variants:
@@ -32,11 +30,11 @@ class Variants:
 
     def __init__(self, results: Results) -> None:
         cases = results.cases
-        self.results, self.scenes, self.labels = results, results.in_order("scene"), results.in_order("label")
+        self.results, self.scenes, self.labels = results, results.scenes, results.in_order("label")
         self.tolerances = sorted({float(x) for x in cases.tolerance}, reverse=True)
-        self.runs = {(scene, label, tolerance): Run(results, [int(row) for row in rows])
+        self.runs = {(scene, label, tolerance): Run(results, rows)
                      for scene in self.scenes for label in self.labels for tolerance in self.tolerances
-                     if len(rows := results.rows(scene=scene, label=label, tolerance=tolerance))}
+                     if (rows := results.rows(scene=scene, label=label, tolerance=tolerance))}
 
     def run(self, scene: str, label: str, tolerance: float = FINEST) -> Run | None:
         run = self.runs.get((scene, label, tolerance))
@@ -55,16 +53,13 @@ class Variants:
 
 
 def verdicts(variants: Variants) -> list[Verdict]:
-    found = []
-    for label, claim in CLAIMS:
-        if not claim:
-            continue
-        ratios = {what: everywhere(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]) for what in ("", *COUNTED)}
-        found.append(ratios.pop("").with_counts(ratios))
-    return found
+    def judge(label: str, claim: str) -> Verdict:
+        return in_time_and_work(lambda what: everywhere(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]), COUNTED)
+
+    return [judge(label, claim) for label, claim in CLAIMS]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     variants = Variants(results)
     rows = [(label, tolerance) for label in variants.labels for tolerance in variants.tolerances
             if any((scene, label, tolerance) in variants.runs for scene in variants.scenes)]
@@ -82,15 +77,14 @@ def make(results: Results, out: Path) -> list[Path]:
                          f"{np.nanmax(run.deepest):g}" if np.isfinite(run.deepest).any() else tables.NOTHING]
                 records.append({"scene": scene, "label": label, "tolerance": tolerance, "poses": len(run.rows), "seconds": float(run.per_pose.sum()), "rounds": len(run.by_round),
                                 **{name: int(counts[run.rows].sum()) for name, counts in results.cases.counters.items()}})
-            table.rows.append([style.scene_title(scene) if i == 0 else "", style.look(solver, label).title, f"{tolerance:g}", *cells,
+            table.rows.append([style.scene_title(scene) if i == 0 else "", style.title(solver, label), f"{tolerance:g}", *cells,
                                *[tables.ratio(variants.ratio(scene, label, PLAIN, what)) if compared else tables.NOTHING for what in ("", *COUNTED)]])
     table.notes = [*[verdict.line() for verdict in verdicts(variants)],
                    "Plain: as in the paper, tolerance 1e-4 of A's longest side; Lemma 4, which the paper offers for closed models, is off. Time is the sum over the poses of their "
                    "medians over rounds; ratios are paired by round. Distances are those of points to triangles. Deepest: subdivisions one in another. " + clock_note(results),
                    "Warm: each pose starts from what the one before has left. Corners alone: the three corners of a triangle of A are closest point queries of their own.",
                    f"Here: {machine_line(results)}."]
-    figure = draw(variants, rows, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(variants, rows, clock_word(results)), table, records)
 
 
 def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
@@ -111,16 +105,12 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
         swept = [(tolerance, run) for tolerance in variants.tolerances if (run := variants.run(scene, PLAIN, tolerance))]
         right.plot([tolerance for tolerance, _ in swept], [1e3 * float(run.per_pose.sum()) for _, run in swept], "o-", markersize=3.5, linewidth=0.9, color=colour)
     left.axvline(1, color="black", linewidth=0.7)
-    left.set_yticks(range(len(changed)), [style.look("cover" if label == "cover" else "tang", label).title for label in changed])
+    left.set_yticks(range(len(changed)), [style.title("cover" if label == "cover" else "tang", label) for label in changed])
     left.invert_yaxis()
     left.set(xscale="log", xlabel=f"{clock}, against the plain algorithm")
     right.set(xscale="log", yscale="log", xlabel="tolerance, of A's longest side", ylabel=f"{clock} of all poses (ms)")
     right.invert_xaxis()
     for axis in (left.xaxis, right.xaxis, right.yaxis):
-        style.log_ticks(axis)
+        scales.log_ticks(axis)
     style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=style.scene_title(scene)) for scene, colour in zip(variants.scenes, colours)], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import style, tables
 from analysis.shared.mesh_picture import View, view
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.tang2009 import tang_pictures
 
-STEM = "tang2009_fig1"
 VIEWS: Final[dict[str, View]] = {"Alphabet Domino": view((1, -1.2, 1.6), (0, 0, 1)), "Falling Bunnies": view((0.4, -1, 0.7), (0, 0, 1))}
 
 
 def group(results: Results, row: int) -> str:
     """The scene of a pair, or the recorded scene that the frame is of."""
-    name = str(results.cases.scene[row])
+    name: str = results.cases.scene[row]
     return name.partition(": ")[0] if int(results.cases.frame[row]) >= 0 else name
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
     groups: dict[str, list[int]] = {}
     for row in range(len(cases)):
@@ -39,15 +38,15 @@ def make(results: Results, out: Path) -> list[Path]:
             deepest = max(known or own, key=lambda row: float(cases.lower[row] / cases.source_longest[row]) if row in known else 0.0)
             longest = float(cases.source_longest[deepest])
             what = "H" if int(cases.frame[deepest]) < 0 else f"depth, frame {int(cases.frame[deepest])}"
-            table.rows.append([name if i == 0 else "", style.look(str(cases.solver[deepest]), str(label)).title, what, f"{len(known)} of {len(own)}",
+            table.rows.append([name if i == 0 else "", style.title(cases.solver[deepest], str(label)), what, f"{len(known)} of {len(own)}",
                                *[tables.number(100 * float(bound[deepest]) / longest, 7) for bound in (cases.lower, cases.upper)]])
-        records += [{"scene": name, "label": str(cases.label[row]), "frame": int(cases.frame[row]), "source": str(cases.source[row]), "target": str(cases.target[row]),
-                     "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
+        records += [{"scene": name, "label": cases.label[row], "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
+                     "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
     notes = dict.fromkeys(f"{cases.scene[rows[0]]}: {cases.scene_note[rows[0]]}" for rows in groups.values() if cases.scene_note[rows[0]])
     table.notes = ["Of a frame the pair of objects that are deepest in each other; all pairs have a green line in the picture, and objects that overlap no other one are not drawn. "
                    "Tolerance 1e-4 of A's longest side.",
                    "The paper's models and motions are not public. " + "; ".join(notes) + ". The dynamic scenes were simulated with Bullet.", f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, groups), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, groups), table, records)
 
 
 def draw(results: Results, groups: dict[str, list[int]]) -> Any:
@@ -58,12 +57,8 @@ def draw(results: Results, groups: dict[str, list[int]]) -> Any:
     upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1.1))
     for ax, row in zip(upper.subplots(1, max(1, len(pairs)), squeeze=False).flat, pairs):
         tang_pictures.draw_pair(ax, results, row)
-        ax.set_title(str(results.cases.scene[row]))
+        ax.set_title(results.cases.scene[row])
     for ax, (name, rows) in zip(lower.subplots(1, max(1, len(frames)), squeeze=False).flat, frames.items()):
         tang_pictures.draw_frame(ax, results, [row for row in rows if results.is_bounded(row)], VIEWS.get(name, tang_pictures.SIDE))
         ax.set_title(f"{name}, frame {int(results.cases.frame[rows[0]])}")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

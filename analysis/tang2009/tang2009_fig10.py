@@ -3,46 +3,28 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
-import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_title, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.shared.statistics import NO_DATA, Estimate
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, Grid, in_time_and_work
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import Verdict, everywhere
 
-STEM = "tang2009_fig10"
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
 MOST: Final = 0.03  # of the longest side: where the paper's models overlap
 TIMES: Final = 10  # "by more than an order of magnitude"
 
 
-class Pairs:
-    def __init__(self, results: Results) -> None:
-        cases = results.cases
-        self.results, self.labels = results, style.order(zip(cases.solver, cases.label))
-        self.scenes: list[str] = results.in_order("scene")
-        self.cells = {(scene, label): Cell(results, [int(row) for row in rows]) for scene in self.scenes for _, label in self.labels
-                      if len(rows := results.rows(scene=scene, label=label))}
-
-    def first(self, scene: str) -> int:
-        return int(self.results.rows(scene=scene)[0])
-
+class Pairs(Grid):
     def distance(self, scene: str) -> float:
         """H as a share of A's longest side."""
         row = self.first(scene)
-        return float(np.mean(self.results.reference_of(row))) / float(self.results.cases.source_longest[row])
-
-    def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        one, other = self.cells.get((scene, slow)), self.cells.get((scene, fast))
-        if not one or not other:
-            return NO_DATA
-        return compare_work(one, other, MEASURES[what]) if what else compare(one, other)
+        return self.results.middle(row) / float(self.results.cases.source_longest[row])
 
 
 def scaled(ratio: Estimate, factor: float) -> Estimate:
@@ -58,39 +40,34 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
     """Of pairs nearer than the paper's 3 % alone. A ratio is divided by ten: above 1, the claim is true of the pair."""
     scenes = [scene for scene in pairs.scenes if pairs.distance(scene) < MOST]
     claim = "Tang's algorithm takes less than a tenth of Guthe's time where the models overlap (H below 3 % of the longest side; ratios are divided by ten)"
-    found = {what: everywhere(claim, [scaled(pairs.ratio(scene, "guthe", "tang", what), TIMES) for scene in scenes])
-             for what in ("", *MEASURES)}
-    plain = {what: everywhere("Tang's algorithm takes less time than Guthe's there", [pairs.ratio(scene, "guthe", "tang", what) for scene in scenes])
-             for what in ("", *MEASURES)}
-    return [one.pop("").with_counts(one) for one in (found, plain)]
+    return [in_time_and_work(lambda what: everywhere(claim, [scaled(pairs.ratio(scene, "guthe", "tang", what), TIMES) for scene in scenes])),
+            pairs.less("Tang's algorithm takes less time than Guthe's there", "guthe", "tang", scenes)]
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
     table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and peak memory, MB: the two-sided distance of models that lie over each other "
                          "(Fig. 10 of Tang et al. 2009).",
-                         ["pair", "|A| / |B|", "H / longest side, %", *[style.look(*label).title for label in pairs.labels],
-                          *[f"{style.look(label).title}, MB" for _, label in pairs.labels],
-                          *[" / ".join(style.look(label).title for label in pair) for pair in OVER],
+                         ["pair", "|A| / |B|", "H / longest side, %", *pairs.titles(),
+                          *[f"{style.title(label)}, MB" for _, label in pairs.labels],
+                          *[" / ".join(style.title(label) for label in pair) for pair in OVER],
                           *[f"Guthe / Tang, {what}" for what in MEASURES]], left=1)
-    cases, records = results.cases, list[tables.Record]()
+    records = list[tables.Record]()
     for scene in pairs.scenes:
-        first, own = pairs.first(scene), [pairs.cells.get((scene, label)) for _, label in pairs.labels]
-        table.rows.append([style.scene_title(scene), f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}",
-                           tables.number(100 * pairs.distance(scene)), *[cell.text(scale) if cell else tables.NOTHING for cell in own],
+        own = pairs.row(scene)
+        table.rows.append([style.scene_title(scene), results.sizes(pairs.first(scene)), tables.number(100 * pairs.distance(scene)), *pairs.texts(scene, scale),
                            *[tables.number(cell.peak / 1e6) if cell else tables.NOTHING for cell in own],
                            *[tables.ratio(pairs.ratio(scene, *pair)) for pair in OVER],
                            *[tables.ratio(pairs.ratio(scene, "guthe", "tang", what)) for what in MEASURES]])
-        records += [{"scene": scene, "label": label, "distance_of_longest": pairs.distance(scene), "status": cell.status(), "n": cell.time.n,
-                     "median_seconds": cell.time.value, "low_seconds": cell.time.low, "high_seconds": cell.time.high, "peak_bytes": cell.peak, **cell.counters}
+        records += [{"scene": scene, "label": label, "distance_of_longest": pairs.distance(scene), "status": cell.status(),
+                     **tables.seconds(cell.time), "peak_bytes": cell.peak, **cell.counters}
                     for (_, label), cell in zip(pairs.labels, own) if cell]
     table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
                    "The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe's program used an octree; here both search BVHs, with the same kernels.",
                    tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round. "
                    + clock_note(results), "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
-    figure = draw(pairs, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(pairs, clock_word(results)), table, records)
 
 
 def draw(pairs: Pairs, clock: str) -> Any:
@@ -109,16 +86,12 @@ def draw(pairs: Pairs, clock: str) -> Any:
                     continue
                 value = 1e3 * cell.time.value if what == "time" else cell.peak / 1e6
                 ax.barh(y, value, height * 0.92, color=looks.colour, label=looks.title)
-                if what == "time" and cell.time.has_interval:
-                    ax.plot([1e3 * cell.time.low, 1e3 * cell.time.high], [y, y], color="black", linewidth=0.7)
+                if what == "time":
+                    style.interval(ax, cell.time, y, 1e3, color="black", linewidth=0.7)
         ax.set_xscale("log")
         ax.set_xlabel(f"{clock} to prepare and solve (ms)" if what == "time" else "peak memory (MB)")
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
     axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} %" for scene in pairs.scenes])
     axes[0].invert_yaxis()
-    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, label=style.look(*pair).title) for pair in pairs.labels], columns=3)
+    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, label=style.title(*pair)) for pair in pairs.labels], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

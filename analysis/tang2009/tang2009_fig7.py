@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
 
-STEM = "tang2009_fig7"
 PAPER: Final = {"Bird1": "2.2K", "Bird2": "6.2K", "Watch1": "3.8K", "Watch2": "38.1K", "Puma1": "8.2K", "Puma2": "7.1K", "Bunny1": "16.7K", "Bunny2": "69.7K",
                 "Fish1": "11K", "Fish2": "36.5K", "Dog": "3.2K", "Lion": "1.3M"}
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases = results.cases
-    scenes = [int(results.rows(scene=scene)[0]) for scene in results.in_order("scene")]
+    scenes = [results.rows(scene=scene)[0] for scene in results.scenes]
     note = dict(zip(results.models.name, results.models.note))
     table = tables.Table("The models of Fig. 7 of Tang et al. 2009 and those that stand in for them, all of one size and centred.",
                          ["model", "stands in", "triangles", "paper", "H of the pair, % of A's longest side"], left=2)
@@ -28,13 +27,13 @@ def make(results: Results, out: Path) -> list[Path]:
     for row in scenes:
         table.rules.add(len(table.rows))
         low, high = (100 * x / float(cases.source_longest[row]) for x in results.reference_of(row))
-        for i, (name, model, count) in enumerate(zip(str(cases.scene[row]).split("/"), (cases.source[row], cases.target[row]),
+        for i, (name, model, count) in enumerate(zip(cases.scene[row].split("/"), (cases.source[row], cases.target[row]),
                                                      (cases.source_elements[row], cases.target_elements[row]))):
             table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, tables.NOTHING), f"{tables.number(low, 5)} to {tables.number(high, 5)}" if i == 0 else ""])
             records.append({"model": name, "stand_in": str(model), "triangles": int(count), "note": str(note.get(model, "")), "lower": float(cases.lower[row]), "upper": float(cases.upper[row])})
     table.notes = ["The paper's models are not public, but for Bunny2, which has the triangles of a bunny that is. The distance is that of the pair where both are centred.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def draw(results: Results, scenes: list[int]) -> Any:
@@ -42,12 +41,8 @@ def draw(results: Results, scenes: list[int]) -> Any:
     cases = results.cases
     figure, axes = plt.subplots(2, max(1, len(scenes)), figsize=(style.DOUBLE_COLUMN, 3.0), squeeze=False)
     for column, row in zip(axes.T, scenes):
-        for i, (ax, model, name, count) in enumerate(zip(column, (cases.source[row], cases.target[row]), str(cases.scene[row]).split("/"),
+        for i, (ax, model, name, count) in enumerate(zip(column, (cases.source[row], cases.target[row]), cases.scene[row].split("/"),
                                                         np.array([cases.source_elements[row], cases.target_elements[row]]))):
-            tang_pictures.draw_model(ax, str(model), i)
+            tang_pictures.draw_model(ax, results, str(model), i)
             ax.set_title(f"{name}\n{count:,}", fontsize=7)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,38 +2,36 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
-from analysis.shared.load import Results, machine_line, unchecked_line
-
-STEM = "tang2009_fig8"
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, shown = results.cases, list[int]()
     table = tables.Table("The two-sided distance of pairs side by side (Fig. 8 of Tang et al. 2009), in percent of A's longest side.",
                          ["pair", "", "H, lower", "H, upper", "shown from"], left=2)
     records: list[tables.Record] = []
-    for scene in results.in_order("scene"):
+    for scene in results.scenes:
         table.rules.add(len(table.rows))
-        rows = [int(row) for row in results.rows(scene=scene)]
+        rows = results.rows(scene=scene)
         shown.append(next((row for row in rows if results.is_bounded(row)), rows[0]))
         for i, row in enumerate(rows):
             bounds = [100 * float(x) / float(cases.source_longest[row]) for x in (cases.lower[row], cases.upper[row])]
             forward = cases.witness_direction[row] == "source to target"
-            table.rows.append([str(scene) if i == 0 else "", style.look(str(cases.solver[row]), str(cases.label[row])).title, *[tables.number(x, 7) for x in bounds],
+            table.rows.append([scene if i == 0 else "", style.title(cases.solver[row], cases.label[row]), *[tables.number(x, 7) for x in bounds],
                                tables.NOTHING if not results.is_bounded(row) else "A to B" if forward else "B to A"])
-            records.append({"scene": str(scene), "label": str(cases.label[row]), "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
+            records.append({"scene": scene, "label": cases.label[row], "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                             "longest": float(cases.source_longest[row]), "direction": str(cases.witness_direction[row])})
     table.notes = ["A is moved by 1.1 of its longest sides along x. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's longest side.",
                    "; ".join(f"{cases.scene[row]}: {cases.scene_note[row]}" for row in shown) + ".", f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, shown), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, shown), table, records)
 
 
 def draw(results: Results, shown: list[int]) -> Any:
@@ -43,9 +41,5 @@ def draw(results: Results, shown: list[int]) -> Any:
         ax.set_visible(False)
     for ax, row in zip(axes.flat, shown):
         tang_pictures.draw_pair(ax, results, row)
-        ax.set_title(str(results.cases.scene[row]))
+        ax.set_title(results.cases.scene[row])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

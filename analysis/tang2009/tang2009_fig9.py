@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
+from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.tang2009 import tang_motion
-from analysis.shared.cells import clock_note, clock_word
-from analysis.shared.load import Results, machine_line, unchecked_line
 from analysis.tang2009.tang_motion import Motion
 
-STEM = "tang2009_fig9"
 STAGES: Final = {"cull on A": "#56B4E9", "cull on B": "#E69F00", "subdivide": "#009E73"}
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     found = tang_motion.motions(results)
     table = tables.Table("The time of each stage of Tang's algorithm, two-sided, as a share of all poses and of the tenth of them that are nearest "
                          "(Fig. 9 of Tang et al. 2009).",
-                         ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", "cover (ours), mean, ms"], left=1)
+                         ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", f"{style.title('cover')}, mean, ms"], left=1)
     records: list[tables.Record] = []
     for motion in found:
         table.rules.add(len(table.rows))
@@ -37,7 +35,7 @@ def make(results: Results, out: Path) -> list[Path]:
                                *[tables.number(100 * seconds / total) if total > 0 else tables.NOTHING for seconds in spent.values()],
                                *[tables.number(1e3 * float(run.per_pose[chosen].mean())) if run and len(run.per_pose) else tables.NOTHING for run in (tang, cover)]])
         for i, row in enumerate(tang.rows):
-            records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": str(results.cases.status[row]),
+            records.append({"scene": motion.scene, "frame": int(results.cases.pose_index[row]), "status": results.cases.status[row],
                             "distance_of_longest": float(tang.distance[i]), **{stage.replace(" ", "_"): float(tang.stage(stage)[i]) for stage in STAGES},
                             "seconds": float(tang.per_pose[i]) if len(tang.per_pose) else float("nan"), "rounds": len(tang.by_round),
                             **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
@@ -46,8 +44,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"{max(len(motion.runs['tang'].by_round) for motion in found)} rounds. Finding the lists of Lemma 3 counts as culling on B. " + clock_note(results),
                    "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    f"Here: {machine_line(results)}."]
-    figure = draw(found, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found, clock_word(results)), table, records)
 
 
 def draw(found: list[Motion], clock: str) -> Any:
@@ -64,11 +61,7 @@ def draw(found: list[Motion], clock: str) -> Any:
         lower.set(xlabel="frame", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} (ms)")
     axes[1][0].set_ylabel("H(A, B), % of\nA's longest side")
-    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"Tang 2009: {stage}") for stage, colour in STAGES.items()]
-    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label="cover (ours), in all")]
+    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"{style.title('tang')}: {stage}") for stage, colour in STAGES.items()]
+    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label=f"{style.title('cover')}, in all")]
     style.legend_above(figure, entries, columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang2009_similarity
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES
-from analysis.shared.load import ResultError, Results, load, machine_line, unchecked_line
+from analysis.shared.load import load
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact
-from analysis.tang2009.tang2009_similarity import SUFFIX
 from analysis.shared.verdicts import Verdict, all_of, everywhere
+from analysis.tang2009 import tang2009_similarity
+from analysis.tang2009.tang2009_similarity import SUFFIX
 
-STEM = "tang2009_nearest"
 WORK: Final = "distances, bounds and nodes"
 
 
@@ -80,7 +80,7 @@ class Search:
 def matrix_beside(results: Results) -> tuple[Results | None, str]:
     """The matrix, from the same folder and profile; else why there is none."""
     try:
-        return load(results.path.parent / f"{tang2009_similarity.STEM}.h5", str(results.meta.get("profile", ""))), ""
+        return load(results.path.parent / "tang2009_similarity.h5", str(results.meta.get("profile", ""))), ""
     except ResultError as problem:
         return None, str(problem)
 
@@ -131,16 +131,16 @@ def cells_of(one: Search) -> list[str]:
     return cells
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     matrix, missing = matrix_beside(results)
     table = tables.Table("The nearest of all shapes, found by a search: each target's cutoff is the least upper bound before it. Counted work against the full matrix.",
                          ["", "shape", "nearest", "H, %", "as in the matrix", "cut off", *[cell for what in MEASURES for cell in (f"{what}, matrix", "search", "ratio")]], left=3)
     records, every = list[tables.Record](), dict[str, list[Search]]()
     for solver, label in style.order(zip(results.cases.solver, results.cases.label)):
-        found = every[style.look(solver, label).title] = searches(results, matrix, label)
+        found = every[style.title(solver, label)] = searches(results, matrix, label)
         table.rules.add(len(table.rows))
         for i, one in enumerate(found):
-            table.rows.append([style.look(solver, label).title if i == 0 else "", one.name, *cells_of(one)])
+            table.rows.append([style.title(solver, label) if i == 0 else "", one.name, *cells_of(one)])
             nearest = one.found.nearest()
             records.append({"label": label, "source": one.name, "nearest": nearest, "percent": one.found.percent(nearest) if nearest else float("nan"), "same": one.same,
                             "cut_off": one.found.cut_off(), "targets": len(one.found.rows), "failed": "; ".join(one.found.failed()),
@@ -154,7 +154,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "Cut off: the lower bound is above the least upper bound so far. The matrix counts without its diagonal; so does the search. Shapes with an answer "
                    "missing in either have no ratio, and do not count in the sums. The first target of each shape has no cutoff.",
                    *([f"No matrix to compare with: {missing}."] if missing else []), f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(every), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(every), table, records)
 
 
 def draw(every: dict[str, list[Search]]) -> Any:
@@ -168,12 +168,8 @@ def draw(every: dict[str, list[Search]]) -> Any:
         for name, side, fill in (("search", 1, "full"), ("full matrix", 2, "none")):
             ax.plot([one[side] for one in counted], [one[0] for one in counted], "o", markersize=3.5, color="black", fillstyle=fill, label=name)
         ax.set(title=title, xscale="log", xlabel=WORK)
-        style.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.xaxis)
     axes[0][0].set_yticks(range(len(names)), names, fontsize=6.5)
     axes[0][0].invert_yaxis()
     axes[0][-1].legend()
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_depth, tang_pictures
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.load import paper_numbers
 from analysis.shared.mesh_picture import view
-from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
+from analysis.tang2009 import tang_depth, tang_pictures
+from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_frames
 
-STEM = "tang2009_pd"
 LABELS: Final = ["tang", "cover"]
 FIGURE: Final = "Fig. 11"
 VIEW: Final = view((0.35, 0.25, 1))
 
 
 def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
-    result = [faster(f"Measuring the depths of a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+    result = [faster(f"Measuring the depths of a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.title(scene.label)}",
                      mean_over_frames(scene.per_frame(MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
-    result += [faster(f"With CGAL's cutting a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.look(scene.label).title}",
+    result += [faster(f"With CGAL's cutting a frame of {scene.name} takes less than the paper's {papers[scene.name]:g} ms on average, by {style.title(scene.label)}",
                       mean_over_frames(scene.per_frame(CUT, MEASURE)), papers[scene.name]) for scene in found if scene.name in papers]
     rows = [row for scene in found for row in scene.rows]
     answered = sum(len(scene.answered) for scene in found)
@@ -46,8 +46,8 @@ def agreement(found: list[Scene]) -> Verdict:
     return all_of("The intervals of all solvers have a number in common", apart, len(several), len(bounds), "pairs")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    printed = paper_numbers(STEM)
+def make(results: Results) -> Report:
+    printed = paper_numbers(results.stem)
     papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
     found = tang_depth.recorded(results, LABELS)
     table = tables.Table("The penetration depth in dynamic scenes, and what it costs a frame: the mean over the frames in which objects overlap (Tang et al. 2009, section 7.3).",
@@ -56,7 +56,7 @@ def make(results: Results, out: Path) -> list[Path]:
     for name in dict.fromkeys(scene.name for scene in found):
         table.rules.add(len(table.rows))
         for i, scene in enumerate(scene for scene in found if scene.name == name):
-            table.rows.append([name if i == 0 else "", style.look(scene.label).title, *cells(scene)])
+            table.rows.append([name if i == 0 else "", style.title(scene.label), *cells(scene)])
             records += [record(scene, row) for row in scene.rows]
         if name in papers:
             table.rows.append(["", "paper", *[tables.NOTHING] * 8, f"{papers[name]:g}"])
@@ -67,8 +67,8 @@ def make(results: Results, out: Path) -> list[Path]:
                    "overlap far deeper. Cutting is CGAL's corefinement of both whole meshes; the paper finds the triangles inside by flood fill, and does not say whether its times have it.",
                    "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames. It covers how the scene changes, too.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    rows = [int(row) for row in results.rows(scene=FIGURE, label="each part")]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, rows[0] if rows else None, found, papers), out, STEM, table.caption, unchecked_line(results))
+    rows = results.rows(scene=FIGURE, label="each part")
+    return Report(lambda: draw(results, rows[0] if rows else None, found, papers), table, records)
 
 
 def cells(scene: Scene) -> list[str]:
@@ -81,8 +81,8 @@ def cells(scene: Scene) -> list[str]:
 
 def record(scene: Scene, row: int) -> tables.Record:
     cases, extras = scene.results.cases, scene.results.extras(row)
-    return {"scene": scene.name, "label": scene.label, "frame": int(cases.frame[row]), "source": str(cases.source[row]), "target": str(cases.target[row]),
-            "status": str(cases.status[row]), "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row]),
+    return {"scene": scene.name, "label": scene.label, "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
+            "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row]),
             "cut_seconds": extras.get(CUT, float("nan")), "measure_seconds": extras.get(MEASURE, float("nan")), "parts": extras.get("parts", float("nan"))}
 
 
@@ -102,15 +102,11 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
             looks = style.look(scene.label)
             ax.plot(scene.frames, 1e3 * scene.per_frame(MEASURE), color=looks.colour, linestyle=looks.line, linewidth=0.9)
         if name in papers:
-            ax.axhline(papers[name], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+            ax.axhline(papers[name], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
         ax.set(title=name, xlabel="frame", yscale="log")
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.yaxis)
     if names:
         lower.axes[0].set_ylabel("measuring (ms a frame)")
-    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.look(label).title) for label in LABELS]
-    style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), label="the paper's mean, in all")], columns=3)
+    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
+    style.legend_above(figure, [*entries, plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean, in all")], columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

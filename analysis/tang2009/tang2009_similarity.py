@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
 import scipy.cluster.hierarchy as hierarchy
 import scipy.spatial.distance
 import scipy.stats
 
-from analysis.shared import command, style, tables
-from analysis.shared.load import ResultError, Results, machine_line, unchecked_line
+from analysis.shared import style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
-Floats = npt.NDArray[np.float64]
-STEM = "tang2009_similarity"
 SUFFIX: Final = "_centred"
 SOLVER: Final = "cover"
 # What shows the same thing, by our judgement.
@@ -52,13 +50,13 @@ class Matrix:
 
 def matrix_of(results: Results, solver: str) -> Matrix:
     cases = results.cases
-    rows = [int(row) for row in results.rows(solver=solver)]
-    models = list(dict.fromkeys(str(cases.source[row]) for row in rows))
+    rows = results.rows(solver=solver)
+    models = list(dict.fromkeys(cases.source[row] for row in rows))
     place = {model: i for i, model in enumerate(models)}
     lower, upper = (np.full((len(models), len(models)), np.nan) for _ in range(2))
     for row in rows:
         if results.is_bounded(row):
-            at = place[str(cases.source[row])], place[str(cases.target[row])]
+            at = place[cases.source[row]], place[cases.target[row]]
             lower[at], upper[at] = float(cases.lower[row]), float(cases.upper[row])
     return Matrix([model.removesuffix(SUFFIX) for model in models], lower, upper)
 
@@ -105,10 +103,10 @@ def retrieval(matrix: Matrix) -> Verdict:
                    f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.number(100 * guess, 2)} % of the shapes")
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     matrix = matrix_of(results, SOLVER)
     if len(matrix.names) < 2:
-        raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {STEM}'")
+        raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {results.stem}'")
     table = tables.Table("Shapes by their two-sided distance, all of one size and centred, none turned; in percent of the diagonal.",
                          ["shape", "family", "nearest", "H", "second", "H", "third", "H", "same family"], left=3)
     middle, records = matrix.middle, list[tables.Record]()
@@ -120,7 +118,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
                    "shapes are not turned to fit each other, so that two of one family that stand differently are far apart.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(matrix), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(matrix), table, records)
 
 
 def draw(matrix: Matrix) -> Any:
@@ -140,7 +138,3 @@ def draw(matrix: Matrix) -> Any:
     right.grid(False)
     figure.colorbar(image, ax=right, pad=0.02).set_label("H(A, B), % of the diagonal")
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

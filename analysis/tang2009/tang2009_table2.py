@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
-from analysis.tang2009 import tang_motion
-from analysis.shared.cells import clock_note, clock_title, clock_word
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
-from analysis.tang2009.tang_motion import QUERIES, Motion, Run
+from analysis.shared import scales, style, tables
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.tang2009 import tang_motion
+from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
-STEM = "tang2009_table2"
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
 HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", "culled on A, %", "culled on B, %", "deepest",
                  "queries, median")
@@ -37,8 +36,8 @@ def cells(run: Run) -> list[str]:
             f"{np.median(run.counted(QUERIES)[1:]):g}"]
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    found, printed = tang_motion.motions(results), paper_numbers(STEM)
+def make(results: Results) -> Report:
+    found, printed = tang_motion.motions(results), paper_numbers(results.stem)
     papers = {"/".join(row["models"]): row for row in printed["row"]}
     table = tables.Table(f"{clock_title(results)} of the two-sided distance at a pose, while A is translated towards B; measured here, and as printed in "
                          "Table 2 of Tang et al. 2009.", list(HEADER), left=2)
@@ -47,7 +46,7 @@ def make(results: Results, out: Path) -> list[Path]:
         table.rules.add(len(table.rows))
         for i, (solver, label) in enumerate(motion.labels):
             run = motion.runs[label]
-            table.rows.append([motion.scene if i == 0 else "", style.look(solver, label).title, motion.sizes if i == 0 else "", str(len(run.rows)), *cells(run)])
+            table.rows.append([motion.scene if i == 0 else "", style.title(solver, label), motion.sizes if i == 0 else "", str(len(run.rows)), *cells(run)])
             records += record(motion, label)
         if paper := papers.get(motion.scene):
             table.rows.append(["", "paper", tables.NOTHING, tables.NOTHING, *[f"{paper[key]:.6g}" for key in ("average", "least", "most", "cull_on_source", "cull_on_target")],
@@ -61,14 +60,13 @@ def make(results: Results, out: Path) -> list[Path]:
                    "The mean over the poses is one number a round (a fresh process that answers all poses), with its interval over rounds from six on; "
                    "least and most are of the poses' medians. Warm: from what the pose before has left. " + clock_note(results),
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    figure = draw(found, clock_word(results))
-    return tables.save(table, records, out, STEM) + style.save(figure, out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(found, clock_word(results)), table, records)
 
 
 def record(motion: Motion, label: str) -> list[tables.Record]:
     run = motion.runs[label]
     times = run.per_pose if len(run.per_pose) else np.full(len(run.rows), np.nan)
-    return [{"scene": motion.scene, "label": label, "pose": int(run.results.cases.pose_index[row]), "status": str(run.results.cases.status[row]),
+    return [{"scene": motion.scene, "label": label, "pose": int(run.results.cases.pose_index[row]), "status": run.results.cases.status[row],
              "distance_of_longest": float(run.distance[i]), "seconds": float(times[i]), "rounds": len(run.by_round),
              "lower": float(run.results.cases.lower[row]), "upper": float(run.results.cases.upper[row]),
              **{name: int(counts[row]) for name, counts in run.results.cases.counters.items()}, **run.results.extras(row)}
@@ -89,15 +87,11 @@ def draw(found: list[Motion], clock: str) -> Any:
                 ax.plot(100 * run.distance[::10], 1e3 * run.per_pose[::10], **style.filled_marker(looks))
         ax.set(xscale="log", yscale="log", title=f"{motion.scene}, {motion.sizes}")
         ax.invert_xaxis()
-        style.log_ticks(ax.xaxis)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.yaxis)
     for ax in axes[:, 0]:
         ax.set_ylabel(f"{clock} (ms)")
     for ax in axes[-1]:
         ax.set_xlabel("H(A, B), % of A's longest side")
     style.legend_above(figure, style.handles(tang_motion.labels_of(found)), columns=4)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

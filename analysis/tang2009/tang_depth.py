@@ -7,14 +7,12 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
-import scipy.stats
 
-from analysis.shared.load import Results
-from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate
+from analysis.shared.columns import Floats
+from analysis.shared.results import Results
+from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
-Floats = npt.NDArray[np.float64]
 BATCHES: Final = 8
 CUT: Final = "seconds: cut"
 MEASURE: Final = "seconds: measure"
@@ -28,7 +26,7 @@ def mean_over_frames(values: Floats) -> Estimate:
     if len(values) < 2 * BATCHES:
         return Estimate(middle, np.nan, np.nan, len(values), 0.0)
     means = np.array([part.mean() for part in np.array_split(values, BATCHES)])
-    half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, BATCHES - 1)) * float(means.std(ddof=1)) / BATCHES**0.5
+    half = student_half_width(means)
     return Estimate(middle, middle - half, middle + half, BATCHES, CONFIDENCE)
 
 
@@ -75,9 +73,9 @@ def recorded(results: Results, labels: list[str]) -> list[Scene]:
     cases = results.cases
     names: dict[str, dict[str, list[int]]] = {}
     for row in range(len(cases)):
-        if int(cases.frame[row]) >= 0 and str(cases.label[row]) in labels:
-            name = str(cases.scene[row]).partition(": ")[0]
-            names.setdefault(name, {}).setdefault(str(cases.label[row]), []).append(row)
+        if int(cases.frame[row]) >= 0 and cases.label[row] in labels:
+            name = cases.scene[row].partition(": ")[0]
+            names.setdefault(name, {}).setdefault(cases.label[row], []).append(row)
     return [Scene(results, name, label, rows) for name, solvers in names.items() for label, rows in solvers.items()]
 
 

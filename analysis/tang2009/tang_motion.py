@@ -12,15 +12,14 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES
-from analysis.shared.load import Results
+from analysis.shared.cells import MEASURES, in_time_and_work
+from analysis.shared.columns import Floats
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, rising_by_run
 
-Floats = npt.NDArray[np.float64]
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
 AIM_OF_CULLING: Final = 0.97
@@ -61,7 +60,7 @@ class Run:
     def distance(self) -> Floats:
         """H as a share of A's longest side, the middle of what is proven."""
         cases = self.results.cases
-        return np.array([float(np.mean(self.results.reference_of(row))) / float(cases.source_longest[row]) for row in self.rows])
+        return np.array([self.results.middle(row) / float(cases.source_longest[row]) for row in self.rows])
 
     def counted(self, names: Sequence[str]) -> Floats:
         counters = self.results.cases.counters
@@ -91,12 +90,12 @@ class Motion:
 
     def __init__(self, results: Results, scene: str) -> None:
         cases, self.scene = results.cases, scene
-        rows = [int(row) for row in results.rows(scene=scene)]
+        rows = results.rows(scene=scene)
         self.first = rows[0]
         self.labels = style.order((cases.solver[row], cases.label[row]) for row in rows)
         self.runs = {label: Run(results, [row for row in rows if cases.label[row] == label]) for _, label in self.labels}
-        self.sizes = f"{cases.source_elements[self.first]:,} / {cases.target_elements[self.first]:,}"
-        self.note = str(cases.scene_note[self.first])
+        self.sizes = results.sizes(self.first)
+        self.note = cases.scene_note[self.first]
 
     def work_ratio(self, slow: str, fast: str, names: Sequence[str]) -> Estimate:
         """The median over the poses but the first, at which nothing was carried along, of the ratio of counted work."""
@@ -108,7 +107,7 @@ class Motion:
 
 
 def motions(results: Results) -> list[Motion]:
-    return [Motion(results, str(scene)) for scene in results.in_order("scene")]
+    return [Motion(results, scene) for scene in results.scenes]
 
 
 def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
@@ -149,12 +148,12 @@ def rising(found: Sequence[Motion], label: str) -> Verdict:
     """Time and work against how near the models are, each pair a run of its own: how they compare says nothing of other poses."""
     runs = [motion.runs[label] for motion in found if label in motion.runs and motion.runs[label].complete]
     claim = "The nearer the models, the more time it takes"
-    counted = {what: rising_by_run(claim, [((-run.distance).tolist(), run.counted(names).tolist()) for run in runs]) for what, names in MEASURES.items()}
-    return rising_by_run(claim, [((-run.distance).tolist(), run.per_pose.tolist()) for run in runs]).with_counts(counted)
+    return in_time_and_work(lambda what: rising_by_run(claim, [
+        ((-run.distance).tolist(), (run.counted(MEASURES[what]) if what else run.per_pose).tolist()) for run in runs]))
 
 
 def warm_pays(found: Sequence[Motion], cold: str, warm: str) -> Verdict:
-    title = style.look(cold).title
+    title = style.title(cold)
     ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in found]
     known = [ratio.value for ratio in ratios if ratio.n]
     claim = f"{title}, warm, looks for at most 0.67 as many closest points as cold, at half of the poses"

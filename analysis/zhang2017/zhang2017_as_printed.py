@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -13,16 +11,17 @@ import matplotlib.ticker
 import numpy as np
 import scipy.stats
 
-from analysis.shared import command, style, tables
+from analysis.shared import style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
-STEM = "zhang2017_as_printed"
 BLOCK: Final = 5  # neighbouring poses
-LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
-                "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
-                "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
+LOOKS: Final = {"ohd_as_printed": style.Look(style.TITLES["ohd_as_printed"], "#0072B2", "D"),
+                "nohd_as_printed": style.Look(style.TITLES["nohd_as_printed"], "#009E73", "^"),
+                "ohd": style.Look(style.TITLES["ohd"], "#56B4E9", "o"), "nohd": style.Look(style.TITLES["nohd"], "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": "OHD as printed computes the exact distance",
                  "nohd_as_printed": "NOHD as printed computes the exact distance",
                  "ohd": "OHD with cells of diagonal AHD computes the exact distance",
@@ -36,7 +35,7 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
     """
     found: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
-        key = str(results.cases.scene[row]), int(results.cases.pose_index[row]) // BLOCK
+        key = results.cases.scene[row], int(results.cases.pose_index[row]) // BLOCK
         found.setdefault(key, []).append(row)
     return list(found.values())
 
@@ -75,10 +74,10 @@ def printed_rate(results: Results, label: str) -> float:
     same scenes, poses and seeds. A mended solver that goes wrong as often would show it. NaN where it is never wrong.
     """
     def question(row: int) -> tuple[str, int, object]:
-        return str(results.cases.scene[row]), int(results.cases.pose_index[row]), results.options(row).get("seed")
+        return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
 
-    asked = {question(row) for row in answered(results, [int(row) for row in results.rows(label=label)])}
-    rows = [row for row in map(int, results.rows(label=PRINTED.get(label, ""))) if question(row) in asked]
+    asked = {question(row) for row in answered(results, results.rows(label=label))}
+    rows = [row for row in results.rows(label=PRINTED.get(label, "")) if question(row) in asked]
     parts = blocks(results, rows)
     bad = sum(bool(wrong(results, part)) for part in parts)
     return bad / len(parts) if bad else math.nan
@@ -86,7 +85,7 @@ def printed_rate(results: Results, label: str) -> float:
 
 def exactness(results: Results, label: str) -> Verdict:
     """Of a mended solver the bar is how often the printed one goes wrong; where that is never, it is RARE."""
-    rows = [int(row) for row in results.rows(label=label)]
+    rows = results.rows(label=label)
     rate = printed_rate(results, label)
     bar, against = (RARE, "") if math.isnan(rate) else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")
     return never(CLAIMS[label], len(wrong(results, rows)), len(answered(results, rows)), "answers are wrong",
@@ -103,14 +102,14 @@ def off(results: Results, row: int) -> float:
 
 def direction(results: Results, label: str) -> str:
     """Which way its wrong answers went."""
-    ratios = [off(results, row) for row in wrong(results, [int(row) for row in results.rows(label=label)])]
+    ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
     parts = [f"{count} too {way}" for count, way in ((sum(x < 1 for x in ratios), "small"),
                                                      (sum(x > 1 for x in ratios), "large")) if count]
     return f" (its wrong answers here: {', '.join(parts)})" if parts else " (no wrong answer here)"
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    scenes = [str(scene) for scene in results.in_order("scene")]
+def make(results: Results) -> Report:
+    scenes = results.scenes
     labels = [label for label in LOOKS if len(results.rows(label=label))]
     table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
                          ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %",
@@ -120,7 +119,7 @@ def make(results: Results, out: Path) -> list[Path]:
     for scene in scenes:
         table.rules.add(len(table.rows))
         for label in labels:
-            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            rows = results.rows(scene=scene, label=label)
             known, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
             low, high = (100 * x for x in share_interval(results, rows))
@@ -133,10 +132,10 @@ def make(results: Results, out: Path) -> list[Path]:
                                tables.number(worst, 4)])
             records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
                          "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),
-                         "status": str(results.cases.status[row]), "lower": float(results.cases.lower[row]),
+                         "status": results.cases.status[row], "lower": float(results.cases.lower[row]),
                          "true_lower": results.reference_of(row).lower, "true_upper": results.reference_of(row).upper,
-                         "why": str(results.cases.reason[row])} for row in rows]
-    notes = {str(results.cases.scene[row]): str(results.cases.scene_note[row]) for row in range(len(results.cases))}
+                         "why": results.cases.reason[row]} for row in rows]
+    notes = {results.cases.scene[row]: results.cases.scene_note[row] for row in range(len(results.cases))}
     table.notes = [*[exactness(results, label).line() for label in labels],
                    "Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper "
                    "bound below a certified lower bound of NAIVEHDD ('unsound'). Answers at neighbouring poses are "
@@ -148,7 +147,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
                    "Seeds: of the sample that OHD begins with. NOHD leaves nothing to chance; its trials are the poses.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
@@ -158,7 +157,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
     labels = [label for label in LOOKS if label.endswith("as_printed")]
     for (upper, lower), scene in zip(axes.T, scenes):
         for label in labels:
-            rows = [int(row) for row in results.rows(scene=scene, label=label)]
+            rows = results.rows(scene=scene, label=label)
             shifts = sorted({float(results.cases.pose[row][9]) for row in rows})
             shares = []
             for x in shifts:
@@ -186,7 +185,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
     style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
                                 for label in labels])
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-from analysis.shared import command
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.zhang2017 import zhang_motion
-from analysis.shared.load import Results
-
-STEM = "zhang2017_fig10"
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     caption = "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017)."
-    return zhang_motion.make(STEM, caption, results, out)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+    return zhang_motion.make(caption, results)

@@ -3,35 +3,34 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import shapes, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
-from analysis.shared.points import points_of, posed
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
-STEM = "zhang2017_fig12"
 SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
 MOST = 6000  # points drawn of a set
 
 
 def row_of(results: Results, scene: str) -> int:
     """A row with a witness if there is one."""
-    rows = [int(row) for row in results.rows(scene=scene)]
+    rows = results.rows(scene=scene)
     return next((row for row in rows if results.is_bounded(row)
                  and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("zhang2017_table3")
     papers = {row["scene"]: row for row in printed["row"]}
-    scenes = [str(scene) for scene in results.in_order("scene")]
+    scenes = results.scenes
     table = tables.Table("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12), and where their distance is.",
                          ["pair", "stands in", "|A| / |B|", "paper: |A| / |B|", "h(A, B)", "h / diagonal of A", "α",
                           "chosen", "witness on A", "witness on B"], left=2)
@@ -44,11 +43,11 @@ def make(results: Results, out: Path) -> list[Path]:
         theirs = (paper.get("source_elements", 0), paper.get("target_elements", 0))
         unlike += sizes != theirs
         known = results.is_bounded(row)
-        status = str(cases.status[row])
+        status = cases.status[row]
         table.rows.append([
-            style.scene_title(scene), str(cases.scene_note[row]), f"{sizes[0]:,} / {sizes[1]:,}",
+            style.scene_title(scene), cases.scene_note[row], f"{sizes[0]:,} / {sizes[1]:,}",
             f"{theirs[0]:,} / {theirs[1]:,}",
-            f"{low:.9g}" if known else style.STATUS_WORDS.get(status, status),
+            f"{low:.9g}" if known else style.status_word(status),
             tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
             tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
             *[str(column[row]) if known else ""
@@ -65,7 +64,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
                    "set are drawn.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(results, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(results, scenes), table, records)
 
 
 def view(points: Floats, along: Floats) -> Floats:
@@ -98,13 +97,13 @@ def draw(results: Results, scenes: list[str]) -> Any:
         row = row_of(results, scene)
         p, q = cases.witness_source[row], cases.witness_target[row]
         shown = np.isfinite(p).all() and np.isfinite(q).all()
-        a = points_of(str(cases.source[row]), int(cases.source_elements[row]))
-        b = points_of(str(cases.target[row]), int(cases.target_elements[row]))
+        a = shapes.points(results, cases.source[row])
+        b = shapes.points(results, cases.target[row])
         drawn: list[tuple[Floats, str]] = []
         if b is not None:
             drawn.append((thinned(b), TARGET))
         if a is not None:
-            drawn.append((thinned(posed(a, cases.pose[row])), SOURCE))
+            drawn.append((thinned(shapes.posed(a, cases.pose[row])), SOURCE))
         everything = np.vstack([points for points, _ in drawn] or [np.stack([p, q]) if shown else np.zeros((2, 3))])
         plane = view(everything, q - p if shown else np.zeros(3))
         for points, colour in drawn:
@@ -116,8 +115,8 @@ def draw(results: Results, scenes: list[str]) -> Any:
             for end, colour in zip(ends, (SOURCE, TARGET)):
                 ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
                         markeredgewidth=0.7,                        zorder=5)
-        status = str(cases.status[row])
-        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.STATUS_WORDS.get(status, status)
+        status = cases.status[row]
+        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.status_word(status)
         if not drawn:
             value += " (points not available)"
         ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "
@@ -130,7 +129,3 @@ def draw(results: Results, scenes: list[str]) -> Any:
                               linewidth=1.3))
     style.legend_above(figure, entries, columns=3)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

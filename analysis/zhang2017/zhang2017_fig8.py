@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-from analysis.shared import command
-from analysis.zhang2017 import zhang_sweep
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.zhang2017 import zhang_sweep
 
-STEM = "zhang2017_fig8"
 BEST = [5.0, 6.0]  # "the high efficiency is obtained when depth is increased to five or six"
 
 
@@ -22,16 +18,12 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
 
 
 SPEC = zhang_sweep.Spec(
-    STEM, "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
+    "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
     "depth", "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, (),
     "Ratios are paired by rounds in which the depths took turns. Greater than 6 is read at the greatest depth, "
     "smaller than 5 at depth 1. Our octree is built down to single points and cut at the depth asked, so preparing it "
     "costs the same at every depth; that of the paper is built to that depth.")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_sweep.make(SPEC, results, out)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+def make(results: Results) -> Report:
+    return zhang_sweep.make(SPEC, results)

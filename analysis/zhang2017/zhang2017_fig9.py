@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 
-from analysis.shared import command
-from analysis.zhang2017 import zhang_sweep
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
+from analysis.zhang2017 import zhang_sweep
 
-STEM = "zhang2017_fig9"
 BEST = 1 / 80  # "the high efficiency is obtained when lambda is set as 1/80"
 RECOMMENDED = 0.01
 
@@ -38,14 +35,10 @@ def culled(results: Results, cell: Cell) -> float:
 
 
 SPEC = zhang_sweep.Spec(
-    STEM, "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
+    "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
     "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, (("culled, %", culled),),
     "Each n is a seed of the sample, by its median. The line marks the 1/100 that the paper recommends.")
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_sweep.make(SPEC, results, out)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+def make(results: Results) -> Report:
+    return zhang_sweep.make(SPEC, results)

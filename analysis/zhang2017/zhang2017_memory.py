@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
-STEM = "zhang2017_memory"
 POINT: Final = 24  # bytes: three doubles
 LEAST: Final = 2**20  # bytes; below it pages and what loading left free decide, not the solver
 ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less: how the allocator rounds up and gives back
@@ -33,14 +32,14 @@ class Spot:
 def collect(results: Results) -> list[Spot]:
     """A scene is named 'workload, size'."""
     found = []
-    for scene in results.in_order("scene"):
+    for scene in results.scenes:
         rows = results.rows(scene=scene)
-        workload, _, size = str(scene).partition(", ")
+        workload, _, size = scene.partition(", ")
         labels = dict.fromkeys(str(label) for label in results.cases.label[rows])
-        first = int(rows[0])
+        first = rows[0]
         found.append(Spot(workload, size, int(results.cases.source_elements[first]
                                               + results.cases.target_elements[first]),
-                          {label: Cell(results, [int(r) for r in results.rows(scene=scene, label=label)])
+                          {label: Cell(results, results.rows(scene=scene, label=label))
                            for label in labels}))
     return found
 
@@ -72,12 +71,12 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     if others:
         most = max(others, key=lambda label: others[label])
         outcomes.append(compared(own, others[most]))
-        parts.append(f"next {style.look(most).title} {tables.number(others[most] / 2**20)} MiB")
+        parts.append(f"next {style.title(most)} {tables.number(others[most] / 2**20)} MiB")
     for label, cell in rivals.items():
         if label not in others:
             limit = memory_limit(cell)
             outcomes.append(FAILS if compared(own, limit) == FAILS else OPEN)
-            parts.append(f"{style.look(label).title} {cell.failure_text() if cell.failures else 'of unknown memory'}"
+            parts.append(f"{style.title(label)} {cell.failure_text() if cell.failures else 'of unknown memory'}"
                          + (f" at {tables.number(limit / 2**20)} MiB" if limit > 0 else ""))
     if not outcomes:
         return Verdict(claim, UNTESTED, "no other solver")
@@ -96,13 +95,13 @@ def memory_limit(cell: Cell) -> float:
     return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     spots = collect(results)
     labels = [label for _, label in style.order(zip(results.cases.solver, results.cases.label))]
     workloads = list(dict.fromkeys(spot.workload for spot in spots))
     table = tables.Table("Peak memory to prepare and solve, MiB, of exact directed distances between point sets.",
                          ["workload", "|A| + |B|", "the points themselves",
-                          *[style.look(label).title for label in labels],
+                          *[style.title(label) for label in labels],
                           "INC, bytes a point", "INC's queues, MiB"], left=1)
     records: list[tables.Record] = []
     for workload in workloads:
@@ -125,7 +124,7 @@ def make(results: Results, out: Path) -> list[Path]:
         grown = [slope([spot.points for spot in own if label in spot.cells],
                        [spot.cells[label].peak for spot in own if label in spot.cells]) for label in labels]
         table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
-    notes = {str(scene).partition(", ")[0]: str(note)
+    notes = {scene.partition(", ")[0]: str(note)
              for scene, note in zip(results.cases.scene, results.cases.scene_note)}
     table.notes = [*[verdict(workload, [s for s in spots if s.workload == workload]).line() for workload in workloads],
                    "Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
@@ -133,7 +132,7 @@ def make(results: Results, out: Path) -> list[Path]:
                    "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
                    "no memory: the claim is what INC's queue for every entry of its heap suggests.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(spots, workloads, labels), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(spots, workloads, labels), table, records)
 
 
 def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
@@ -142,7 +141,7 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
     for ax, workload in zip(axes[0], workloads):
         own = [spot for spot in spots if spot.workload == workload]
         ends = [min(s.points for s in own), max(s.points for s in own)]
-        ax.plot(ends, [POINT * n / 2**20 for n in ends], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)))
+        ax.plot(ends, [POINT * n / 2**20 for n in ends], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
         ax.axhspan(1e-9, LEAST / 2**20, color="#EFEFEF", linewidth=0, zorder=0)
         marks = []
         for label in labels:
@@ -153,22 +152,18 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
                 ax.plot(*np.array(known).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
                 ax.plot(*np.array(known).T, **style.filled_marker(looks))
             failed = {status for spot in own if label in spot.cells for status in spot.cells[label].failures}
-            marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
+            marks += [(looks, style.status_letter(status)) for status in sorted(failed)]
         style.margin_marks(ax, marks, 90)
         ax.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", title=workload)
-        style.log_ticks(ax.xaxis)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.yaxis)
     peaks = [cell.peak / 2**20 for spot in spots for cell in spot.cells.values() if cell.peak > 0] or [1.0]
     axes[0][0].set_ylim(min(peaks) / 2, max(peaks) * 2)
     axes[0][0].set_ylabel("peak memory (MiB)")
-    entries = [plt.Line2D([], [], label=style.look(label).title, linewidth=0.7,
+    entries = [plt.Line2D([], [], label=style.title(label), linewidth=0.7,
                           **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
                for label in labels]
     entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
-                              linestyle=(0, (1, 1))))
+                              linestyle=style.DOTTED))
     style.legend_above(figure, entries)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import command, style, tables
+from analysis.shared import scales, shapes, style, tables
 from analysis.shared.columns import Floats
-from analysis.shared.load import Results, machine_line, unchecked_line
-from analysis.shared.points import points_of, posed
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
-STEM = "zhang2017_steps"
 MOST: Final = 4000  # points of A whose distances to all of B are looked at
 CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
-EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", (0, (4, 1.5)))
-BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", (0, (1, 1)))
+EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
+BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", style.DOTTED)
 
 
 @dataclass(frozen=True)
@@ -60,34 +58,27 @@ def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
 
 def collect(results: Results) -> list[Step]:
     cases, found = results.cases, []
-    models: dict[tuple[str, int], Floats | None] = {}
-
-    def points(name: str, count: int) -> Floats | None:
-        if (name, count) not in models:
-            models[name, count] = points_of(name, count)
-        return models[name, count]
-
-    for scene in results.in_order("scene"):
+    for scene in results.scenes:
         for pose in sorted({int(p) for p in cases.pose_index[results.rows(scene=scene)]}):
-            rows = [int(row) for row in results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")]
+            rows = results.rows(scene=scene, pose_index=pose, status="ok", solver="earlybreak")
             if not rows:
                 continue
             first = rows[0]
-            n, m = int(cases.source_elements[first]), int(cases.target_elements[first])
+            n = int(cases.source_elements[first])
             by_seed = {int(results.options(row).get("seed", 0)): float(cases.counters["point_distances"][row]) / n
                        for row in rows}
             counted = median(list(by_seed.values()))
-            distance = float(np.mean(results.reference_of(first)))
-            a, b = points(str(cases.source[first]), n), points(str(cases.target[first]), m)
+            distance = results.middle(first)
+            a, b = shapes.points(results, cases.source[first]), shapes.points(results, cases.target[first])
             expected = by_point = math.nan
             if a is not None and b is not None:
                 some = a[:: -(-n // MOST)]
-                expected, by_point = expectations(posed(some, cases.pose[first]), b, distance)
-            found.append(Step(str(scene), float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
+                expected, by_point = expectations(shapes.posed(some, cases.pose[first]), b, distance)
+            found.append(Step(scene, float(cases.pose[first][9]), distance, counted, by_seed, expected, by_point))
     return found
 
 
-def make(results: Results, out: Path) -> list[Path]:
+def make(results: Results) -> Report:
     steps = collect(results)
     scenes = list(dict.fromkeys(step.scene for step in steps))
     table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, "
@@ -112,10 +103,10 @@ def make(results: Results, out: Path) -> list[Path]:
                    "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
                    "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
                    "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
-                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the program that "
-                   "writes out the points was not there.",
+                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the points are "
+                   "not in datasets/cache.",
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, STEM) + style.save(draw(steps, scenes), out, STEM, table.caption, unchecked_line(results))
+    return Report(lambda: draw(steps, scenes), table, records)
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:
@@ -144,11 +135,10 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
                 ax.plot(x, values, color=looks.colour, linestyle=looks.line, linewidth=0.9)
         ax.plot(x, [s.counted.value for s in own], color=counted.colour, linewidth=0.7)
         for step in own:
-            if step.counted.has_interval:
-                ax.plot([step.shift] * 2, [step.counted.low, step.counted.high], color=counted.colour, linewidth=1.2)
+            style.interval(ax, step.counted, step.shift, upright=True, color=counted.colour, linewidth=1.2)
             ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
-        style.log_ticks(ax.yaxis)
+        scales.log_ticks(ax.yaxis)
     axes[0][0].set_ylabel("inner steps for a point of A")
     entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
                           **{**style.filled_marker(counted), "linestyle": "-"}),
@@ -156,7 +146,3 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
                  for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
     style.legend_above(figure, entries)
     return figure
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-from analysis.shared import command
-from analysis.zhang2017 import zhang_pairs
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
-
-STEM = "zhang2017_table1"
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.zhang2017 import zhang_pairs
 
 
 def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[str, str, float]]:
@@ -18,14 +13,10 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
 
 
 SPEC = zhang_pairs.Spec(
-    STEM, "NOHD with and without early breaking, on normal clouds that lie apart (Table 1 of Zhang et al. 2017).",
+    "NOHD with and without early breaking, on normal clouds that lie apart (Table 1 of Zhang et al. 2017).",
     "nohd_without_early_break", "nohd", "early breaking", "early breaking makes NOHD faster", ("scan",), extra,
     ["The paper does not say how far apart its clouds are; here ten standard deviations."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_pairs.make(SPEC, results, out)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+def make(results: Results) -> Report:
+    return zhang_pairs.make(SPEC, results)

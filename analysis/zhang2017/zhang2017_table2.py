@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 
-from analysis.shared import command, tables
-from analysis.zhang2017 import zhang_pairs
+from analysis.shared import tables
 from analysis.shared.cells import Cell
-from analysis.shared.load import Results
-
-STEM = "zhang2017_table2"
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.zhang2017 import zhang_pairs
 
 
 def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[str, str, float]]:
@@ -29,7 +26,7 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
 
 
 SPEC = zhang_pairs.Spec(
-    STEM, "OHD with and without culling, on normal clouds that overlap (Table 2 of Zhang et al. 2017).",
+    "OHD with and without culling, on normal clouds that overlap (Table 2 of Zhang et al. 2017).",
     "ohd_without_culling", "ohd", "culling", "culling points makes OHD faster", ("ohd_as_printed", "scan"), extra,
     ["The paper says \"the same data sets\" as in its Table 1, which lie apart, where nothing can be culled: here half "
      "a standard deviation lies between the centres.",
@@ -37,9 +34,5 @@ SPEC = zhang_pairs.Spec(
      "(cells of diagonal AHD). 'unsound': its answer was shown to be wrong."])
 
 
-def make(results: Results, out: Path) -> list[Path]:
-    return zhang_pairs.make(SPEC, results, out)
-
-
-if __name__ == "__main__":
-    sys.exit(command.main(STEM, make))
+def make(results: Results) -> Report:
+    return zhang_pairs.make(SPEC, results)

@@ -10,15 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, clock_note, clock_title, clock_word, takes_seed
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, in_time_and_work, takes_seed
+from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.shared.verdicts import UNTESTED, Verdict, above_one, greatest
 
@@ -48,16 +49,16 @@ class Motion:
         cases = results.cases
         self.results, self.scene = results, scene
         by_pose: dict[int, dict[str, list[int]]] = {}
-        for row in sorted(map(int, results.rows(scene=scene)), key=lambda row: int(results.options(row).get("seed", 0))):
-            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(str(cases.label[row]), []).append(row)
+        for row in sorted(results.rows(scene=scene), key=lambda row: int(results.options(row).get("seed", 0))):
+            by_pose.setdefault(int(cases.pose_index[row]), {}).setdefault(cases.label[row], []).append(row)
         self.poses = []
         for index, seeds in sorted(by_pose.items()):
             rows = {label: own[0] for label, own in seeds.items()}
             first = next(iter(rows.values()))
             self.poses.append(Pose(index, float(cases.pose[first][9]), rows, seeds, _regime(results, rows),
-                                   float(np.mean(results.reference_of(first)))))
-        first = int(results.rows(scene=scene)[0])
-        self.sizes = f"{cases.source_elements[first]:,} / {cases.target_elements[first]:,}"
+                                   results.middle(first)))
+        first = results.rows(scene=scene)[0]
+        self.sizes = results.sizes(first)
         self.labels = style.order((cases.solver[row], cases.label[row]) for row in results.rows(scene=scene))
 
     def rounds(self, pose: Pose, label: str) -> dict[int, float]:
@@ -119,8 +120,8 @@ class Motion:
             evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
                         f"{tables.number(1000 * max((b for _, b in times), default=math.nan))} against "
                         f"{tables.number(1000 * max((a for a, _ in times), default=math.nan))} ms; median of "
-                        f"{style.look(slow).title} / {style.look(fast).title}")
-            titles = f"median of {style.look(slow).title} / {style.look(fast).title}"
+                        f"{style.title(slow)} / {style.title(fast)}")
+            titles = f"median of {style.title(slow)} / {style.title(fast)}"
             counted = {what: above_one(claim, self.ratio(regime, slow, fast, what), titles) for what in MEASURES}
             found.append(above_one(f"{self.scene}: {claim}", self.ratio(regime, slow, fast), evidence)
                          .with_counts(counted))
@@ -131,7 +132,7 @@ class Motion:
         which elsewhere refutes it, is chosen by counted work: to choose by the times that are compared would err too often. So
         it would by the counts that are compared: of several seeds the first chooses, and the others are compared.
         """
-        claim = f"{self.scene}: the time of {style.look(label).title} peaks where the models overlap most"
+        claim = f"{self.scene}: the time of {style.title(label)} peaks where the models overlap most"
         timed = [p for p in self.poses if self.time(p, label).n]
         if len(timed) < 3 or not all(math.isfinite(p.distance) for p in timed):
             return Verdict(claim, UNTESTED, "fewer than three poses")
@@ -154,7 +155,7 @@ class Motion:
 
         if not far or not all(math.isfinite(self.work(p, label, what)) for p in timed for what in MEASURES):
             return Verdict(claim, UNTESTED, "no pose far from there, or nothing counted")
-        return verdict("").with_counts({what: verdict(what) for what in MEASURES})
+        return in_time_and_work(verdict)
 
     def reuse(self) -> list[str]:
         """What the ledger says of structures, one text a solver."""
@@ -162,7 +163,7 @@ class Motion:
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
             if solver and what == "structures for each pose":
-                title = style.look(*solver).title
+                title = style.title(*solver)
                 found.setdefault(title, f"{title}: {reason}, {tables.number(1000 * seconds)} ms saved")
         return list(found.values())
 
@@ -175,12 +176,12 @@ def _regime(results: Results, rows: dict[str, int]) -> str:
     return "apart" if told["alpha"] < 0 else "touching" if told["alpha"] <= THETA else "overlapping"
 
 
-def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
-    motions = [Motion(results, str(scene)) for scene in results.in_order("scene")]
+def make(caption: str, results: Results) -> Report:
+    motions = [Motion(results, scene) for scene in results.scenes]
     labels = style.order(pair for motion in motions for pair in motion.labels)
     clock = clock_word(results)
     table = tables.Table(f"{caption} {clock_title(results)} to solve a pose, µs: median over the poses of each kind.",
-                         ["models", "|A| / |B|", "poses", *[style.look(*pair).title for pair in labels],
+                         ["models", "|A| / |B|", "poses", *[style.title(*pair) for pair in labels],
                           *[f"EARLYBREAK / {title}{what and ', '}{what}" for title in ("NOHD", "OHD")
                             for what in ("", *MEASURES)]], left=2)
     records: list[tables.Record] = []
@@ -205,8 +206,7 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
                 if label in pose.rows:
                     row, t = pose.rows[label], motion.time(pose, label)
                     records.append({"scene": motion.scene, "pose": pose.index, "x": pose.shift, "regime": pose.regime,
-                                    "label": label, "status": str(results.cases.status[row]), "n": t.n,
-                                    "median_seconds": t.value, "low_seconds": t.low, "high_seconds": t.high,
+                                    "label": label, "status": results.cases.status[row], **tables.seconds(t),
                                     "prepare_seconds": results.prepare_seconds(row), "distance": pose.distance,
                                     **results.extras(row), **results.facts(row)})
     reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
@@ -220,8 +220,7 @@ def make(stem: str, caption: str, results: Results, out: Path) -> list[Path]:
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
-    figure = draw(motions, labels, reused, clock)
-    return tables.save(table, records, out, stem) + style.save(figure, out, stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(motions, labels, reused, clock), table, records)
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
@@ -246,10 +245,10 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
                 upper.plot(x[::4], [t.value for _, t in timed][::4], **style.filled_marker(looks))
             failed = {str(motion.results.cases.status[pose.rows[label]]) for pose in motion.poses
                       if label in pose.rows and not motion.time(pose, label).n}
-            marks += [(looks, style.STATUS_LETTERS.get(status, "?")) for status in sorted(failed)]
+            marks += [(looks, style.status_letter(status)) for status in sorted(failed)]
         style.margin_marks(upper, marks, 120)
         upper.set(yscale="log", title=f"{motion.scene}, {motion.sizes} points")
-        style.log_ticks(upper.yaxis)
+        scales.log_ticks(upper.yaxis)
         lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} to solve a pose (s)")

@@ -5,22 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, WORK, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, paper_numbers, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work, in_time_and_work
+from analysis.shared.load import paper_numbers
+from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, rising
 
 
 @dataclass(frozen=True)
 class Spec:
-    stem: str
     caption: str
     without: str  # labels of the two variants
     with_it: str
@@ -40,9 +41,8 @@ class Pair:
         cases = results.cases
         self.scene, self.number = scene, int(scene.split()[-1])
         labels = (spec.without, spec.with_it, *spec.others)
-        self.cells = {label: Cell(results, [int(r) for r in rows]) for label in labels
-                      if len(rows := results.rows(scene=scene, label=label))}
-        first = int(results.rows(scene=scene)[0])
+        self.cells = {label: Cell(results, rows) for label in labels if (rows := results.rows(scene=scene, label=label))}
+        first = results.rows(scene=scene)[0]
         self.n, self.m = int(cases.source_elements[first]), int(cases.target_elements[first])
         slow, fast = self.cells.get(spec.without), self.cells.get(spec.with_it)
         both = [cell for cell in (slow, fast) if cell and not cell.failures]
@@ -61,13 +61,13 @@ class Pair:
         return self.cells[label].text(scale) if label in self.cells else tables.NOTHING
 
 
-def make(spec: Spec, results: Results, out: Path) -> list[Path]:
-    printed = paper_numbers(spec.stem)
+def make(spec: Spec, results: Results) -> Report:
+    printed = paper_numbers(results.stem)
     papers = {row["pair"]: row for row in printed["row"]}
-    pairs = [Pair(results, spec, str(scene)) for scene in results.in_order("scene")]
+    pairs = [Pair(results, spec, scene) for scene in results.scenes]
     shown = [label for label in spec.others if any(label in pair.cells for pair in pairs)]
     unit, scale = tables.time_unit(pair.time(label).value for pair in pairs for label in (spec.without, spec.with_it))
-    titles = [style.look(label).title if label in style.LOOKS else label.replace("_", " ") for label in shown]
+    titles = [style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
         spec.caption + f" Time to prepare and solve, {unit}, here ({clock_word(results)}) and as printed.",
@@ -84,8 +84,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                            *[pair.text(label, scale) for label in shown], *[text for _, text, _ in extra]])
         for label, cell in pair.cells.items():
             records.append({"pair": pair.number, "label": label, "source_elements": pair.n, "target_elements": pair.m,
-                            "status": cell.status(), "n": cell.time.n, "median_seconds": cell.time.value,
-                            "low_seconds": cell.time.low, "high_seconds": cell.time.high,
+                            "status": cell.status(), **tables.seconds(cell.time),
                             "prepare_seconds": cell.prepare, "peak_bytes": cell.peak,
                             "paper_seconds": float(paper.get(label, math.nan)), "ratio": pair.ratio.value,
                             "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
@@ -100,8 +99,7 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
                    + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    clock_note(results), *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    return tables.save(table, records, out, spec.stem) + style.save(
-        draw(spec, pairs, papers, shown, clock_word(results)), out, spec.stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(spec, pairs, papers, shown, clock_word(results)), table, records)
 
 
 def has_seeds(pairs: list[Pair]) -> bool:
@@ -116,15 +114,12 @@ def unit_of(pairs: list[Pair]) -> str:
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
-    gains = everywhere(spec.gains, [pair.ratio for pair in pairs])
-    counted = {what: everywhere(spec.gains, [pair.counted[what] for pair in pairs]) for what in MEASURES}
+    gains = in_time_and_work(lambda what: everywhere(spec.gains, [pair.counted[what] if what else pair.ratio for pair in pairs]))
     claim = "time increases with the numbers of points"
     timed = [pair for pair in pairs if pair.time(spec.with_it).n]
     sizes = [float(pair.n + pair.m) for pair in timed]
-    grown = {what: rising(claim, sizes, [pair.cells[spec.with_it].count(names) for pair in timed])
-             for what, names in MEASURES.items()}
-    return [gains.with_counts(counted),
-            rising(claim, sizes, [pair.time(spec.with_it).value for pair in timed]).with_counts(grown)]
+    cells = [pair.cells[spec.with_it] for pair in timed]
+    return [gains, in_time_and_work(lambda what: rising(claim, sizes, [cell.cost(what) for cell in cells]))]
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
@@ -146,7 +141,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
     own = style.look(solver)
-    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", (0, (1, 1))),
+    looks = {spec.without: style.Look(f"without {spec.part}", style.GREY, "s", style.DOTTED),
              solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
@@ -155,8 +150,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
             left.plot([n for n, _ in points], [t.value for _, t in points], color=looks_like.colour,
                       linestyle=looks_like.line, linewidth=0.7)
         for n, t in points:
-            if t.has_interval:
-                left.plot([n, n], [t.low, t.high], color=looks_like.colour, linewidth=1.2)
+            style.interval(left, t, n, upright=True, color=looks_like.colour, linewidth=1.2)
             left.plot(n, t.value, **style.filled_marker(looks_like))
         sizes = [(pair.n + pair.m, papers[pair.number][label]) for pair in pairs
                  if label in papers.get(pair.number, {})]
@@ -164,11 +158,10 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
             left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
                       **{**style.open_marker(looks_like), "linestyle": "-"})
     left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} to prepare and solve (s)")
-    style.log_ticks(left.xaxis)
+    scales.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:
-            if pair.ratio.has_interval:
-                right.plot([pair.number] * 2, [pair.ratio.low, pair.ratio.high], color=own.colour, linewidth=1.2)
+            style.interval(right, pair.ratio, pair.number, upright=True, color=own.colour, linewidth=1.2)
             right.plot(pair.number, pair.ratio.value, **style.filled_marker(own))
         elif pair.cells:
             right.text(pair.number, 1.02, "failed", rotation=90, fontsize=6, ha="center", va="bottom")
@@ -179,10 +172,8 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
     right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
     right.set_xticks([pair.number for pair in pairs])
-    grey = style.Look("", style.GREY, "o")
     entries = [plt.Line2D([], [], label=x.title, linestyle=x.line, linewidth=0.7,
                           **{k: v for k, v in style.filled_marker(x).items() if k != "linestyle"})
                for x in looks.values()]
-    style.legend_above(figure, [*entries, plt.Line2D([], [], label="filled: here", **style.filled_marker(grey)),
-                                plt.Line2D([], [], label="open: the paper", **style.open_marker(grey))], columns=5)
+    style.legend_above(figure, [*entries, style.filled_entry("filled: here"), style.open_entry("open: the paper")], columns=5)
     return figure

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
-import numpy as np
 
-from analysis.shared import style, tables
-from analysis.shared.cells import MEASURES, Cell, clock_note, clock_word, compare, compare_work
-from analysis.shared.load import Results, machine_line, unchecked_line
+from analysis.shared import scales, style, tables
+from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
+from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
@@ -23,7 +23,6 @@ PAIR_LOOKS = [("#56B4E9", "o"), ("#009E73", "^"), ("#D55E00", "s"), ("#882255", 
 
 @dataclass(frozen=True)
 class Spec:
-    stem: str
     caption: str
     parameter: str
     axis: str  # label
@@ -39,12 +38,12 @@ class Sweep:
 
     def __init__(self, spec: Spec, results: Results) -> None:
         self.spec, self.results = spec, results
-        self.scenes = [str(scene) for scene in results.in_order("scene")]
+        self.scenes = results.scenes
         rows: dict[tuple[str, float], list[int]] = {}
         for row in range(len(results.cases)):
             value = results.options(row).get(spec.parameter)
             if value is not None:
-                rows.setdefault((str(results.cases.scene[row]), float(value)), []).append(row)
+                rows.setdefault((results.cases.scene[row], float(value)), []).append(row)
         self.cells = {key: Cell(results, of) for key, of in rows.items()}
         self.values = sorted({value for _, value in rows})
 
@@ -68,29 +67,25 @@ class Sweep:
 
     def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
         """A claim that one value is slower than another on every pair; in time, and in counted work."""
-        found = {what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes])
-                 for what in ("", *MEASURES)}
-        return found.pop("").with_counts(found)
+        return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]))
 
     def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
         """A claim that the least time is at one of these values; in time, and in counted work."""
-        timed, found = self.timed(scene), dict[str, Verdict]()
+        timed = self.timed(scene)
         among = [value for value in among if value in timed]
         texts = [self.spec.text_of(value) for value in among]
-        for what in ("", *MEASURES):
+
+        def judge(what: str) -> Verdict:
             rivals = [(self.spec.text_of(value), [self.ratio(scene, value, one, what) for one in among])
                       for value in timed if value not in among]
             known = [(name, x) for name, x in rivals if x and all(y.n for y in x)]
-            best = min(timed, key=lambda v: self.measure(scene, v, what), default=math.nan)
-            found[what] = least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
-        return found.pop("").with_counts(found)
+            best = min(timed, key=lambda v: self.cells[scene, v].cost(what), default=math.nan)
+            return least_among(claim, known, self.spec.text_of(best) if timed else "", texts)
 
-    def measure(self, scene: str, value: float, what: str) -> float:
-        cell = self.cells[scene, value]
-        return cell.count(MEASURES[what]) if what else cell.time.value
+        return in_time_and_work(judge)
 
 
-def make(spec: Spec, results: Results, out: Path) -> list[Path]:
+def make(spec: Spec, results: Results) -> Report:
     sweep = Sweep(spec, results)
     table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"prepare and solve, {clock_word(results)}, ms",
                                         "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
@@ -108,15 +103,14 @@ def make(spec: Spec, results: Results, out: Path) -> list[Path]:
             table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
                                tables.number(cell.time.value / least) + (" (least)" if value == best else ""),
                                *map(tables.number, more)])
-            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), "n": cell.time.n,
-                            "median_seconds": cell.time.value, "low_seconds": cell.time.low,
-                            "high_seconds": cell.time.high, "prepare_seconds": cell.prepare,
+            records.append({"scene": scene, spec.parameter: value, "status": cell.status(), **tables.seconds(cell.time),
+                            "prepare_seconds": cell.prepare,
                             "peak_bytes": cell.peak, **cell.counters})
     table.notes = [*[verdict.line() for verdict in spec.verdicts(sweep)],
                    tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
                    + " " + clock_note(results),
                    f"Here: {machine_line(results)}."]
-    return tables.save(table, records, out, spec.stem) + style.save(draw(sweep), out, spec.stem, table.caption, unchecked_line(results))
+    return Report(lambda: draw(sweep), table, records)
 
 
 def draw(sweep: Sweep) -> Any:
@@ -134,8 +128,8 @@ def draw(sweep: Sweep) -> Any:
                     linewidth=0.8)
             for value in timed:
                 t = sweep.time(scene, value)
-                if t.has_interval and ax is axes[0]:
-                    ax.plot([place[value]] * 2, [t.low / unit, t.high / unit], color=colour, linewidth=1.2)
+                if ax is axes[0]:
+                    style.interval(ax, t, place[value], upright=True, color=colour, linewidth=1.2)
                 ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]
@@ -143,9 +137,9 @@ def draw(sweep: Sweep) -> Any:
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:
-            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=(0, (1, 1)), zorder=0.5)
+            ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, zorder=0.5)
     axes[0].set_yscale("log")
-    style.log_ticks(axes[0].yaxis)
+    scales.log_ticks(axes[0].yaxis)
     axes[1].set_ylim(bottom=0)
     if lost:
         axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
@@ -153,6 +147,6 @@ def draw(sweep: Sweep) -> Any:
                           marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
                for i, scene in enumerate(sweep.scenes)]
     entries.append(plt.Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
-                              linestyle=(0, (1, 1))))
+                              linestyle=style.DOTTED))
     style.legend_above(figure, entries, columns=6)
     return figure

@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from synthetic import ResultFile
 
-from analysis.shared import command
-from analysis.shared.stems import module_of
+from analysis.__main__ import main
+from analysis.shared.shapes import Mesh
 
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
+
+TETRAHEDRON = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 def stem_runner(folder: Path) -> Make:
     """Of a function that returns the CSV, the Markdown rows by their first cell, and the whole Markdown."""
     def run(file: ResultFile) -> Made:
         file.write(folder)
-        module = importlib.import_module(module_of(file.stem))
-        assert command.main(file.stem, module.make, ["--results", str(folder), "--out", str(folder)]) == 0
+        assert main([file.stem, "--results", str(folder), "--out", str(folder)]) == 0
         for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
             path = folder / "figures" / f"{file.stem}.{suffix}"
             assert path.read_bytes().startswith(magic) and path.stat().st_size > 5000

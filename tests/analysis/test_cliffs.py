@@ -12,9 +12,10 @@ import pytest
 import synthetic
 from stem_runner import Make, stem_runner
 
-from analysis.shared import command, load, style
-from analysis.stability import cliffs
-from analysis.stability.cliffs import FAMILIES
+from analysis.__main__ import main
+from analysis.shared import load, style
+from analysis.stability import cliffs, cliffs_picture
+from analysis.stability.cliffs_curves import FAMILIES, Row, collect
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "experiments" / "stability"
@@ -86,28 +87,28 @@ def test_the_tree_of_a_peer_counts_distances_alone(make: Make) -> None:
 
 @pytest.mark.parametrize(("work", "outcome"), [(4000, "holds"), (4001, "does not hold")])
 def test_verdict_at_the_limit(work: int, outcome: str) -> None:
-    rows = [cliffs.Row(0, 1.0, 1000.0, 1.0, "ok"), cliffs.Row(1, 1e12, float(work), 1.0, "ok")]
+    rows = [Row(0, 1.0, 1000.0, 1.0, "ok"), Row(1, 1e12, float(work), 1.0, "ok")]
     assert cliffs.verdict("work", "x", {("needle", "x"): rows}).outcome == outcome
 
 
 def test_verdict_needs_every_ratio() -> None:
-    base = cliffs.Row(0, 1.0, 1000.0, 1.0, "ok")
-    far = cliffs.Row(1, 1e12, 1000.0, 1.0, "ok")
-    lost = cliffs.Row(1, 1e12, float("nan"), float("nan"), "timeout")
+    base = Row(0, 1.0, 1000.0, 1.0, "ok")
+    far = Row(1, 1e12, 1000.0, 1.0, "ok")
+    lost = Row(1, 1e12, float("nan"), float("nan"), "timeout")
     assert cliffs.verdict("work", "x", {("needle", "x"): [base]}).outcome == "not tested"
     assert cliffs.verdict("work", "x", {("needle", "x"): [base, lost]}).outcome == "does not hold"
     assert cliffs.verdict("work", "x", {("needle", "x"): [far]}).outcome == "not tested"
-    slow = cliffs.Row(0, 1.0, float("nan"), float("nan"), "timeout")
+    slow = Row(0, 1.0, float("nan"), float("nan"), "timeout")
     both = {("mesh_away", "x"): [base, far], ("mesh_stray_in_A", "x"): [slow, far]}
     assert cliffs.verdict("work", "x", both).outcome == "not tested"
-    both["mesh_away", "x"].append(cliffs.Row(2, 1e13, 5000.0, 1.0, "ok"))
+    both["mesh_away", "x"].append(Row(2, 1e13, 5000.0, 1.0, "ok"))
     assert cliffs.verdict("work", "x", both).outcome == "does not hold"
 
 
 def test_figure_draws_a_letter_where_there_is_no_answer(tmp_path: Path) -> None:
     results = load.load(synthetic.cliffs().write(tmp_path))
-    curves = cliffs.collect(results)
-    figure = cliffs.draw(curves, style.order(zip(results.cases.solver, results.cases.label)))
+    curves = collect(results)
+    figure = cliffs_picture.draw(curves, style.order(zip(results.cases.solver, results.cases.label)))
     frames = {ax.get_title(): ax for ax in figure.axes if ax.get_title()}
     assert list(frames) == [family.title for family in FAMILIES.values()]
     away = frames["mesh, A moved away"]
@@ -122,7 +123,7 @@ def test_a_scene_of_no_family_is_refused(tmp_path: Path, capsys: pytest.CaptureF
     file = synthetic.ResultFile("cliffs")
     file.case("scan", "bunny", [1.0], lower=0.5, upper=0.5)
     file.write(tmp_path)
-    assert command.main("cliffs", cliffs.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert main(["cliffs", "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     assert "scene 'bunny' belongs to no family" in capsys.readouterr().err
 
 

@@ -11,14 +11,13 @@ import synthetic
 from synthetic import ResultFile, spread
 
 from analysis import schema
-from analysis.shared import load
-from analysis.shared.program import program
-
+from analysis.shared import load, notes, solvers
+from analysis.shared.results import ResultError, Results
 
 
 def test_columns_follow_from_the_program() -> None:
     """analysis/shared/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
-    if not program().is_file():
+    if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
     assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
@@ -31,8 +30,18 @@ def test_columns_follow_from_the_program() -> None:
         assert {"counter_*" if name.startswith("counter_") else name for name in written[group]} == names, group
 
 
+def test_titles_follow_from_the_program() -> None:
+    """Every solver has one title, which pictures take from the program, and a look of its own."""
+    if not schema.program().is_file():
+        pytest.skip("the program is not built")
+    known = schema.titles()
+    assert known.items() <= solvers.TITLES.items(), "run python3 -m analysis.schema"
+    if solvers.TITLES.keys() == known.keys():  # some may not be built
+        assert schema.SOLVERS.read_text(encoding="utf-8") == schema.solvers_module(known), "run python3 -m analysis.schema"
+
+
 @pytest.fixture()
-def small(tmp_path: Path) -> load.Results:
+def small(tmp_path: Path) -> Results:
     file = ResultFile("small", meta={"dirty": 1})
     file.case("naive", "x", [3.0, 1.0, 2.0], lower=1.0, upper=1.0, prepare_seconds=0.5, options={"seed": 3},
               counters={"point_distances": 2**63 + 1})
@@ -47,14 +56,14 @@ def small(tmp_path: Path) -> load.Results:
     return load.load(file.write(tmp_path))
 
 
-def test_columns(small: load.Results) -> None:
+def test_columns(small: Results) -> None:
     assert small.cases.solver[0] == "naive" and small.cases.reason[2] == "zu spät"
     assert small.cases.pose.shape == (8, 12) and small.cases.witness_source.shape == (8, 3)
     assert int(small.cases.counters["point_distances"][0]) == 2**63 + 1
     assert small.options(0) == {"seed": 3}
     assert small.ledger.count.tolist() == [2] and small.meta["cpu"] == "Test CPU"
     assert set(small.models.name) == {"x/A", "x/B", "y/A", "y/B", "z/A", "z/B"}
-    assert "with changes" in load.machine_line(small)
+    assert "with changes" in notes.machine_line(small)
 
 
 def test_fields(tmp_path: Path) -> None:
@@ -74,8 +83,8 @@ def test_fields(tmp_path: Path) -> None:
     assert load.load(path).fields_of(0) == {}
 
 
-def test_rows_and_order(small: load.Results) -> None:
-    assert small.rows(scene="y", pose_index=0).tolist() == [4, 5]
+def test_rows_and_order(small: Results) -> None:
+    assert small.rows(scene="y", pose_index=0) == [4, 5]
     assert small.in_order("scene") == ["x", "y", "z"]
 
 
@@ -130,11 +139,11 @@ def test_without_repeats_the_first_answers_count(tmp_path: Path) -> None:
     assert results.total_seconds(1).tolist() == [7.0] and results.clock_of(1) == "wall"
 
 
-def test_trace(small: load.Results) -> None:
+def test_trace(small: Results) -> None:
     assert small.trace_of(1).upper.tolist() == [np.inf, 1.25] and len(small.trace_of(0)) == 0
 
 
-def test_reference_is_the_tightest_of_all_rows_with_bounds(small: load.Results) -> None:
+def test_reference_is_the_tightest_of_all_rows_with_bounds(small: Results) -> None:
     assert small.reference("x") == (1.0, 1.0)  # neither the timeout without bounds nor the unsound row counts
     assert small.reference("y") == (0.625, 0.75)
     assert small.reference("y", 1) == (5.0, 6.0)
@@ -161,7 +170,7 @@ def test_a_reference_is_of_one_quantity_in_one_pose_of_both_shapes(tmp_path: Pat
     assert [results.reference_of(case) for case in range(4)] == [(1.5, 2.0), (3.0, 4.0), (5.0, 6.0), (1.5, 2.0)]
 
 
-def test_error_and_gap(small: load.Results) -> None:
+def test_error_and_gap(small: Results) -> None:
     assert small.error(0) == 0 and small.gap(0) == 0
     assert small.error(1) == pytest.approx(0.1) and small.gap(1) == pytest.approx(0.35)
     assert small.error(4) == 0.25  # 0.5, where the truth is in [0.625, 0.75]
@@ -183,21 +192,21 @@ def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
     file.case("external", "x", [1.0], label="peer", lower=0.5, upper=np.inf, lower_check="no witness")
     file.case("external", "x", label="gone", status="failed", lower_check="not checked")
     results = load.load(file.write(tmp_path))
-    assert load.unchecked_line(results) == "Lower bounds not checked (no witness): cgal, peer"
-    assert load.machine_line(results).endswith(". Lower bounds not checked (no witness): cgal, peer")
-    assert load.machine_line(results).startswith(load.measured_on(results) + ". ")
+    assert notes.unchecked_line(results) == "Lower bounds not checked (no witness): cgal, peer"
+    assert notes.machine_line(results).endswith(". Lower bounds not checked (no witness): cgal, peer")
+    assert notes.machine_line(results).startswith(notes.measured_on(results) + ". ")
     assert [results.check_of(case) for case in range(2)] == ["holds", "not checked (no witness)"]
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(load.ResultError, match=r"none\.h5: no such file.*make none"):
+    with pytest.raises(ResultError, match=r"none\.h5: no such file.*make none"):
         load.load(tmp_path / "none.h5")
 
 
 def test_newer_schema(tmp_path: Path) -> None:
     file = ResultFile("newer", meta={"schema_version": 3})
     file.case("naive", "x")
-    with pytest.raises(load.ResultError, match=r"newer\.h5: schema version 3 is newer than 2"):
+    with pytest.raises(ResultError, match=r"newer\.h5: schema version 3 is newer than 2"):
         load.load(file.write(tmp_path))
 
 
@@ -232,14 +241,14 @@ def test_a_newer_file_has_more_columns(tmp_path: Path) -> None:
 
 def test_no_hdf5(tmp_path: Path) -> None:
     (tmp_path / "text.h5").write_text("case,solver\n")
-    with pytest.raises(load.ResultError, match=r"text\.h5: not an HDF5 file.*make text"):
+    with pytest.raises(ResultError, match=r"text\.h5: not an HDF5 file.*make text"):
         load.load(tmp_path / "text.h5")
 
 
 def test_foreign_hdf5(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["cases"] = [1, 2, 3]
-    with pytest.raises(load.ResultError, match=r"foreign\.h5: not a hausbench result file"):
+    with pytest.raises(ResultError, match=r"foreign\.h5: not a hausbench result file"):
         load.load(tmp_path / "foreign.h5")
 
 
@@ -252,7 +261,7 @@ def test_ragged_column(tmp_path: Path, column: str) -> None:
         kind = opened[column].dtype
         del opened[column]
         opened[column] = np.zeros(3, dtype=kind)
-    with pytest.raises(load.ResultError, match="columns of one length"):
+    with pytest.raises(ResultError, match="columns of one length"):
         load.load(path)
 
 
@@ -263,7 +272,7 @@ def test_missing_column(tmp_path: Path, column: str) -> None:
     path = file.write(tmp_path)
     with h5py.File(path, "a") as opened:
         del opened[column]
-    with pytest.raises(load.ResultError, match=column.split("/")[1]):
+    with pytest.raises(ResultError, match=column.split("/")[1]):
         load.load(path)
 
 
@@ -274,7 +283,7 @@ def test_text_where_a_number_belongs(tmp_path: Path) -> None:
     with h5py.File(path, "a") as opened:
         del opened["cases/upper"]
         opened["cases/upper"] = np.array(["1"], dtype=synthetic.TEXT)
-    with pytest.raises(load.ResultError, match="cases/upper"):
+    with pytest.raises(ResultError, match="cases/upper"):
         load.load(path)
 
 
@@ -282,12 +291,12 @@ def test_file_of_another_experiment(tmp_path: Path) -> None:
     file = ResultFile("one")
     file.case("naive", "x")
     file.write(tmp_path).rename(tmp_path / "two.h5")
-    with pytest.raises(load.ResultError, match=r"two\.h5: holds the experiment 'one', not 'two'"):
+    with pytest.raises(ResultError, match=r"two\.h5: holds the experiment 'one', not 'two'"):
         load.load(tmp_path / "two.h5")
 
 
 def test_no_cases(tmp_path: Path) -> None:
-    with pytest.raises(load.ResultError, match="holds no cases"):
+    with pytest.raises(ResultError, match="holds no cases"):
         load.load(ResultFile("empty").write(tmp_path))
 
 
@@ -315,5 +324,5 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
     assert list(latest.ledger.subject) == ["b"]
     assert all(len(counts) == 2 for counts in latest.cases.counters.values())
     assert list(load.load(path, "quick").cases.label) == ["naive", "scan"]
-    with pytest.raises(load.ResultError, match="no cases"):
+    with pytest.raises(ResultError, match="no cases"):
         load.load(path, "none")

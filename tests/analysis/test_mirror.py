@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 
 import pytest
 
-from analysis.shared.load import ResultError
+from analysis.shared.results import ResultError
 from analysis.shared.stems import ANALYSIS, module_of
 
 EXPERIMENTS = ANALYSIS.parent / "experiments"

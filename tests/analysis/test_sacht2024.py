@@ -10,28 +10,21 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import synthetic_sacht
-from stem_runner import Make, stem_runner
+from stem_runner import TETRAHEDRON, Make, stem_runner
 from synthetic import ResultFile
 from synthetic_sacht import TIE, Ratio, Tie, size_of
 
+from analysis.__main__ import main
 from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
-from analysis.shared import command, mesh_picture
-from analysis.shared.mesh_picture import Mesh
+from analysis.shared import mesh_picture
+from analysis.shared.shapes import Mesh
 from analysis.shared.statistics import exact
 from analysis.shared.stems import module_of
-
-CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-TETRAHEDRON = Mesh(CORNERS, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 @pytest.fixture()
 def make(tmp_path: Path) -> Make:
     return stem_runner(tmp_path)
-
-
-@pytest.fixture()
-def tetrahedra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mesh_picture, "mesh", lambda name: TETRAHEDRON)
 
 
 def claim(text: str, part: str) -> str:
@@ -220,12 +213,12 @@ def test_table1_without_the_models(make: Make, monkeypatch: pytest.MonkeyPatch, 
 
 def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
     assert TETRAHEDRON.closed and TETRAHEDRON.manifold
-    opened = Mesh(CORNERS, TETRAHEDRON.triangles[:3])
+    opened = Mesh(TETRAHEDRON.corners, TETRAHEDRON.triangles[:3])
     assert not opened.closed and opened.manifold
-    fin = Mesh(np.vstack([CORNERS, [[1, 1, 1]]]), np.vstack([TETRAHEDRON.triangles, [[0, 1, 4]]]))
+    fin = Mesh(np.vstack([TETRAHEDRON.corners, [[1, 1, 1]]]), np.vstack([TETRAHEDRON.triangles, [[0, 1, 4]]]))
     assert not fin.closed and not fin.manifold
     # Corners of its own for each triangle, as in STL: by their places it is the same mesh.
-    soup = Mesh(CORNERS[TETRAHEDRON.triangles].reshape(-1, 3), np.arange(12).reshape(4, 3))
+    soup = Mesh(TETRAHEDRON.corners[TETRAHEDRON.triangles].reshape(-1, 3), np.arange(12).reshape(4, 3))
     assert soup.closed and soup.manifold
 
 
@@ -263,16 +256,16 @@ def test_pictures_need_fields(stem: str, tmp_path: Path, capsys: pytest.CaptureF
     file.case("sacht", "x", [0.1], lower=0.5, upper=0.5)
     file.write(tmp_path)
     module = {"sacht2024_fig1": sacht2024_fig1, "sacht2024_fig11": sacht2024_fig11}.get(stem) or importlib.import_module(module_of(stem))
-    assert command.main(stem, module.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert main([stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert f"make {stem}" in error and len(error.splitlines()) == 1
 
 
 def test_a_section_is_where_triangles_meet_the_plane() -> None:
-    (first, second, third) = sacht2024_fig1.section(CORNERS, TETRAHEDRON, 0.25)
+    (first, second, third) = sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 0.25)
     ends = {tuple(np.round(end, 12)) for piece in (first, second, third) for end in piece}
     assert ends == {(0.0, 0.0), (0.75, 0.0), (0.0, 0.75)}  # a triangle, three quarters as large
-    assert sacht2024_fig1.section(CORNERS, TETRAHEDRON, 2.0) == []
+    assert sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 2.0) == []
 
 
 def test_a_view_can_be_turned_to_show_a_line_in_full() -> None:

@@ -1,11 +1,17 @@
-"""Against values worked out by hand from the binomial distribution."""
+"""Against values worked out by hand from the binomial distribution, and against the program, which has its own."""
 
+import json
 import math
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.stats
+from synthetic import ResultFile
 
+from analysis import schema
+from analysis.shared.load import load
 from analysis.shared.statistics import (
     Estimate,
     by_round,
@@ -41,6 +47,23 @@ def test_median_of_nine() -> None:
 
 def test_median_of_an_even_number() -> None:
     assert median([1, 2, 3, 10]).value == 2.5
+
+
+def test_the_program_gives_the_same_intervals(tmp_path: Path) -> None:
+    """harness/statistics.cpp, of which `hausbench show` is made."""
+    if not schema.program().is_file():
+        pytest.skip("the program is not built")
+    rng, file = np.random.default_rng(20), ResultFile("intervals")
+    for n in range(2, 61):
+        file.case("naive", f"{n} times", list(rng.exponential(size=n)), lower=0.5, upper=0.5)
+    path = file.write(tmp_path)
+    done = subprocess.run([schema.program(), "show", "--json", path], cwd=schema.ROOT, capture_output=True, text=True, check=True)
+    rows, results = json.loads(done.stdout)["rows"], load(path)
+    assert len(rows) == 59
+    for case, row in enumerate(rows):
+        ours = median(list(results.solve_by_round(case).values()))
+        assert [row[name] for name in ("solve_seconds", "solve_seconds_low", "solve_seconds_high", "times")] == [ours.value, ours.low, ours.high, ours.n]
+        assert row["confidence"] == pytest.approx(ours.coverage, abs=1e-12)
 
 
 def test_few_repeats_take_the_range_and_say_so() -> None:

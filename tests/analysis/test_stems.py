@@ -15,11 +15,11 @@ import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
 
-from analysis.shared import command, load, style
+from analysis.__main__ import main
+from analysis.shared import load, style
+from analysis.shared.statistics import median
 from analysis.stability import error_vs_time
 from analysis.zhang2017 import zhang2017_table3
-from analysis.shared.statistics import median
-from analysis.shared.stems import module_of
 
 ROOT = Path(__file__).resolve().parents[2]
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
@@ -99,7 +99,7 @@ def test_table3_refuses_to_pool_variants(tmp_path: Path, capsys: pytest.CaptureF
         file.case("nohd", "a_pears", [1.0], options={"depth": depth}, lower=1.0, upper=1.0)
     file.write(tmp_path)
     arguments = ["--results", str(tmp_path), "--out", str(tmp_path)]
-    assert command.main("zhang2017_table3", zhang2017_table3.make, arguments) == 2
+    assert main(["zhang2017_table3", *arguments]) == 2
     assert "'nohd'" in capsys.readouterr().err
 
 
@@ -216,7 +216,7 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     path = STEMS[stem]().write(tmp_path)
     before = path.read_bytes()
     path.chmod(0o444)
-    done = subprocess.run([sys.executable, "-m", module_of(stem), "--results", str(tmp_path),
+    done = subprocess.run([sys.executable, "-m", "analysis", stem, "--results", str(tmp_path),
                            "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     written = [Path(line) for line in done.stdout.splitlines()]
@@ -227,7 +227,7 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_command_line_without_results(stem: str, tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", module_of(stem), "--results", str(tmp_path)], cwd=ROOT,
+    done = subprocess.run([sys.executable, "-m", "analysis", stem, "--results", str(tmp_path)], cwd=ROOT,
                           capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr == f"{tmp_path / stem}.h5: no such file: measure it with 'make {stem}'\n"

@@ -7,12 +7,21 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from analysis.shared import style
+from analysis.shared import report, scales, solvers, style
 
 
 def test_no_two_solvers_look_alike() -> None:
     looks = [(look.colour, look.marker) for look in style.LOOKS.values()]
     assert len(set(looks)) == len(looks)
+
+
+def test_every_solver_of_the_program_has_a_look() -> None:
+    assert {*style.LOOKS, *style.WITHOUT_LOOK} == {*solvers.TITLES} and not {*style.LOOKS} & {*style.WITHOUT_LOOK}
+
+
+def test_no_title_is_given_twice() -> None:
+    """What the program says already needs no entry of its own."""
+    assert not style.OTHER_TITLES.items() & solvers.TITLES.items() and {*style.OTHER_TITLES} <= {*solvers.TITLES}
 
 
 def test_every_status_has_a_letter_of_its_own() -> None:
@@ -32,7 +41,7 @@ def test_a_footnote_stands_below_the_figure(tmp_path: Path) -> None:
     heights = []
     for stem, footnote in (("without", ""), ("with", "Lower bounds not checked (no witness): cgal")):
         figure, _ = plt.subplots(figsize=(style.SINGLE_COLUMN, 2))
-        _, png = style.save(figure, tmp_path, stem, "a figure", footnote)
+        _, png = report.save_figure(figure, tmp_path, stem, "a figure", footnote)
         heights.append(plt.imread(png).shape[0])
         assert (footnote in [text.get_text() for text in figure.texts]) == bool(footnote)
     assert heights[1] > heights[0]
@@ -47,7 +56,7 @@ def test_order_and_titles() -> None:
 @pytest.mark.parametrize("values", [[0.0, 1e-8, 1e-3], [1e-16, 0.0], [0.0, 0.0], [5e-324, 0.0]])
 def test_zeros_are_inside_the_frame_and_below_everything_else(values: list[float]) -> None:
     figure, ax = plt.subplots()
-    axis = style.LogAxis(ax, values)
+    axis = scales.LogAxis(ax, values)
     placed, (low, high) = axis.place(values), ax.get_ylim()
     assert (placed > low).all() and (placed < high).all()
     positive = placed[np.array(values) > 0]
@@ -58,7 +67,7 @@ def test_zeros_are_inside_the_frame_and_below_everything_else(values: list[float
 
 def test_without_zeros_there_is_no_band() -> None:
     figure, ax = plt.subplots()
-    style.LogAxis(ax, [1e-4, 1e-2])
+    scales.LogAxis(ax, [1e-4, 1e-2])
     assert "0" not in [label.get_text() for label in ax.get_yticklabels()]
     plt.close(figure)
 
@@ -68,7 +77,7 @@ def test_figures_are_reproducible(tmp_path: Path) -> None:
         figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2))
         ax.plot([1, 2], [3, 4], **style.filled_marker(style.look("cover")))
         ax.set_xlabel("a length, $10^{-3}$")
-        return style.save(figure, tmp_path / folder, "figure", "a caption")
+        return report.save_figure(figure, tmp_path / folder, "figure", "a caption")
 
     first = [path.read_bytes() for path in draw("1")]
     time.sleep(1.1)

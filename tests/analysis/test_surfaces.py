@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from synthetic import ResultFile, spread
 
-from analysis.shared import command
-from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
+from analysis.__main__ import main
 from analysis.shared.load import load
+from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
 
 BOX = 3 * [-2.0, 2.0]
 DIRECTIONS = (("first to second", 0.64, 0.85), ("second to first", 0.73, 0.90))
@@ -36,7 +36,7 @@ def test_example_joins_both_directions(tmp_path: Path) -> None:
     subdivision(file, "all pairs", 6, "modified_affine", 5000)
     subdivision(file, "pruned pairs", 6, "modified_affine", 5)
     file.write(tmp_path)
-    assert command.main(file.stem, shou2014_example.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     first, second = records(tmp_path, file.stem)
     assert (float(first["lower"]), float(first["upper"])) == (0.73, 0.90)
     assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
@@ -56,7 +56,7 @@ def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:
             file.case("surface_enclosure", scene, spread(0.1, 3), lower=low, upper=high, tolerance=tolerance,
                       tolerance_of="absolute", prepare_seconds=0.01)
     file.write(tmp_path)
-    assert command.main(file.stem, shou2014_convergence.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     published, ours = shou2014_convergence.collect(load(tmp_path / f"{file.stem}.h5"))
     assert {key[0] for key in published} == {"pruned pairs"} and len(published) == 8 and sorted(ours) == [1e-4, 1e-2]
     assert len(records(tmp_path, file.stem)) == 10
@@ -72,7 +72,7 @@ def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
     file.models[0] |= {"polynomial": "x^2 + y^2 + z^2 - 1", "box": BOX}
     file.models[1] |= {"polynomial": "x^2 + y^2 + z^2 - 9/4", "box": BOX}
     file.write(tmp_path)
-    assert command.main(file.stem, surfaces_gallery.make, ["--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     held = {r["solver"]: r["holds"] for r in records(tmp_path, file.stem)}
     assert held == {"interval_subdivision": "0", "surface_enclosure": "1"}
     assert "(unsound)" in (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")

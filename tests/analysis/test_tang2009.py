@@ -9,13 +9,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import synthetic_tang
-from stem_runner import Make, stem_runner
+from stem_runner import TETRAHEDRON, Make, stem_runner
 from synthetic import ResultFile
 from synthetic_tang import motion
 
-from analysis.shared import load, mesh_picture
+from analysis.shared import load
 from analysis.tang2009 import tang_pictures
-from analysis.shared.mesh_picture import Mesh
 
 PAIRS = tuple(f"pair {i}" for i in range(6))
 COLD = ("tang", "cover")
@@ -150,12 +149,6 @@ def test_every_stem_has_a_file() -> None:
         assert isinstance(made := file(), ResultFile) and made.stem == stem
 
 
-@pytest.fixture()
-def tetrahedra(monkeypatch: pytest.MonkeyPatch) -> None:
-    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    monkeypatch.setattr(mesh_picture, "mesh", lambda name: Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])))
-
-
 @pytest.mark.usefixtures("tetrahedra")
 def test_pictures(make: Make) -> None:
     records, rows, _ = make(synthetic_tang.pictures("tang2009_fig7", ("cover",)))
@@ -175,7 +168,7 @@ def test_the_witness_is_drawn_where_it_is(tmp_path: Path) -> None:
     (line,) = axes[0].lines
     assert np.allclose(np.stack(line.get_data()).T, ends[:, :2])
     assert not axes[1].lines  # nobody knows it
-    moved = tang_pictures.placed("any", results.cases.pose[0]).corners
+    moved = tang_pictures.placed(results, "any", results.cases.pose[0]).corners
     assert np.allclose(moved, [[2, 0, 0], [3, 0, 0], [2, 1, 0], [2, 0, 1]])
     plt.close(figure)
 
@@ -308,13 +301,13 @@ def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     assert len(records) == 5 and "two stand in" in text
 
 
-def test_points_inside(tetrahedra: None) -> None:
+def test_points_inside() -> None:
     points = np.array([[0.1, 0.1, 0.1], [0.4, 0.4, 0.4], [-0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [5, 5, 5]])
-    assert list(tang_pictures.inside(mesh_picture.mesh("any"), points)) == [True, False, False, True, False]
+    assert list(tang_pictures.inside(TETRAHEDRON, points)) == [True, False, False, True, False]
 
 
-def test_pieces_make_up_the_triangles(tetrahedra: None) -> None:
-    whole, cut = mesh_picture.mesh("any"), tang_pictures.pieces(mesh_picture.mesh("any"), 0.3)
+def test_pieces_make_up_the_triangles() -> None:
+    whole, cut = TETRAHEDRON, tang_pictures.pieces(TETRAHEDRON, 0.3)
     area = [np.linalg.norm(np.cross(m.corners[m.triangles[:, 1]] - m.corners[m.triangles[:, 0]], m.corners[m.triangles[:, 2]] - m.corners[m.triangles[:, 0]]), axis=1).sum()
             for m in (whole, cut)]
     sides = cut.corners[cut.triangles]

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
-import sys
+import hashlib
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 import synthetic_zhang
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis.shared import cells, load, points
+from analysis.shared import cells, load, notes, shapes
+from analysis.shared.results import ResultError
 from analysis.zhang2017 import zhang2017_as_printed, zhang2017_fig12, zhang2017_steps
 from analysis.zhang2017.zhang_motion import Motion
 
@@ -160,19 +161,17 @@ POINTS = {"A": [[0.0, 0.0, 0.0]] * 4, "B": [[0.5, 0.0, 0.0]] + [[2.0, 0.0, 0.0]]
 
 
 @pytest.fixture()
-def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A program that exports A and B."""
-    file = tmp_path / "program"
-    file.write_text(f"""#!{sys.executable}
-import sys
-points = {POINTS}[sys.argv[2]]
-open(sys.argv[3], "w").write("\\n".join(["OFF", str(len(points)) + " 0 0", *[" ".join(map(str, p)) for p in points]]))
-""")
-    file.chmod(0o755)
-    monkeypatch.setenv("HAUSBENCH_PROGRAM", str(file))
+def shapes_of_a_and_b(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cache that has them, as datasets/shape_file.cpp writes it."""
+    (tmp_path / "shapes").mkdir()
+    for name, points in POINTS.items():
+        with h5py.File(tmp_path / "shapes" / f"made_of_{name}.h5", "w") as file:
+            file.attrs.update({"shape_schema": 1, "kind": "points", "content_hash": hashlib.sha256(name.encode()).hexdigest()})
+            file["coordinates"] = np.array(points)
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path))
 
 
-def test_steps_expected_and_counted(make: Make, program: None) -> None:
+def test_steps_expected_and_counted(make: Make, shapes_of_a_and_b: None) -> None:
     _, rows, text = make(synthetic_zhang.steps())
     assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "5.00", "1.20", "3.00", "2.00"]
     assert rows["4"][4][2] == "3.00 [3.00, 3.00]"
@@ -187,20 +186,26 @@ def test_expectations_where_no_point_is_near() -> None:
     assert expected == pytest.approx(3.0) and by_point == pytest.approx((4 / 3 + 3) / 2)
 
 
-def test_steps_without_a_program(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HAUSBENCH_PROGRAM", "/nowhere")
+def test_steps_without_the_shapes(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HAUSBENCH_CACHE", "/nowhere")
     _, rows, text = make(synthetic_zhang.steps())
     assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", *4 * ["—"]] and "not tested (fewer than three places)" in text
 
 
-def test_points_are_those_asked_for(program: None) -> None:
-    a = points.points_of("A", 4)
-    assert a is not None and a.shape == (4, 3) and points.points_of("A", 5) is None and points.points_of("C", 4) is None
-    turned = points.posed(np.array([[1.0, 0, 0]]), np.array([0.0, -1, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0]))
+@pytest.mark.usefixtures("shapes_of_a_and_b")
+def test_shapes_are_those_of_the_result_file(tmp_path: Path) -> None:
+    file = synthetic_zhang.steps()
+    results = load.load(file.write(tmp_path))
+    assert np.array_equal(shapes.mesh(results, "A").corners, POINTS["A"]) and np.array_equal(shapes.mesh(results, "B").corners, POINTS["B"])
+    assert shapes.points(results, "C") is None
+    next(model for model in file.models if model["name"] == "A")["sha256"] = "of another shape"
+    with pytest.raises(ResultError, match="'A' cannot be drawn: its shape is not in .* run its experiment again with 'make zhang2017_steps'"):
+        shapes.mesh(load.load(file.write(tmp_path)), "A")
+    turned = shapes.posed(np.array([[1.0, 0, 0]]), np.array([0.0, -1, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0]))
     assert turned.tolist() == [[5.0, 1.0, 0.0]]
 
 
-def test_fig12_names_the_pairs(make: Make, program: None) -> None:
+def test_fig12_names_the_pairs(make: Make, shapes_of_a_and_b: None) -> None:
     _, rows, text = make(synthetic_zhang.fig12())
     assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.25", "0.125", "0.750", "OHD",
                                     "7", "9"]
@@ -296,10 +301,10 @@ def test_clocks_are_named(tmp_path: Path) -> None:
     file = ResultFile("clocks")
     file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
-    assert cells.clock_word(results) == "CPU time"
+    assert notes.clock_word(results) == "CPU time"
     file.case("cgal", "x", [1.0], lower=1.0, upper=1.0, clock="wall")
     results = load.load(file.write(tmp_path))
-    assert cells.clock_word(results) == "time" and "but wall time for CGAL, where several" in cells.clock_note(results)
+    assert notes.clock_word(results) == "time" and "but wall time for CGAL, where several" in notes.clock_note(results)
 
 
 def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:

@@ -20,6 +20,7 @@ DATASETS = Path(__file__).resolve().parents[2] / "datasets"
 sys.path.insert(0, str(DATASETS))
 
 import fetch  # noqa: E402
+import packages  # noqa: E402
 
 # Stand-ins for the programs: packages are plain tar archives in the folder `shelf`, every call is written down.
 APT = """#!/bin/sh
@@ -83,7 +84,7 @@ class World:
             out.write(f"[model.{name}]\n" + "".join(f'{key} = "{value}"\n' for key, value in keys.items()))
 
     def fetch(self, *names: str, root: bool = False) -> int:
-        return fetch.fetch(self.manifest, self.cache, list(names), fetch.Apt(self.lists, root))
+        return fetch.fetch(self.manifest, self.cache, list(names), packages.Apt(self.lists, root))
 
     def calls(self) -> list[str]:
         return self.calls_file.read_text().splitlines() if self.calls_file.exists() else []
@@ -190,7 +191,7 @@ def test_scripts_become_obj_files(world: World) -> None:
               (struct.pack("<9f", 0, 0.5, -1, 0.1, 1e-20, 3, 4, 5, 6), struct.pack("<3I", 0, 1, 2))]
     binary = (f';exports.positions = require("./load")(Float32Array, "{packed[0]}")\n'
               f';exports.cells = require("./load")(Uint32Array, "{packed[1]}")')
-    obj = fetch.javascript_mesh(binary).decode().splitlines()
+    obj = packages.javascript_mesh(binary).decode().splitlines()
     assert obj[0] == "v 0.0 0.5 -1.0" and obj[-1] == "f 1 2 3" and len(obj) == 4
     assert [float(word) for word in obj[1].split()[1:]] == list(struct.unpack("<3f", struct.pack("<3f", 0.1, 1e-20, 3)))
 
@@ -201,7 +202,7 @@ def test_scripts_become_obj_files(world: World) -> None:
     assert world.fetch() == 0
     assert world.kept() == {f"raw/{sha(expected)}/m.obj": expected}
     with pytest.raises(ValueError, match="exports no positions"):
-        fetch.javascript_mesh("alert(1)")
+        packages.javascript_mesh("alert(1)")
 
 
 def small_font() -> bytes:
@@ -337,7 +338,7 @@ def test_the_corpus_is_fetched_only_where_it_is_asked_for(world: World) -> None:
     with_corpus(world)
     assert world.fetch() == 0 and kept_of(world) == "a"
     assert world.fetch("b_half") == 0 and kept_of(world) == "ab"  # by rule
-    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), fetch.Asked(corpus=True)) == 0
+    assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), fetch.Asked(corpus=True)) == 0
     assert kept_of(world) == "abc"
     with pytest.raises(fetch.ManifestError, match="no model d"):
         world.fetch("d")
@@ -358,7 +359,7 @@ def test_an_experiment_brings_what_it_names(world: World, scene: str, quick: str
     for profile, kept in (("quick", quick), ("paper", paper)):
         shutil.rmtree(world.cache, ignore_errors=True)
         asked = fetch.Asked(experiments=(file,), profile=profile)
-        assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+        assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked) == 0
         assert kept_of(world) == kept, profile
 
 
@@ -374,10 +375,10 @@ def test_an_experiment_that_cannot_be_parsed_keeps_nobody_from_fetching(world: W
 def test_damaged_files_are_found_and_fetched_again(world: World, capsys: pytest.CaptureFixture[str]) -> None:
     with_corpus(world)
     asked = fetch.Asked(corpus=True, check=True)
-    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+    assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked) == 0
     (world.cache / "raw" / sha(b"b") / "b.obj").write_bytes(b"damaged")
     assert world.fetch() == 0 and kept_of(world) == "acdamaged"
-    assert fetch.fetch(world.manifest, world.cache, [], fetch.Apt(world.lists, False), asked) == 0
+    assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), asked) == 0
     assert kept_of(world) == "abc" and "model b:" in capsys.readouterr().err
 
 

@@ -22,13 +22,14 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "datasets"))
 
 import fetch  # noqa: E402
+import packages  # noqa: E402
 
 FILES: list[dict[str, Any]] = tomllib.loads((Path(__file__).parent / "files.toml").read_text())["file"]
 MODELS = tomllib.loads((ROOT / "datasets" / "manifest.toml").read_text())["model"].values()
 PACKAGES_OF_MODELS = {table["package"] for table in MODELS if "package" in table}
 CACHE = Path(os.environ.get("HAUSBENCH_CACHE") or ROOT / "datasets" / "cache").absolute()
 PROGRAM = os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench"))
-APT = fetch.Apt()
+APT = packages.Apt()
 
 SOLVE_SECONDS = 5.0
 WALL_SECONDS = 60.0  # the file is read twice, by two processes, before anything is solved
@@ -50,7 +51,7 @@ def fetch_all_of(package: str) -> tuple[str, list[str]]:
     meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
     try:
         return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
-    except fetch.Unavailable as why:
+    except packages.Unavailable as why:
         return str(why), []
 
 

@@ -1,0 +1,39 @@
+"""Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`. Each reads <results>/STEM.h5 by the script that
+stems.module_of finds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from analysis.shared.load import load
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError
+from analysis.shared.stems import module_of
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns the exit code: 2 if a file is unusable; the other stems are drawn all the same."""
+    parser = argparse.ArgumentParser(prog="analysis", description="Figures and tables of experiments, from their result files.")
+    parser.add_argument("stems", nargs="+", metavar="STEM", help="such as zhang2017_table3")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (results)")
+    chosen, code = parser.parse_args(arguments), 0
+    for stem in chosen.stems:
+        try:
+            script = importlib.import_module(module_of(stem))
+            results = load(chosen.results / f"{stem}.h5")
+            report: Report = script.make(results)
+            print(*report.save(results, chosen.out), sep="\n")
+        except ResultError as problem:
+            print(problem, file=sys.stderr)
+            code = 2
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,54 @@
+"""A figure of times beside those that a paper prints: one band a scene, one line a solver in it; filled: here, open: the paper, bar: the
+interval of the median.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style
+from analysis.shared.cells import Grid
+from analysis.shared.notes import clock_word
+
+
+def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
+    """`papers` are the seconds that the paper prints, by scene and label."""
+    scenes, cells = grid.scenes, grid.cells
+    present = [pair for pair in grid.labels if any((scene, pair[1]) in cells for scene in scenes)]
+    pitch = len(present) + 1.0
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.75 + 0.098 * pitch * len(scenes)))
+    known = [x for cell in cells.values() if cell.time.n for x in (cell.time.value, cell.time.low, cell.time.high)]
+    known += [papers[s][label] for s in scenes if s in papers for _, label in present if label in papers[s]]
+    known = [x for x in known if np.isfinite(x) and x > 0] or [1.0]
+    ax.set_xscale("log")
+    ax.set_xlim(min(known) / 2, max(known) * 2)
+    for i, scene in enumerate(scenes):
+        if i % 2:
+            ax.axhspan(i * pitch - 1, (i + 1) * pitch - 1, color="#F5F5F5", linewidth=0, zorder=0)
+        for j, (solver, label) in enumerate(present):
+            y, looks, cell = i * pitch + j, style.look(solver, label), cells.get((scene, label))
+            printed = papers.get(scene, {}).get(label)
+            if printed and cell and cell.time.n:
+                ax.plot([printed, cell.time.value], [y, y], color=looks.colour, linewidth=0.5, alpha=0.6, zorder=1)
+            if printed:
+                ax.plot(printed, y, **style.open_marker(looks))
+            if cell and cell.time.n:
+                style.interval(ax, cell.time, y, color=looks.colour, linewidth=1.6, zorder=2)
+                ax.plot(cell.time.value, y, **style.filled_marker(looks))
+            elif cell:
+                # On the side where the paper's mark is not.
+                right = bool(printed) and printed**2 < min(known) * max(known)
+                ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
+                        transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
+    ax.set_ylim(len(scenes) * pitch - 1, -1)
+    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], map(style.scene_title, scenes))
+    ax.tick_params(axis="y", length=0)
+    ax.grid(False, axis="y")
+    ax.set_xlabel(f"{clock_word(grid.results)} to prepare and solve (s)")
+    here = f"here, {grid.results.meta.get('profile', '')} sizes"
+    style.legend_above(figure, [*style.handles(present, lines=False), style.filled_entry(here), style.open_entry("the paper")])
+    return figure

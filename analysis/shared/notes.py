@@ -1,0 +1,77 @@
+"""Sentences below tables and figures: where, with what and by which clock rows were measured, and whose bounds were not checked."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.shared import style
+from analysis.shared.results import Results
+
+
+def unchecked_line(results: Results) -> str:
+    """For a table or figure: whose lower bounds the harness could not check; empty where it checked all that there are."""
+    cases, found = results.cases, dict[str, set[str]]()
+    for case in range(len(cases)):
+        if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
+            found.setdefault(results.check_of(case), set()).add(cases.label[case])
+    return "; ".join(f"Lower bounds {check}: {', '.join(sorted(labels))}" for check, labels in sorted(found.items()))
+
+
+def machine_line(results: Results) -> str:
+    """Where and with what the rows were measured, and which bounds were not checked, for the end of a note."""
+    unchecked = unchecked_line(results)
+    return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
+
+
+def measured_on(results: Results) -> str:
+    """The machine, the build and the profile."""
+    meta = results.meta
+    gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
+    dirty = " with changes" if meta.get("dirty") in (1, True, "true", "yes") else ""
+    line = (f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
+            f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
+            f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
+    for column in ("machine", "build"):
+        count = len(set(getattr(results.cases, column)))
+        if count > 1:
+            line += f"; rows of {count} {column}s are mixed"
+    return line
+
+
+def scene_notes(results: Results) -> list[str]:
+    """What the experiment says of its scenes, such as what a model stands in for."""
+    return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
+            if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
+
+
+def clocks(results: Results) -> dict[str, list[str]]:
+    """Labels by the clock of their rows with answers."""
+    found: dict[str, list[str]] = {}
+    for row in range(len(results.cases)):
+        if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
+            titles = found.setdefault(results.clock_of(row), [])
+            title = style.title(results.cases.solver[row], results.cases.label[row])
+            if title not in titles:
+                titles.append(title)
+    return found
+
+
+def clock_word(results: Results) -> str:
+    """For captions and axes: 'CPU time', 'wall time', or 'time' where a table shows both."""
+    found = clocks(results)
+    return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
+
+
+def clock_title(results: Results) -> str:
+    """The same, to begin a sentence."""
+    word = clock_word(results)
+    return word[0].upper() + word[1:]
+
+
+def clock_note(results: Results) -> str:
+    found = clocks(results)
+    cpu = "process CPU time, children included"
+    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
+            "was read off a trace" if len(found) > 1 else
+            "Times are wall time" if "wall" in found else f"Times are {cpu}")
+    return f"{what}; preparing is wall time."

@@ -1,0 +1,65 @@
+"""What a stem makes, and how it is written: a figure, and a table with its numbers in full."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import style, tables
+from analysis.shared.notes import unchecked_line
+from analysis.shared.results import Results
+
+
+@dataclass(frozen=True)
+class Report:
+    draw: Callable[[], Any]  # the figure; tables do not wait for it
+    table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
+    records: Sequence[tables.Record] = ()  # of the CSV
+    key: str = ""  # of the letters in the figure; stands below it
+
+    def save(self, results: Results, out: Path) -> list[Path]:
+        """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png."""
+        stem = results.stem
+        if self.table is None:
+            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")))
+        footnote = ". ".join(filter(None, [self.key, unchecked_line(results)]))
+        return tables.save(self.table, self.records, out, stem) + save_figure(self.draw(), out, stem, self.table.caption, footnote)
+
+
+def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:
+    """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes. A footnote stands
+    below all else, and makes the figure higher.
+    """
+    if footnote:
+        figure.draw_without_rendering()  # so that the layout is settled before the text, which it must not make room for
+        figure.set_layout_engine("none")
+        figure.text(0.5, -0.01, "\n".join(textwrap.wrap(footnote, int(20 * figure.get_figwidth()))), ha="center", va="top",
+                    fontsize=6.5, color=style.GREY)
+    folder = out / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{stem}.pdf", folder / f"{stem}.png"]
+    before = os.environ.get("SOURCE_DATE_EPOCH")
+    os.environ["SOURCE_DATE_EPOCH"] = "0"  # the subset fonts inside a PDF carry a date too
+    try:
+        metadata: dict[str, dict[str, Any]] = {
+            "pdf": {"Title": stem, "Subject": caption, "CreationDate": None},
+            "png": {"Title": stem, "Description": caption, "Software": None}}
+        for path in paths:
+            temporary = path.with_name(path.name + ".part")
+            with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
+                figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]],
+                               bbox_inches="tight" if footnote else None)
+            temporary.replace(path)
+    finally:
+        if before is None:
+            del os.environ["SOURCE_DATE_EPOCH"]
+        else:
+            os.environ["SOURCE_DATE_EPOCH"] = before
+    plt.close(figure)
+    return paths

@@ -1,0 +1,241 @@
+"""A result file in memory: its rows, and the times, bounds and references that follow from them. analysis/shared/load.py reads it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from analysis.shared.columns import Answers, Cases, Fields, Floats, Ints, Ledger, Models, Preparation, Repeats, Texts, Trace
+from analysis.shared.statistics import by_round
+
+
+class ResultError(Exception):
+    """A result file that cannot be used: one line with its name and the remedy."""
+
+
+class Interval(NamedTuple):
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Results:
+    path: Path
+    meta: dict[str, Any]
+    models: Models
+    cases: Cases
+    answers: Answers
+    repeats: Repeats
+    preparation: Preparation
+    trace: Trace
+    fields: Fields
+    field_values: Floats  # of all fields, see fields_of
+    ledger: Ledger
+
+    def rows(self, **equal: object) -> list[int]:
+        """Rows of /cases whose named columns have these values, in the order of the file."""
+        keep = np.ones(len(self.cases), dtype=bool)
+        for column, value in equal.items():
+            keep &= getattr(self.cases, column) == value
+        return [int(row) for row in np.flatnonzero(keep)]
+
+    def in_order(self, column: str, rows: Iterable[int] | None = None) -> list[Any]:
+        """The distinct values of a column of /cases, by first appearance."""
+        values = getattr(self.cases, column)
+        return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
+
+    @property
+    def stem(self) -> str:
+        return self.path.stem
+
+    @property
+    def scenes(self) -> list[str]:
+        return self.in_order("scene")
+
+    @cached_property
+    def names(self) -> Texts:
+        """Of each row the solver as it is shown: its label, with the parameters that the experiment sweeps."""
+        return np.array([f"{label}({variant})" if variant else label
+                         for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
+
+    def options(self, case: int) -> dict[str, Any]:
+        options: dict[str, Any] = json.loads(self.cases.options[case] or "{}")
+        return options
+
+    def extras(self, case: int) -> dict[str, float]:
+        """Numbers that the solver reports of itself, by name."""
+        return {name: float(value) for name, value in json.loads(self.cases.extras[case] or "{}").items()}
+
+    def facts(self, case: int) -> dict[str, str]:
+        """What the solver reports of itself in words, by name."""
+        return {name: str(text) for name, text in json.loads(self.cases.facts[case] or "{}").items()}
+
+    def _by_case(self, column: Ints) -> tuple[Ints, Ints]:
+        order = np.argsort(column, kind="stable")
+        return order, np.searchsorted(column[order], np.arange(len(self.cases) + 1))
+
+    @cached_property
+    def _answers_by_case(self) -> tuple[Ints, Ints]:
+        return self._by_case(self.answers.case)
+
+    @cached_property
+    def _repeats_by_case(self) -> tuple[Ints, Ints]:
+        return self._by_case(self.repeats.case)
+
+    @cached_property
+    def _preparation_by_case(self) -> tuple[Ints, Ints]:
+        return self._by_case(self.preparation.case)
+
+    def repeats_of(self, case: int) -> Ints:
+        """Rows of /repeats."""
+        order, begin = self._repeats_by_case
+        return order[begin[case]:begin[case + 1]]
+
+    def clock_of(self, case: int) -> str:
+        """Which time stands for this case: "cpu" of the process, children included, where one thread works at a time,
+        else "wall". "wall" also where nothing was timed: the row was read off the trace of a finer tolerance.
+        """
+        order, begin = self._answers_by_case
+        seconds = np.concatenate([self.answers.cpu_seconds[order[begin[case]:begin[case + 1]]],
+                                  self.repeats.cpu_seconds[self.repeats_of(case)]])
+        return "cpu" if self.cases.clock[case] == "cpu" and len(seconds) and not np.isnan(seconds).any() else "wall"
+
+    def first_by_round(self, case: int, clock: str = "") -> dict[int, float]:
+        """Time of the first answer of each process, by the clock of the case or the one named. Files of older programs have
+        repeats in its place, and a row that was read off a trace has the time of the sample.
+        """
+        order, begin = self._answers_by_case
+        rows = order[begin[case]:begin[case + 1]]
+        seconds = self.answers.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.answers.wall_seconds
+        if len(rows):
+            return {int(self.answers.round[row]): float(seconds[row]) for row in rows if not np.isnan(seconds[row])}
+        if len(self.repeats_of(case)):
+            return self.solve_by_round(case, clock)
+        first = float(self.cases.solve_seconds[case])
+        return {} if np.isnan(first) else {0: first}
+
+    def reported_by_round(self, case: int) -> dict[int, float]:
+        """What an outside program says of its time, by round; empty where it says nothing."""
+        order, begin = self._answers_by_case
+        rows = order[begin[case]:begin[case + 1]]
+        return {int(self.answers.round[row]): float(self.answers.reported_seconds[row]) for row in rows
+                if not np.isnan(self.answers.reported_seconds[row])}
+
+    def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
+        """Time of solving once more, by the clock of the case or the one named: the median over the repeats of each
+        round, which is a fresh process. Where none was timed, of the first answers.
+        """
+        rows = self.repeats_of(case)
+        seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
+        known = rows[~np.isnan(seconds[rows])]
+        return by_round(self.repeats.round[known], seconds[known]) if len(rows) else self.first_by_round(case, clock)
+
+    def prepare_by_round(self, case: int) -> dict[int, float]:
+        """Wall time to build all structures, by round; empty where there are none."""
+        found: dict[int, float] = {}
+        order, begin = self._preparation_by_case
+        for row in order[begin[case]:begin[case + 1]]:
+            number = int(self.preparation.round[row])
+            found[number] = found.get(number, 0.0) + float(np.nan_to_num(self.preparation.seconds[row]))
+        return found
+
+    def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
+        """Preparing and the first answer, by round: what somebody waits for who asks once. A repeat would be too short:
+        what a solver builds on the way, and pages that it touches first, are there already. A round without preparation of
+        its own has the median of the others.
+        """
+        before, usual = self.prepare_by_round(case), self.prepare_seconds(case)
+        return {number: seconds + before.get(number, usual)
+                for number, seconds in self.first_by_round(case, clock).items()}
+
+    def wall_seconds(self, case: int) -> Floats:
+        """Wall time of solving, one number a round."""
+        return np.array(list(self.solve_by_round(case, "wall").values()))
+
+    def total_seconds(self, case: int) -> Floats:
+        """Preparing and the first answer by the clock of the case, one number a round."""
+        return np.array(list(self.total_by_round(case).values()))
+
+    def prepare_seconds(self, case: int) -> float:
+        """Of all structures together, the median over the rounds; 0 where there were none."""
+        return float(np.nan_to_num(self.cases.prepare_seconds[case]))
+
+    def trace_of(self, case: int) -> Trace:
+        part = slice(int(self.cases.trace_begin[case]), int(self.cases.trace_end[case]))
+        return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
+
+    def fields_of(self, case: int) -> dict[str, Floats]:
+        """The values of each field of a case by name: a number for each vertex or element of A. Empty where it has none."""
+        return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
+                for row in np.flatnonzero(self.fields.case == case)}
+
+    def is_bounded(self, case: int) -> bool:
+        """The row has bounds that hold, whether or not it got as far as it was asked to. An unsound row never does."""
+        return bool(self.cases.status[case] != "unsound" and np.isfinite(self.cases.lower[case])
+                    and np.isfinite(self.cases.upper[case]))
+
+    @cached_property
+    def _references(self) -> dict[tuple[str, str, str, bytes], Interval]:
+        found: dict[tuple[str, str, str, bytes], Interval] = {}
+        for case in range(len(self.cases)):
+            if self.cases.certified[case] != 1 or not self.is_bounded(case):
+                continue
+            key, old = self._asked(case), Interval(-np.inf, np.inf)
+            old = found.get(key, old)
+            found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
+                                  min(old.upper, float(self.cases.upper[case])))
+        return {key: Interval(min(interval), max(interval)) for key, interval in found.items()}
+
+    def _asked(self, case: int) -> tuple[str, str, str, bytes]:
+        poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # -0 and 0 are the same pose
+        return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
+
+    def reference_of(self, case: int) -> Interval:
+        """What is proven of the true distance of this case, h or H, of the same shapes in the same poses: [greatest lower,
+        least upper] of all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
+        (which `verify` reports) give the interval between the two.
+        """
+        return self._references.get(self._asked(case), Interval(np.nan, np.nan))
+
+    def reference(self, scene: str, pose_index: int = 0) -> Interval:
+        rows = self.rows(scene=scene, pose_index=pose_index)
+        return self.reference_of(rows[0]) if rows else Interval(np.nan, np.nan)
+
+    def error(self, case: int, lower: float | None = None) -> float:
+        """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference, and
+        NaN where no certified solver has an answer.
+
+        The answer is the lower bound, because that is what a witness shows and what programs report; how good the upper
+        bound is, the gap says. So the gap is what a solver has proved, and the error what it has found. Exact answers
+        have error 0 if some row's interval has width 0. `lower` replaces the row's own (for samples of its trace).
+        """
+        low, high = self.reference_of(case)
+        value = float(self.cases.lower[case]) if lower is None else lower
+        return max(abs(value - low), abs(value - high))
+
+    def middle(self, case: int) -> float:
+        """Of what is proven of the true distance."""
+        low, high = self.reference_of(case)
+        return 0.5 * (low + high)
+
+    def share(self, case: int) -> float:
+        """The same over the diagonal of A."""
+        return self.middle(case) / float(self.cases.source_diagonal[case])
+
+    def sizes(self, case: int, between: str = " / ") -> str:
+        """'1,000 / 2,000'."""
+        return f"{self.cases.source_elements[case]:,}{between}{self.cases.target_elements[case]:,}"
+
+    def check_of(self, case: int) -> str:
+        """What the harness found of the lower bound, in words: a bound without a witness is not checked."""
+        check = str(self.cases.lower_check[case])
+        return "not checked (no witness)" if check == "no witness" else check
+
+    def gap(self, case: int) -> float:
+        return float(self.cases.upper[case] - self.cases.lower[case])

@@ -1,0 +1,27 @@
+"""What each solver is called. Written by `python3 -m analysis.schema`: do not edit."""
+
+TITLES: dict[str, str] = {
+    "adaptive": "NOHD/OHD framework",
+    "cgal": "CGAL",
+    "cover": "cover (ours)",
+    "earlybreak": "EARLYBREAK",
+    "external": "Outside program",
+    "guthe": "Guthe et al.",
+    "inc": "INC",
+    "interval_subdivision": "interval subdivision",
+    "kang": "Kang et al.",
+    "kdtree": "k-d tree (nanoflann)",
+    "naive": "NAIVEHDD",
+    "nohd": "NOHD",
+    "nohd_as_printed": "NOHD, as printed",
+    "ohd": "OHD",
+    "ohd_as_printed": "OHD, as printed",
+    "penetration": "Tang et al., penetration depth",
+    "sacht": "Sacht & Jacobson",
+    "sampling": "sampling",
+    "scan": "scan (ours)",
+    "surface_enclosure": "surface enclosure (ours)",
+    "surface_meshes": "surface meshes (ours)",
+    "tang": "Tang et al.",
+    "zheng": "Zheng et al.",
+}

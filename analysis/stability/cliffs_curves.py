@@ -1,0 +1,114 @@
+"""The curves of cliffs: work and time of each solver over the scenes of a family, by the ratio of two of their lengths."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from analysis.shared.results import ResultError, Results
+from analysis.shared.statistics import median
+
+MOST: Final = 4.0  # times the work of ratio 1: more is a cliff
+FLAT: Final = 1.02  # work that differs by no more has stopped growing
+COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
+                  "polynomial_evaluations")
+ANSWERED: Final = ("ok", "floor")
+NOT_RUN: Final = ("skipped", "not_built")
+
+
+@dataclass(frozen=True)
+class Family:
+    title: str
+    axis: str = "ratio"
+    claim: str = ""  # subject of a verdict; families with the same text share one verdict for each solver
+
+
+QUERIES: Final = "closest point work"
+FAMILIES: Final[dict[str, Family]] = {
+    "mesh_stray_in_B": Family("mesh, stray triangle in B", claim=QUERIES),
+    "mesh_stray_in_A": Family("mesh, stray triangle in A", claim=QUERIES),
+    "mesh_away": Family("mesh, A moved away", claim=QUERIES),
+    "mesh_two_clusters": Family("meshes, two clusters", claim=QUERIES),
+    "points_stray_in_B": Family("points, outlier in B", claim=QUERIES),
+    "points_stray_in_A": Family("points, outlier in A", claim=QUERIES),
+    "points_away": Family("points, A moved away", claim=QUERIES),
+    "points_two_clusters": Family("points, two clusters", claim=QUERIES),
+    "needle": Family("A: one needle triangle", claim="work on a needle triangle"),
+    "surface_degree": Family("surfaces, by degree", "degree of A"),
+    "surface_concentric": Family("concentric spheres", "1 / tolerance"),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One case. Work and seconds are NaN if it has no answer; work also if the solver counts none."""
+
+    case: int
+    ratio: float
+    work: float
+    seconds: float
+    status: str
+
+
+Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
+
+
+def place(results: Results, case: int) -> tuple[str, float]:
+    """The family of a case and its ratio, from its scene's name. ResultError for any other name."""
+    cases, scene = results.cases, results.cases.scene[case]
+    if scene.endswith("_away") and scene in FAMILIES:
+        return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
+    if scene == "surface_concentric":
+        return scene, 1 / float(cases.tolerance[case])
+    found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
+    if not found or found[1] not in FAMILIES:
+        raise ResultError(f"{results.path}: scene '{scene}' belongs to no family of analysis/stability/cliffs_curves.py: name it "
+                          "FAMILY_1eNN, with a family of the list FAMILIES there")
+    return found[1], 10.0 ** int(found[3]) if found[2] else float(found[3])
+
+
+def collect(results: Results) -> Curves:
+    cases = results.cases
+    curves: Curves = {}
+    for case in range(len(cases)):
+        status = cases.status[case]
+        if status in NOT_RUN:
+            continue
+        family, ratio = place(results, case)
+        answered = status in ANSWERED
+        work = sum(int(cases.counters[name][case]) for name in COUNTED if name in cases.counters) if answered else 0
+        curves.setdefault((family, cases.label[case]), []).append(Row(
+            case, ratio, float(work) if work else math.nan,
+            median(results.total_seconds(case)).value if answered else math.nan, status))
+    return {key: sorted(rows, key=lambda row: row.ratio) for key, rows in curves.items()}
+
+
+def relative(rows: Sequence[Row], what: str) -> list[float]:
+    """Work or seconds of each row, divided by those of the first."""
+    values = [float(getattr(row, what)) for row in rows]
+    return [value / values[0] for value in values]
+
+
+def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
+    known = [(value, row) for value, row in zip(relative(rows, what), rows) if math.isfinite(value)]
+    return max(known, key=lambda pair: pair[0]) if known else (math.nan, None)
+
+
+def flat_from(rows: Sequence[Row]) -> Row | None:
+    """The first of at least three ratios, up to the last, whose work differs by at most FLAT; None where it goes on changing."""
+    for i in range(len(rows) - 2):
+        work = [row.work for row in rows[i:]]
+        if all(map(math.isfinite, work)) and max(work) <= FLAT * min(work):
+            return rows[i]
+    return None
+
+
+def power(ratio: float) -> str:
+    """'1e6' of a ratio, '32' of a degree."""
+    exponent = math.log10(ratio)
+    return f"1e{round(exponent)}" if ratio >= 1000 and abs(exponent - round(exponent)) < 1e-6 else f"{ratio:g}"

@@ -1,0 +1,110 @@
+"""The figure of cliffs: a panel for each family of scenes."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import scales, style
+from analysis.stability.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
+
+ACROSS: Final = 4
+WIDE: Final = 1.46  # inches, of a frame
+TALL: Final = 0.92
+
+
+def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
+    """A family: work above, time below it, on one axis of ratios. Frames side by side share their scale. Placed by hand,
+    in inches; the legend is in the place of the last panel.
+    """
+    deep = 0.2 + 2 * TALL + 0.06 + 0.36
+    height = deep * -(-(len(FAMILIES) + 1) // ACROSS) + 0.22
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
+    figure.set_layout_engine("none")
+    keys = list(FAMILIES)
+    bands = [keys[i:i + ACROSS] for i in range(0, len(keys), ACROSS)]
+    limits = [{what: scale_of([rows for (key, _), rows in curves.items() if key in band], what)
+               for what in ("work", "seconds")} for band in bands]
+    statuses: set[str] = set()
+    for i, (key, family) in enumerate(FAMILIES.items()):
+        left, floor = 0.52 + (i % ACROSS) * (WIDE + 0.2), height - (i // ACROSS) * deep - 0.26 - 2 * TALL
+        own = {label: curves[key, label] for _, label in labels if (key, label) in curves}
+        for what, bottom in (("work", floor + TALL + 0.06), ("seconds", floor)):
+            ax = figure.add_axes((left / style.DOUBLE_COLUMN, bottom / height, WIDE / style.DOUBLE_COLUMN, TALL / height))
+            statuses |= draw_frame(ax, own, labels, what, limits[i // ACROSS][what])
+            if i % ACROSS == 0:
+                ax.set_ylabel({"work": "relative work", "seconds": "relative time"}[what])
+                ax.yaxis.set_label_coords(-0.26, 0.5)
+            else:
+                ax.tick_params(labelleft=False)
+            if what == "work":
+                ax.set_title(family.title, pad=3)
+                ax.tick_params(labelbottom=False)
+            else:
+                ax.set_xlabel(family.axis, labelpad=1)
+    add_legend(figure, labels, statuses, len(FAMILIES), deep, height)
+    return figure
+
+
+def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
+    """Of a band of frames, with room for letters at the top."""
+    values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
+    low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
+    return low, high * (high / low) ** 0.2
+
+
+def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, str]], what: str,
+               limits: tuple[float, float]) -> set[str]:
+    """Lines through what has an answer; a letter at the top, in the colour of the solver, for what has none."""
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(*limits)
+    ax.axhline(MOST, color=style.GREY, linewidth=0.6, linestyle=(0, (4, 2)), zorder=1)
+    ratios = sorted({row.ratio for rows in own.values() for row in rows})
+    lost: Counter[float] = Counter()
+    statuses: set[str] = set()
+    for solver, label in labels:
+        if label not in own:
+            continue
+        rows, looks = own[label], style.look(solver, label)
+        known = [(row.ratio, y, row.status) for row, y in zip(rows, relative(rows, what)) if math.isfinite(y)]
+        ax.plot([x for x, _, _ in known], [y for _, y, _ in known], color=looks.colour, linestyle=looks.line,
+                linewidth=0.9, zorder=3)
+        for x, y, status in known:
+            ax.plot([x], [y], zorder=4, clip_on=False,
+                    **(style.filled_marker(looks) if status == "ok" else style.open_marker(looks))
+                    | {"markersize": 0.75 * looks.size})
+        for row in rows:
+            if row.status not in ANSWERED:
+                statuses.add(row.status)
+                ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - 6 * lost[row.ratio]),
+                            xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",
+                            fontsize=6, fontweight="bold", color=looks.colour, annotation_clip=False)
+                lost[row.ratio] += 1
+    if ratios:
+        ax.set_xlim(ratios[0] / 1.3 ** math.log10(10 * ratios[-1] / ratios[0]),
+                    ratios[-1] * 1.3 ** math.log10(10 * ratios[-1] / ratios[0]))
+    scales.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.yaxis)
+    if ratios and ratios[-1] / ratios[0] < 100:  # degrees: each has its tick
+        ax.set_xticks(ratios, [f"{x:g}" for x in ratios])
+    elif ratios and ratios[0] == 1:
+        ax.set_xticks([1, 1e4, 1e8, 1e12])
+    return statuses
+
+
+def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], slot: int, band: float,
+               height: float) -> None:
+    left = (0.52 + (slot % ACROSS) * (WIDE + 0.2) - 0.05) / style.DOUBLE_COLUMN
+    top = 1 - ((slot // ACROSS) * band + 0.18) / height
+    legend = figure.legend(handles=style.handles(labels), loc="upper left", bbox_to_anchor=(left, top), handlelength=2.2,
+                           borderaxespad=0, fontsize=6.5)
+    legend.set_in_layout(False)
+    key = style.letters_key(statuses)
+    notes = [f"Each line is relative to its first point. Dashed: {MOST:g} times that.", "Open markers: precision floor.",
+             *([f"Letters: no answer ({key})."] if key else [])]
+    figure.text(0.5, 0.04 / height, "  ".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)

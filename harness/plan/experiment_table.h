@@ -1,0 +1,30 @@
+// One table of an experiment's file: what TomlReader offers, and the values that only experiments have.
+#pragma once
+
+#include "scene.h"
+#include "toml_reader.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Every key must be one of `known`.
+class ExperimentTable : public TomlReader {
+public:
+    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const std::string& name,
+                    const std::vector<std::string>& known)
+        : TomlReader(file, table, name, ":") {
+        allow(known);
+        refuse_other_keys();
+    }
+
+    double limit(std::string_view key, double otherwise) const;  // seconds or megabytes
+    Vec3 vector(std::string_view key) const;
+    std::vector<double> tolerances(std::string_view key) const;  // empty where it is missing
+};
+
+inline int line_of(const toml::node& node) { return int(node.source().begin.line); }
+
+}  // namespace hausbench

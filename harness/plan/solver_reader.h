@@ -1,0 +1,23 @@
+// The solvers that an experiment asks for.
+#pragma once
+
+#include "plan/experiment.h"
+#include "plan/experiment_table.h"
+
+#include <vector>
+
+namespace hausbench {
+
+inline const std::vector<std::string> solver_keys = {"name",     "label",   "parameters", "tolerances", "scenes",
+                                                     "quantity", "threads", "warm",       "profiles"};
+
+Quantity read_quantity(const ExperimentTable& table, Quantity otherwise);
+
+// With every combination of the parameters that it sweeps, each checked against the solver's declarations. A solver that is not built
+// keeps none: its parameters are unknown, and its cases become `not_built`.
+SolverPlan read_solver(const ExperimentTable& table, const Experiment& experiment);
+
+// The pairs of a search make sense together only, and each is a cold case.
+void expect_searches(const ExperimentTable& table, const SolverPlan& solver, const std::vector<ScenePlan>& scenes);
+
+}  // namespace hausbench
