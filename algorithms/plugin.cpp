@@ -72,12 +72,7 @@ void check_structures(const std::vector<SolverEntry>& entries, const fs::path& f
     }
 }
 
-}  // namespace
-
-const std::vector<Plugin>& plugins() { return list_of_plugins(); }
-
-void load_plugin(const fs::path& named) {
-    const fs::path file = fs::absolute(named).lexically_normal();
+void* open_library(const fs::path& named, const fs::path& file) {
     if (!fs::exists(file))
         throw InputError(fmt::format("{}: does not exist: name a plug-in, a MODULE library (.so)", named.string()));
     if (fs::is_directory(file))
@@ -91,6 +86,10 @@ void load_plugin(const fs::path& named) {
             fmt::format("{}: cannot be loaded ({}): build it as a MODULE library with find_package(hausbench)",
                         file.string(), why ? why : "no reason given"));
     }
+    return library;
+}
+
+void check_made_for_this_program(void* library, const fs::path& file) {
     const int interface = symbol<int()>(library, "hausbench_plugin_interface", file)();
     if (interface != plugin_interface) {
         throw InputError(fmt::format(
@@ -105,6 +104,9 @@ void load_plugin(const fs::path& named) {
                         "against this hausbench",
                         file.string(), layout.data(), plugin_layout()));
     }
+}
+
+std::vector<SolverEntry> solvers_of(void* library, const fs::path& file) {
     std::vector<SolverEntry> entries;
     try {
         symbol<void(std::vector<SolverEntry>&)>(library, "hausbench_plugin_solvers", file)(entries);
@@ -115,6 +117,18 @@ void load_plugin(const fs::path& named) {
     }
     if (entries.empty())
         throw InputError(fmt::format("{}: offers no solver: name them in HAUSBENCH_PLUGIN(...)", file.string()));
+    return entries;
+}
+
+}  // namespace
+
+const std::vector<Plugin>& plugins() { return list_of_plugins(); }
+
+void load_plugin(const fs::path& named) {
+    const fs::path file = fs::absolute(named).lexically_normal();
+    void* library = open_library(named, file);
+    check_made_for_this_program(library, file);
+    const std::vector<SolverEntry> entries = solvers_of(library, file);
     check_structures(entries, file);
     add_solvers(entries, file.string());
     Plugin plugin{file, {}, symbol<const char*()>(library, "hausbench_plugin_compiled", file)()};

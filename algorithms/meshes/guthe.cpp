@@ -32,7 +32,7 @@
 #include "search/bounds.h"
 #include "search/elements.h"
 #include "search/mesh_solver.h"
-#include "search/queue.h"
+#include "search/split_loop.h"
 #include "search/stages.h"
 #include "search/vertices.h"
 #include "search/warm_start.h"
@@ -198,14 +198,11 @@ Result Search::search() {
     if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     push_triangles();
     stages_.end("first bounds");
-    while (true) {
-        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions)) {
-            stages_.end("subdivide");
-            return bounds_.result(*status, queue_.upper());
-        }
-        const Piece piece = queue_.pop();
-        if (!settle(piece)) split(piece);  // the lower bound may be larger than when it was pushed
-    }
+    const Status status = split_until_done(
+        queue_, bounds_, counters_, [&](const Piece& piece) { return settle(piece); },
+        [&](const Piece& piece) { split(piece); });
+    stages_.end("subdivide");
+    return bounds_.result(status, queue_.upper());
 }
 
 class Guthe final : public MeshSolver<TriangleOctree> {

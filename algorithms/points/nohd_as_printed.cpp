@@ -8,6 +8,7 @@
 #include "points/point_solver.h"
 #include "structures/octree_cursor.h"
 
+#include <optional>
 #include <queue>
 
 namespace hausbench {
@@ -40,12 +41,9 @@ public:
         for (std::uint64_t taken = 0; !queue.empty(); ++taken) {
             const NohdEntry head = queue.top();
             if (head.squared_upper <= max_lb) break;
-            const Status stopped = taken >= query.budget ? Status::budget
-                                   : deadline.passed()   ? Status::time_limit
-                                                         : Status::converged;
-            if (stopped != Status::converged) {
+            if (const auto stopped = why_stop(query, taken, deadline)) {
                 const double rest = squared_distances_at_most(a, b, nullptr, 0);
-                return exact_result(query, a, b, farthest, counters, rest, stopped);
+                return exact_result(query, a, b, farthest, counters, rest, *stopped);
             }
             queue.pop();
             const PointOctree::Node& node = tree_->nodes()[static_cast<std::size_t>(head.cell.node)];
@@ -74,6 +72,12 @@ public:
 
 private:
     static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+    static std::optional<Status> why_stop(const Query& query, std::uint64_t taken, const Deadline& deadline) {
+        if (taken >= query.budget) return Status::budget;
+        if (deadline.passed()) return Status::time_limit;
+        return std::nullopt;
+    }
 
     // Algorithm 5, and which point of B it found.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,

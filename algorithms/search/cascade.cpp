@@ -4,7 +4,7 @@
 #include "elements.h"
 #include "mesh_solver.h"
 #include "piece_bounds.h"
-#include "queue.h"
+#include "split_loop.h"
 #include "stages.h"
 #include "structures/bvh.h"
 #include "vertices.h"
@@ -158,14 +158,11 @@ Result Search::search() {
     if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     push_triangles();
     stages_.end("first bounds");
-    while (true) {
-        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions)) {
-            stages_.end("subdivide");
-            return bounds_.result(*status, queue_.upper());
-        }
-        const Piece piece = queue_.pop();
-        if (!settle(piece)) split(piece);  // the lower bound may be larger than when it was pushed
-    }
+    const Status status = split_until_done(
+        queue_, bounds_, counters_, [&](const Piece& piece) { return settle(piece); },
+        [&](const Piece& piece) { split(piece); });
+    stages_.end("subdivide");
+    return bounds_.result(status, queue_.upper());
 }
 
 template <class Tree> class CascadeSolver final : public MeshSolver<Tree> {

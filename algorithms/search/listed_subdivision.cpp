@@ -1,5 +1,7 @@
 #include "listed_subdivision.h"
 
+#include "split_loop.h"
+
 #include <algorithm>
 
 namespace hausbench {
@@ -11,14 +13,12 @@ template <class Tree> void ListedSubdivision<Tree>::push(const ListedPiece& piec
 }
 
 template <class Tree> Status ListedSubdivision<Tree>::run() {
-    while (true) {
-        if (const auto status = bounds_.end(queue_.upper(), counters_.subdivisions)) return *status;
-        const ListedPiece piece = queue_.pop();
-        if (!settle(piece))  // the lower bound may be larger than when it was pushed
-            split(piece);
-        else
-            on_b_.give_back(piece);
-    }
+    const auto settled = [&](const ListedPiece& piece) {
+        const bool all = settle(piece);
+        if (all) on_b_.give_back(piece);
+        return all;
+    };
+    return split_until_done(queue_, bounds_, counters_, settled, [&](const ListedPiece& piece) { split(piece); });
 }
 
 // Whether its upper bound, got by moving it, is small enough for the search to end, or for the piece to wait.

@@ -28,7 +28,7 @@ CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child)
     return volume;
 }
 
-// As computed, no plane is farther inside than the content (structures/wide_tree.h).
+// As computed, no plane is farther inside than the content (structures/quantised_boxes.h).
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     CornerVolume volume;

@@ -1,0 +1,21 @@
+// The loop of searches that split a piece of A at a time.
+#pragma once
+
+#include "bounds.h"
+#include "queue.h"
+
+namespace hausbench {
+
+// Splits the piece of largest upper bound until the bounds are close enough, or time or budget is spent. settle(piece): whether the lower
+// bound settles it, which may be larger than when the piece was pushed; else split(piece).
+template <class Piece, class Settle, class Split>
+Status split_until_done(PieceQueue<Piece>& queue, SearchBounds& bounds, const Counters& counters, const Settle& settle,
+                        const Split& split) {
+    while (true) {
+        if (const auto status = bounds.end(queue.upper(), counters.subdivisions)) return *status;
+        const Piece piece = queue.pop();
+        if (!settle(piece)) split(piece);
+    }
+}
+
+}  // namespace hausbench
