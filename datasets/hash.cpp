@@ -2,17 +2,23 @@
 
 #include "error.h"
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
 namespace hausbench {
+
+static_assert(std::endian::native == std::endian::little, "numbers are hashed as they stand in memory");
 
 struct Sha256::State {
     EVP_MD_CTX* context = EVP_MD_CTX_new();
@@ -32,21 +38,24 @@ Sha256& Sha256::add(const void* bytes, std::size_t count) {
 }
 
 Sha256& Sha256::add(std::string_view text) {
-    std::array<unsigned char, 8> length{};  // little-endian on every machine
-    for (std::size_t i = 0; i < length.size(); ++i)
-        length[i] = static_cast<unsigned char>((static_cast<std::uint64_t>(text.size()) >> (8 * i)) & 0xff);
-    return add(length.data(), length.size()).add(text.data(), text.size());
+    const std::uint64_t length = text.size();
+    return add(&length, sizeof length).add(text.data(), text.size());
+}
+
+Sha256& Sha256::add_stream(std::istream& in, std::uint64_t most) {
+    std::vector<char> buffer(1 << 20);
+    while (most > 0 && in) {
+        in.read(buffer.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(most, buffer.size())));
+        add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+        most -= static_cast<std::uint64_t>(in.gcount());
+    }
+    return *this;
 }
 
 std::string Sha256::hex() {
     std::array<unsigned char, 32> digest{};
     if (EVP_DigestFinal_ex(state_->context, digest.data(), nullptr) != 1) throw std::runtime_error("SHA-256 failed");
-    std::string text;
-    for (const unsigned char byte : digest) {
-        text += "0123456789abcdef"[byte >> 4];
-        text += "0123456789abcdef"[byte & 15];
-    }
-    return text;
+    return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 std::string sha256_of_file(const std::filesystem::path& file) {
@@ -56,9 +65,7 @@ std::string sha256_of_file(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
     Sha256 hash;
-    std::vector<char> buffer(1 << 20);
-    while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0)
-        hash.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+    hash.add_stream(in, std::numeric_limits<std::uint64_t>::max());
     if (in.bad()) throw InputError(file.string() + ": cannot be read to its end");
     return hash.hex();
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,7 +17,9 @@ public:
     ~Sha256();
     Sha256& add(const void* bytes, std::size_t count);
     Sha256& add(std::string_view text);  // hashes the length too, so that two fields cannot be confused with one
-    std::string hex();                   // 64 lower-case digits; ends the hash
+    Sha256& add_stream(std::istream& in,
+                       std::uint64_t most);  // from where it stands, to its end, but no more than `most`
+    std::string hex();                       // 64 lower-case digits; ends the hash
 
 private:
     struct State;

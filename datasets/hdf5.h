@@ -29,10 +29,8 @@ public:
 
     // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix,
     // row-major.
-    void write(const std::string& name, const std::vector<double>& values, std::size_t columns = 1);
-    void write(const std::string& name, const std::vector<std::int64_t>& values, std::size_t columns = 1);
-    void write(const std::string& name, const std::vector<std::uint64_t>& values, std::size_t columns = 1);
-    void write(const std::string& name, const std::vector<std::int32_t>& values, std::size_t columns = 1);
+    template <class T>  // double, or a signed or unsigned integer of 64 bits, or one of 32
+    void write(const std::string& name, const std::vector<T>& values, std::size_t columns = 1);
     void write(const std::string& name, const std::vector<std::string>& values);  // variable-length UTF-8
 
     std::vector<double> read_doubles(const std::string& name) const;

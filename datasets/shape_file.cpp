@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <bit>
 #include <stdexcept>
 #include <vector>
 
@@ -17,16 +16,9 @@ namespace {
 
 constexpr std::int64_t shape_schema = 1;
 
-static_assert(std::endian::native == std::endian::little, "content_hash uses the bytes as stored in memory");
-
-Points points_from(const std::vector<double>& values) {
-    if (values.size() % 3 != 0) throw std::runtime_error("coordinates are not a whole number of points");
-    return Eigen::Map<const Points>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
-}
-
-Triangles triangles_from(const std::vector<Index>& values) {
-    if (values.size() % 3 != 0) throw std::runtime_error("indices are not a whole number of triangles");
-    return Eigen::Map<const Triangles>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
+template <class Matrix, class Value> Matrix rows_of_three(const std::vector<Value>& values) {
+    if (values.size() % 3 != 0) throw std::runtime_error("its coordinates or indices do not come by three");
+    return Eigen::Map<const Matrix>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
 }
 
 template <class Matrix> void add_matrix(Sha256& hash, const Matrix& matrix) {
@@ -41,9 +33,10 @@ LoadedShape read_unchecked(const std::filesystem::path& path) {
         throw std::runtime_error("is not a shape file of this version");
     LoadedShape loaded;
     const std::string kind = file.text_attribute("", "kind");
-    const Points points = points_from(file.read_doubles("coordinates"));  // of a surface, the corners of its box
+    const Points points =
+        rows_of_three<Points>(file.read_doubles("coordinates"));  // of a surface, the corners of its box
     if (kind == "mesh")
-        loaded.shape = TriangleMesh{points, triangles_from(file.read_indices("triangles"))};
+        loaded.shape = TriangleMesh{points, rows_of_three<Triangles>(file.read_indices("triangles"))};
     else if (kind == "points")
         loaded.shape = PointSet{points};
     else if (kind == "surface")
