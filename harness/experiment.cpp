@@ -6,14 +6,12 @@
 #include "paths.h"
 #include "recording.h"
 #include "registry.h"
+#include "toml_reader.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <limits>
 #include <set>
 #include <sstream>
 
@@ -23,99 +21,28 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// One table of the file: every key must be one of `known`, every value of its type; errors name file, line and key.
-class Reader {
+// One table of the file: every key must be one of `known`.
+class Reader : public TomlReader {
 public:
-    Reader(const fs::path& file, const toml::table& table, std::string name, const std::vector<std::string>& known)
-        : file_(file), table_(table), name_(std::move(name)) {
-        for (const auto& [key, node] : table) {
-            if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
-                fail(node, fmt::format("unknown key '{}'{}{}", key.str(), name_.empty() ? "" : " in " + name_,
-                                       nearest_hint(key.str(), known)));
-            }
-        }
+    Reader(const fs::path& file, const toml::table& table, const std::string& name,
+           const std::vector<std::string>& known)
+        : TomlReader(file, table, name, ":") {
+        allow(known);
+        refuse_other_keys();
     }
 
-    [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-        throw InputError(fmt::format("{}:{}: {}", file_.string(), node.source().begin.line, what));
-    }
-    [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
-
-    const toml::node* find(std::string_view key) const { return table_.get(key); }
-
-    std::string text(std::string_view key, const std::string& otherwise) const {
-        const toml::node* node = find(key);
-        if (!node) return otherwise;
-        const auto value = node->value_exact<std::string>();
-        if (!value) fail(*node, fmt::format("'{}' must be a text in quotes", key));
-        return *value;
-    }
-    std::string text(std::string_view key) const {
-        if (!find(key)) fail(fmt::format("'{}' is missing{}", key, name_.empty() ? "" : " in " + name_));
-        return text(key, "");
-    }
-    bool flag(std::string_view key, bool otherwise) const {
-        const toml::node* node = find(key);
-        if (!node) return otherwise;
-        const auto value = node->value_exact<bool>();
-        if (!value) fail(*node, fmt::format("'{}' must be true or false", key));
-        return *value;
-    }
-    double number(const toml::node& node, std::string_view key) const {
-        const auto value = node.value<double>();
-        if (!value || !node.is_number() || !std::isfinite(*value))
-            fail(node, fmt::format("'{}' must be a finite number", key));
-        return *value;
-    }
-    double positive(const toml::node& node, std::string_view key,
-                    double most = std::numeric_limits<double>::max()) const {
-        const double value = number(node, key);
-        if (!(value > 0)) fail(node, fmt::format("'{}' must be above 0, not {}", key, value));
-        if (value > most) fail(node, fmt::format("'{}' must be at most {}, not {}", key, most, value));
-        return value;
-    }
     double limit(std::string_view key, double otherwise) const {
         constexpr double most = 1e8;  // megabytes, seconds: no machine has more, and counters of nanoseconds hold it
         const toml::node* node = find(key);
         return node ? positive(*node, key, most) : otherwise;
     }
-    double length(std::string_view key, double otherwise) const {
-        const toml::node* node = find(key);
-        if (!node) return otherwise;
-        const double value = number(*node, key);
-        if (value < 0) fail(*node, fmt::format("'{}' must be at least 0, not {}", key, value));
-        return value;
-    }
-    int count(std::string_view key, int least, int otherwise) const {
-        const toml::node* node = find(key);
-        if (!node) return otherwise;
-        const auto value = node->value_exact<std::int64_t>();
-        if (!value || *value < least || *value > 1'000'000) {
-            fail(*node, fmt::format("'{}' must be a whole number from {} to 1000000", key, least));
-        }
-        return int(*value);
-    }
     Vec3 vector(std::string_view key) const {
-        const toml::node* node = find(key);
-        if (!node) fail(fmt::format("'{}' is missing in {}", key, name_));
-        const toml::array* array = node->as_array();
-        if (!array || array->size() != 3) fail(*node, fmt::format("'{}' must be three numbers in brackets", key));
+        const toml::node& node = required(key);
+        const toml::array* array = node.as_array();
+        if (!array || array->size() != 3) fail(node, fmt::format("'{}' must be three numbers in brackets", key));
         Vec3 value;
         for (std::size_t i = 0; i < 3; ++i) value[Eigen::Index(i)] = number(*array->get(i), key);
         return value;
-    }
-    std::vector<std::string> texts(std::string_view key) const {
-        std::vector<std::string> values;
-        const toml::node* node = find(key);
-        if (!node) return values;
-        const toml::array* array = node->as_array();
-        if (!array) fail(*node, fmt::format("'{}' must be a list of texts", key));
-        for (const toml::node& item : *array) {
-            const auto value = item.value_exact<std::string>();
-            if (!value) fail(item, fmt::format("'{}' must be a list of texts", key));
-            values.push_back(*value);
-        }
-        return values;
     }
     std::vector<double> tolerances(std::string_view key) const {
         std::vector<double> values;
@@ -126,11 +53,6 @@ public:
         for (const toml::node& item : *array) values.push_back(positive(item, key));
         return values;
     }
-
-private:
-    const fs::path& file_;
-    const toml::table& table_;
-    std::string name_;
 };
 
 // Keys of `over` replace those of `base`; tables are merged key by key.
@@ -187,9 +109,7 @@ Motion read_motion(const fs::path& file, const Reader& scene, const toml::node& 
         Reader reader(file, *table, "the motion", {"kind", "axis", "degrees", "steps"});
         const Vec3 axis = reader.vector("axis");
         if (axis.isZero(0)) reader.fail("'axis' must not be zero");
-        const toml::node* degrees = reader.find("degrees");
-        if (!degrees) reader.fail("'degrees' is missing in the motion");
-        return Rotation{axis, reader.number(*degrees, "degrees"), reader.count("steps", 1, 10)};
+        return Rotation{axis, reader.number(reader.required("degrees"), "degrees"), reader.count("steps", 1, 10)};
     }
     if (kind == "poses") {
         Reader reader(file, *table, "the motion", {"kind", "file"});
