@@ -51,6 +51,14 @@ public:
         triangle(a, b, c);
         triangle(a, c, d);
     }
+    // Vertices numbered row by row, the last row and column joined with the first.
+    void closed_grid(Index rows, Index columns) {
+        for (Index i = 0; i < rows; ++i)
+            for (Index j = 0; j < columns; ++j) {
+                const Index i1 = (i + 1) % rows, j1 = (j + 1) % columns;
+                square(i * columns + j, i1 * columns + j, i1 * columns + j1, i * columns + j1);
+            }
+    }
     TriangleMesh mesh() const {
         return {
             Eigen::Map<const Points>(points_.front().data(), static_cast<Eigen::Index>(points_.size()), 3),
@@ -143,11 +151,7 @@ TriangleMesh torus(const Given& g) {
             builder.vertex(distance * around.cosine, distance * around.sine, minor * tube.sine);
         }
     }
-    for (int i = 0; i < rings; ++i)
-        for (int j = 0; j < sides; ++j) {
-            const int i1 = (i + 1) % rings, j1 = (j + 1) % sides;
-            builder.square(i * sides + j, i1 * sides + j, i1 * sides + j1, i * sides + j1);
-        }
+    builder.closed_grid(rings, sides);
     return builder.mesh();
 }
 
@@ -163,7 +167,7 @@ TriangleMesh gear(const Given& g) {
         if (phase <= 3) return root;
         return root + (outer - root) * (phase - 3);
     };
-    const int around = g.whole("teeth") * steps, across = 2 * (rings + layers);
+    const int around = g.whole("teeth") * steps;
     MeshBuilder builder;
     for (int i = 0; i < around; ++i) {
         const Circle turn = circle_point(i, around);
@@ -176,11 +180,7 @@ TriangleMesh gear(const Given& g) {
         for (int j = rings; j > 0; --j) vertex(static_cast<double>(j) / rings, 1);
         for (int j = layers; j > 0; --j) vertex(0, static_cast<double>(j) / layers);
     }
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const int i1 = (i + 1) % around, j1 = (j + 1) % across;
-            builder.square(i * across + j, i1 * across + j, i1 * across + j1, i * across + j1);
-        }
+    builder.closed_grid(around, 2 * (rings + layers));
     return builder.mesh();
 }
 

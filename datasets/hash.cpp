@@ -20,20 +20,13 @@ namespace hausbench {
 
 static_assert(std::endian::native == std::endian::little, "numbers are hashed as they stand in memory");
 
-struct Sha256::State {
-    EVP_MD_CTX* context = EVP_MD_CTX_new();
-    ~State() { EVP_MD_CTX_free(context); }
-};
-
-Sha256::Sha256() : state_(std::make_unique<State>()) {
-    if (!state_->context || EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) != 1)
+Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
         throw std::runtime_error("OpenSSL has no SHA-256");
 }
 
-Sha256::~Sha256() = default;
-
 Sha256& Sha256::add(const void* bytes, std::size_t count) {
-    if (count > 0 && EVP_DigestUpdate(state_->context, bytes, count) != 1) throw std::runtime_error("SHA-256 failed");
+    if (count > 0 && EVP_DigestUpdate(context_.get(), bytes, count) != 1) throw std::runtime_error("SHA-256 failed");
     return *this;
 }
 
@@ -54,7 +47,7 @@ Sha256& Sha256::add_stream(std::istream& in, std::uint64_t most) {
 
 std::string Sha256::hex() {
     std::array<unsigned char, 32> digest{};
-    if (EVP_DigestFinal_ex(state_->context, digest.data(), nullptr) != 1) throw std::runtime_error("SHA-256 failed");
+    if (EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr) != 1) throw std::runtime_error("SHA-256 failed");
     return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 

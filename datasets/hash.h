@@ -9,12 +9,13 @@
 #include <string>
 #include <string_view>
 
+struct evp_md_ctx_st;  // OpenSSL's
+
 namespace hausbench {
 
 class Sha256 {
 public:
     Sha256();
-    ~Sha256();
     Sha256& add(const void* bytes, std::size_t count);
     Sha256& add(std::string_view text);  // hashes the length too, so that two fields cannot be confused with one
     Sha256& add_stream(std::istream& in,
@@ -22,8 +23,7 @@ public:
     std::string hex();                       // 64 lower-case digits; ends the hash
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
 std::string sha256_of_file(const std::filesystem::path& file);  // throws InputError if it cannot be read

@@ -50,12 +50,16 @@ void TomlReader::refuse_other_keys() const {
             fail(node, fmt::format("unknown key '{}'{}{}", key.str(), in_table(), nearest_hint(key.str(), known_)));
 }
 
-std::string TomlReader::text(std::string_view key, const std::string& otherwise) const {
+template <class T> T TomlReader::value(std::string_view key, const T& otherwise, const char* what) const {
     const toml::node* node = find(key);
     if (!node) return otherwise;
-    const auto value = node->value_exact<std::string>();
-    if (!value) fail(*node, fmt::format("'{}' must be a text in quotes", key));
+    const auto value = node->value_exact<T>();
+    if (!value) fail(*node, fmt::format("'{}' must be {}", key, what));
     return *value;
+}
+
+std::string TomlReader::text(std::string_view key, const std::string& otherwise) const {
+    return value(key, otherwise, "a text in quotes");
 }
 
 std::string TomlReader::text(std::string_view key) const {
@@ -63,13 +67,7 @@ std::string TomlReader::text(std::string_view key) const {
     return text(key, "");
 }
 
-bool TomlReader::flag(std::string_view key, bool otherwise) const {
-    const toml::node* node = find(key);
-    if (!node) return otherwise;
-    const auto value = node->value_exact<bool>();
-    if (!value) fail(*node, fmt::format("'{}' must be true or false", key));
-    return *value;
-}
+bool TomlReader::flag(std::string_view key, bool otherwise) const { return value(key, otherwise, "true or false"); }
 
 int TomlReader::count(std::string_view key, int least, int otherwise) const {
     constexpr int most = 1'000'000;

@@ -43,6 +43,7 @@ public:
     [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
 private:
+    template <class T> T value(std::string_view key, const T& otherwise, const char* what) const;
     std::string in_table() const { return name_.empty() ? "" : " in " + name_; }
 
     std::filesystem::path file_;

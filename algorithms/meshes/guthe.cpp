@@ -228,7 +228,7 @@ private:
 }  // namespace
 
 SolverEntry guthe_solver() {
-    SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe et al.", "guthe2005");
+    SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe 2005", "guthe2005");
     info.warm = true;
     info.parameters = {
         {.name = "kernel",

@@ -12,7 +12,7 @@
 namespace hausbench {
 
 SolverEntry kang_solver() {
-    SolverInfo info = cascade_info("kang", "Kang et al.", "kang2018");
+    SolverInfo info = cascade_info("kang", "Kang 2018", "kang2018");
     info.may_need.push_back(need<TriangleGrid>(Side::target));
     info.parameters.push_back({.name = "closest",
                                .default_value = std::string("grid"),

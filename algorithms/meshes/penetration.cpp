@@ -151,7 +151,7 @@ private:
 SolverEntry penetration_solver() {
     SolverInfo info;
     info.name = "penetration";
-    info.title = "Tang et al., penetration depth";
+    info.title = "Tang 2009, penetration depth";
     info.paper = "tang2009";
     info.source.mesh = info.target.mesh = true;
     info.quantities = {Quantity::penetration};

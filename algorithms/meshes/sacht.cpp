@@ -37,7 +37,7 @@ std::vector<PieceBound> order_of(const std::string& digits) {
 }  // namespace
 
 SolverEntry sacht_solver() {
-    SolverInfo info = cascade_info("sacht", "Sacht & Jacobson", "sacht2024");
+    SolverInfo info = cascade_info("sacht", "Sacht 2024", "sacht2024");
     info.parameters.push_back({.name = "order",
                                .default_value = std::string("1234"),
                                .paper_value = "1234",

@@ -238,7 +238,7 @@ std::unique_ptr<Solver> make(const Options& options) {
 }  // namespace
 
 SolverEntry tang_solver() {
-    SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang et al.", "tang2009");
+    SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang 2009", "tang2009");
     info.warm = info.shares_pairs = true;
     info.may_need = {need<SweptSphereBvh>(Side::source), need<SweptSphereBvh>(Side::target),
                      need<TriangleBvh>(Side::source), need<TriangleBvh>(Side::target)};

@@ -13,7 +13,7 @@
 namespace hausbench {
 
 SolverEntry zheng_solver() {
-    return {cascade_info("zheng", "Zheng et al.", "zheng2022", true), [](const Options& options) {
+    return {cascade_info("zheng", "Zheng 2022", "zheng2022", true), [](const Options& options) {
                 return cascade_solver(cascade_of(options, {PieceBound::nearest_triangles}));
             }};
 }

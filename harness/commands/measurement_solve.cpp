@@ -39,11 +39,8 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
     for (const Result* one : {&forward, &backward}) {
         if (!may_bound_a_distance(one->bounds)) return *one;
     }
-    const bool above = backward.bounds.upper > forward.bounds.upper || std::isnan(backward.bounds.upper);
-    Result whole = above ? backward : forward;
-    const Result& lower = backward.bounds.lower > forward.bounds.lower ? backward : forward;
-    whole.bounds.lower = lower.bounds.lower;
-    whole.witness = lower.witness;
+    Result whole = forward;
+    keep_larger(whole, backward);
     whole.outside_bytes = std::max(forward.outside_bytes, backward.outside_bytes);
     whole.certificates.clear();
     if (!forward.certificates.empty() && !backward.certificates.empty()) {

@@ -215,7 +215,7 @@ private:
 SolverEntry external_solver() {
     SolverInfo info;
     info.name = "external";
-    info.title = "Outside program";
+    info.title = "external program";
     info.source = info.target = {.points = true, .mesh = true};
     info.original_coordinates = true;
     const auto place = [](const char* name, const char* what) -> ParameterSpec {
