@@ -3,7 +3,7 @@
 
 #include "error.h"
 #include "registry.h"
-#include "run/worker.h"
+#include "run/work_order.h"
 #include "temporary_folder.h"
 
 #include <fmt/format.h>

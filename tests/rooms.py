@@ -23,8 +23,8 @@ WHAT = {
     "main": "harness/main.cpp: the program",
     "commands": "harness/commands/: what each verb takes and prints",
     "run": "harness/run/: workers, their limits, timing, the journal",
-    "check": "harness/check/: rows and certificates, checked again",
-    "plan": "harness/plan/: from an experiment to its cases",
+    "check": "harness/check/: rows, re-checked",
+    "plan": "harness/plan/: what to run",
     "result": "harness/result/: result files, written and read",
     "record": "harness/record/: case, outcome, the table of columns",
     "datasets": "datasets/: models by name, foreign files",
@@ -94,3 +94,50 @@ def circle(graph: dict[Path, set[Path]]) -> list[Path]:
         return []
 
     return next((found for file in sorted(graph) if (found := look(file, []))), [])
+
+
+WIDTH, HEIGHT, GAP, LEFT, TOP = 540, 34, 22, 190, 14
+
+
+def place_of(room: str) -> tuple[int, int, int]:
+    """Left edge, upper edge and width of a room's box: rooms of one step stand side by side."""
+    step = next(number for number, rooms in enumerate(STAIRCASE) if room in rooms)
+    beside = STAIRCASE[step]
+    width = (WIDTH - GAP * (len(beside) - 1)) // len(beside)
+    return LEFT + beside.index(room) * (width + GAP), TOP + step * (HEIGHT + GAP), width
+
+
+def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
+    """The staircase as SVG. An arrow to the next step is straight; a longer one goes round, on the left or on the right."""
+    height = TOP * 2 + len(STAIRCASE) * (HEIGHT + GAP) - GAP
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * LEFT + WIDTH} {height}" font-family="sans-serif" font-size="13">',
+             "<title>Which room includes which: every arrow goes down</title>",
+             '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
+             '<path d="M0 0 L8 4 L0 8 z" fill="#555"/></marker></defs>']
+    step = {room: number for number, rooms in enumerate(STAIRCASE) for room in rooms}
+    for above, below in sorted(arrows, key=lambda pair: (step[pair[0]], step[pair[1]], pair)):
+        (x, y, width), (to_x, to_y, to_width) = place_of(above), place_of(below)
+        down = step[below] - step[above]
+        if down == 1:
+            middle = x + width // 2 if to_width >= width else to_x + to_width // 2
+            path = f"M{middle} {y + HEIGHT} L{middle} {to_y}"
+        else:
+            beside = [STAIRCASE[step[room]].index(room) for room in (above, below) if len(STAIRCASE[step[room]]) > 1]
+            right = beside[0] == 1 if beside else step[above] % 2 == 0
+            start, end = (x + width, to_x + to_width) if right else (x, to_x)
+            out = (1 if right else -1) * (12 + 19 * down)
+            start_y, end_y = y + HEIGHT // 2 + 2 * down - 8, to_y + HEIGHT // 2 - 2 * down + 8
+            path = f"M{start} {start_y} C{start + out} {start_y + 14}, {end + out} {end_y - 14}, {end} {end_y}"
+        lines.append(f'<path d="{path}" fill="none" stroke="#555" stroke-opacity="0.75" marker-end="url(#head)"/>')
+    for rooms in STAIRCASE:
+        for room in rooms:
+            x, y, width = place_of(room)
+            name, what = WHAT[room].split(": ")
+            text = f'<tspan font-weight="bold">{name}</tspan>' + f' <tspan fill="#444">{what}</tspan>'
+            lines.append(f'<rect x="{x}" y="{y}" width="{width}" height="{HEIGHT}" rx="4" fill="#eef3f8" stroke="#5b7a99"/>')
+            lines.append(f'<text x="{x + 10}" y="{y + 22}">{text}</text>')
+    return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+if __name__ == "__main__":
+    (ROOT / "docs" / "rooms.svg").write_text(picture(between_rooms(includes(sources()))))

@@ -44,11 +44,6 @@ class Look:
         return {"*": 6.5, "P": 5.0, "X": 5.0, "p": 5.0, "h": 5.0, "d": 5.0}.get(self.marker, 4.2)
 
 
-# What pictures say where the program's own title is another. An entry goes when the program says the same.
-OTHER_TITLES: Final = {"guthe": "Guthe 2005", "tang": "Tang 2009", "kang": "Kang 2018", "zheng": "Zheng 2022", "sacht": "Sacht 2024",
-                       "nohd_as_printed": "NOHD as printed", "ohd_as_printed": "OHD as printed", "external": "external program"}
-TITLES: Final = {**solvers.TITLES, **OTHER_TITLES}
-
 DASHED: Final = (0, (4, 1.5))
 DOTTED: Final = (0, (1, 1))
 # The colour, the marker and the line of each solver, in the order of legends and tables.
@@ -76,7 +71,7 @@ _MARKS: Final[list[tuple[str, str, str, Line]]] = [
     ("surface_enclosure", "#D55E00", "h", "-"),
     ("surface_meshes", "#0072B2", "s", "-"),
     ("external", "#777777", ">", (0, (4, 1.5, 1, 1.5)))]
-LOOKS: Final[dict[str, Look]] = {name: Look(TITLES[name], colour, marker, line) for name, colour, marker, line in _MARKS}
+LOOKS: Final[dict[str, Look]] = {name: Look(solvers.TITLES[name], colour, marker, line) for name, colour, marker, line in _MARKS}
 NEUTRAL: Final = Look("", GREY, "o")  # of no solver
 # Solvers that no picture shows, or one alone, which says there how they look.
 WITHOUT_LOOK: Final = ("nohd_as_printed", "ohd_as_printed", "penetration")

@@ -11,7 +11,7 @@ import matplotlib.ticker
 import numpy as np
 import scipy.stats
 
-from analysis.shared import style, tables
+from analysis.shared import solvers, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -19,9 +19,9 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
 BLOCK: Final = 5  # neighbouring poses
-LOOKS: Final = {"ohd_as_printed": style.Look(style.TITLES["ohd_as_printed"], "#0072B2", "D"),
-                "nohd_as_printed": style.Look(style.TITLES["nohd_as_printed"], "#009E73", "^"),
-                "ohd": style.Look(style.TITLES["ohd"], "#56B4E9", "o"), "nohd": style.Look(style.TITLES["nohd"], "#999933", "s")}
+LOOKS: Final = {"ohd_as_printed": style.Look(solvers.TITLES["ohd_as_printed"], "#0072B2", "D"),
+                "nohd_as_printed": style.Look(solvers.TITLES["nohd_as_printed"], "#009E73", "^"),
+                "ohd": style.Look(solvers.TITLES["ohd"], "#56B4E9", "o"), "nohd": style.Look(solvers.TITLES["nohd"], "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": "OHD as printed computes the exact distance",
                  "nohd_as_printed": "NOHD as printed computes the exact distance",
                  "ohd": "OHD with cells of diagonal AHD computes the exact distance",

@@ -45,7 +45,7 @@ struct MeasuredShape {
     double float32_spacing = 0;  // of float32 at its largest coordinate
 };
 
-// Why there is no answer: the process that solved was killed or ended. `status` is that of a row (record.h).
+// Why there is no answer: the process that solved was killed or ended. `status` is that of a row (record/outcome.h).
 struct NoAnswer {
     RowStatus status = RowStatus::failed;
     std::string reason;

@@ -1,7 +1,7 @@
 // The one table of what a result file holds: the columns of each group, with name, meaning, where the value is, and whether it
 // is part of a case's identity. From it follow the writer and the reader of result files, the journal, identify(), the
-// tables in results/README.md and analysis/columns.py (`python3 -m analysis.schema` writes both). A new column is a member
-// in record.h and a line in columns.cpp.
+// tables in results/README.md and analysis/shared/columns.py (`python3 -m analysis.schema` writes both). A new column is a member
+// in case.h, outcome.h or row.h and a line in case_columns.cpp, outcome_columns.cpp or other_columns.cpp.
 //
 // A file may lack a column, which then holds the default of its member, and may hold columns that nobody here knows.
 #pragma once

@@ -19,11 +19,6 @@ def test_every_solver_of_the_program_has_a_look() -> None:
     assert {*style.LOOKS, *style.WITHOUT_LOOK} == {*solvers.TITLES} and not {*style.LOOKS} & {*style.WITHOUT_LOOK}
 
 
-def test_no_title_is_given_twice() -> None:
-    """What the program says already needs no entry of its own."""
-    assert not style.OTHER_TITLES.items() & solvers.TITLES.items() and {*style.OTHER_TITLES} <= {*solvers.TITLES}
-
-
 def test_every_status_has_a_letter_of_its_own() -> None:
     assert len(set(style.STATUS_LETTERS.values())) == len(style.STATUS_LETTERS)
     assert set(style.STATUS_LETTERS) == set(style.STATUS_WORDS)

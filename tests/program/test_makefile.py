@@ -15,7 +15,7 @@ exit "$(cat "$2")"
 """
 # Stands in for Python: notes which figures were asked for.
 PYTHON = """#!/bin/bash
-echo "$2" >> drawn
+echo "$3" >> drawn
 """
 
 
@@ -40,9 +40,9 @@ def test_unsound_rows_are_drawn_named_and_a_failure(tmp_path: Path) -> None:
         return done.returncode, done.stderr, (tmp_path / "drawn").read_text().split()
 
     code, said, drawn = make({"one": 0, "two": 0})
-    assert code == 0 and drawn == ["analysis.one", "analysis.two"], said
+    assert code == 0 and drawn == ["one", "two"], said
     code, said, drawn = make({"bad": 2, "good": 0, "internal": 3, "wrong": 1})
-    assert code == 2 and drawn == ["analysis.good", "analysis.wrong"]
+    assert code == 2 and drawn == ["good", "wrong"]
     assert "failed: bad (run) internal (run) wrong (unsound rows)" in said
 
 

@@ -24,7 +24,7 @@ def overview(tmp_path: Path) -> Path:
 
 
 def drawn(hausbench: Program, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "analysis.overview", "--results", str(folder), "--out", str(folder)], cwd=ROOT,
+    return subprocess.run([sys.executable, "-m", "analysis", "overview", "--results", str(folder), "--out", str(folder)], cwd=ROOT,
                           env={**hausbench.environment(), "HAUSBENCH_PROGRAM": hausbench.path}, capture_output=True, text=True, timeout=120)
 
 

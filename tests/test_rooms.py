@@ -1,0 +1,53 @@
+"""The house: no room includes one above it, no file includes itself by way of others, nothing is longer than one can hold in the head."""
+
+import json
+import statistics
+import subprocess
+from pathlib import Path
+
+import rooms
+
+LONGEST_FUNCTION, LONGEST_FILE = 80, 400
+MEDIAN_FUNCTION, MEDIAN_FILE = 5, 68
+GRAPH = rooms.includes(rooms.sources())
+
+
+def test_no_room_includes_one_above_it() -> None:
+    assert rooms.steps_up(rooms.between_rooms(GRAPH)) == []
+
+
+def test_no_file_includes_itself() -> None:
+    assert rooms.circle(GRAPH) == []
+
+
+def test_a_step_up_and_a_circle_are_found() -> None:
+    record, run = rooms.ROOT / "harness/record/case.h", rooms.ROOT / "harness/run/runner.h"
+    assert rooms.circle({record: {run}, run: {record}}) == [record, run]
+    found = rooms.steps_up(rooms.between_rooms({record: {run}, run: set()}))
+    assert found == ["harness/record/case.h includes harness/run/runner.h"]
+
+
+def test_every_room_is_on_the_staircase() -> None:
+    assert {rooms.room_of(file) for file in GRAPH} == set(rooms.WHAT) == {room for step in rooms.STAIRCASE for room in step}
+
+
+def test_the_picture_shows_the_rooms_of_today() -> None:
+    written = (rooms.ROOT / "docs" / "rooms.svg").read_text()
+    assert written == rooms.picture(rooms.between_rooms(GRAPH)), "run: python3 tests/rooms.py"
+
+
+def functions() -> list[tuple[int, str]]:
+    """How many lines each function has, and where it is, as universal-ctags reads them."""
+    command = ["ctags", "--output-format=json", "--languages=C++", "--kinds-C++=f", "--fields=+ne", "-f", "-", *map(str, rooms.sources())]
+    tags = [json.loads(line) for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()]
+    return [(t["end"] - t["line"] + 1, f"{Path(t['path']).relative_to(rooms.ROOT)}:{t['line']} {t['name']}") for t in tags if "end" in t]
+
+
+def test_functions_and_files_are_short() -> None:
+    lines = {str(file.relative_to(rooms.ROOT)): len(file.read_text().splitlines()) for file in rooms.sources()}
+    all_functions = functions()
+    assert len(all_functions) > 2000
+    assert [place for length, place in all_functions if length > LONGEST_FUNCTION] == []
+    assert [file for file, length in lines.items() if length > LONGEST_FILE] == []
+    assert statistics.median(length for length, _ in all_functions) <= MEDIAN_FUNCTION
+    assert statistics.median(lines.values()) <= MEDIAN_FILE
