@@ -193,7 +193,7 @@ certificates: build
 types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py tests/rooms.py tests/test_rooms.py
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 
 import pytest
 
@@ -34,3 +35,9 @@ def test_shared_code_knows_no_stem() -> None:
     for file in (ANALYSIS / "shared").glob("*.py"):
         imports = [line for line in file.read_text(encoding="utf-8").splitlines() if line.startswith(("from analysis", "import analysis"))]
         assert all(line.startswith("from analysis.shared") for line in imports), file.name
+
+
+def test_no_stem_starts_a_program() -> None:
+    """Figures follow from result files and the cache of shapes alone; only the command that copies the program's tables runs it."""
+    starts = re.compile(r"\b(subprocess|HAUSBENCH_PROGRAM|os\.(system|exec\w*|spawn\w*|popen))\b")
+    assert [file.name for file in ANALYSIS.rglob("*.py") if starts.search(file.read_text())] == ["schema.py"]
