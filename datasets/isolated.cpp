@@ -30,9 +30,8 @@ struct Task {
     std::string subject, doer, cause;  // "a.obj", "the reader", "the file is damaged"
 };
 
-// Runs the program, which writes a shape to `out`; throws InputError where it does not.
-LoadedShape shape_of(const Task& task, std::vector<std::string> words, const std::filesystem::path& out,
-                     double seconds_limit, std::int64_t bytes_limit) {
+// Runs the program to its end; throws InputError where it does not do its work.
+void run(const Task& task, std::vector<std::string> words, double seconds_limit, std::int64_t bytes_limit) {
     const std::string program = words.front();
     if (bytes_limit == 0) bytes_limit = spare_bytes();
     Launch launch;
@@ -56,7 +55,6 @@ LoadedShape shape_of(const Task& task, std::vector<std::string> words, const std
     if (code == 4)  // the program's own, where an allocation failed
         fail(fmt::format("{} ran out of memory: {}, or too large for this machine", task.doer, task.cause));
     if (code != 0) fail(fmt::format("{} failed with exit code {}: {}", task.doer, code, said));
-    return read_shape(out);
 }
 
 }  // namespace
@@ -69,8 +67,8 @@ LoadedShape load_isolated(const std::filesystem::path& program, const std::files
     std::vector<std::string> words = {program.string(), "load"};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
     words.insert(words.end(), {"--", file.string(), out.string()});  // its name may begin with a dash
-    return shape_of({file.string(), "the reader", "the file is damaged"}, std::move(words), out, seconds_limit,
-                    bytes_limit);
+    run({file.string(), "the reader", "the file is damaged"}, std::move(words), seconds_limit, bytes_limit);
+    return read_shape(out);
 }
 
 LoadedShape derive_isolated(const std::filesystem::path& program, const std::string& operation, const Numbers& numbers,
@@ -81,7 +79,8 @@ LoadedShape derive_isolated(const std::filesystem::path& program, const std::str
     std::vector<std::string> words = {program.string(), "derive"};
     for (const auto& [name, value] : numbers) words.insert(words.end(), {"--set", fmt::format("{}={:a}", name, value)});
     words.insert(words.end(), {"--", operation, origin.string(), out.string()});
-    return shape_of({operation, "CGAL", "the mesh is degenerate"}, std::move(words), out, seconds_limit, bytes_limit);
+    run({operation, "CGAL", "the mesh is degenerate"}, std::move(words), seconds_limit, bytes_limit);
+    return read_shape(out);
 }
 
 }  // namespace hausbench

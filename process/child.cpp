@@ -41,12 +41,11 @@ void write_all(int descriptor, const std::string& text) {
     }
 }
 
-// The environment of this process, with another TMPDIR if one is given.
+// The environment of this process, with another TMPDIR.
 std::vector<std::string> environment_with(const std::string& temporary) {
-    std::vector<std::string> all;
-    if (!temporary.empty()) all.push_back("TMPDIR=" + temporary);
+    std::vector<std::string> all{"TMPDIR=" + temporary};
     for (char** entry = environ; *entry; ++entry) {
-        if (temporary.empty() || std::strncmp(*entry, "TMPDIR=", 7) != 0) all.emplace_back(*entry);
+        if (std::strncmp(*entry, "TMPDIR=", 7) != 0) all.emplace_back(*entry);
     }
     return all;
 }
@@ -122,16 +121,18 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
         });
         return;
     }
-    std::vector<std::string> words = launch_.command, environment = environment_with(temporary);
+    std::vector<std::string> words = launch_.command, environment;
+    if (folder_) environment = environment_with(temporary);
     if (launch_.events) words.push_back(fmt::format("{}", pipes.events[1]));
     const std::vector<char*> arguments = pointers_to(words), entries = pointers_to(environment);
+    char* const* variables = folder_ ? entries.data() : environ;
     start(pipes, [&] {
         if (!launch_.folder.empty() && ::chdir(launch_.folder.c_str()) != 0) ::_exit(127);
         ::dup2(launch_.silent ? ::open("/dev/null", O_WRONLY) : pipes.output[1], STDOUT_FILENO);
         ::dup2(pipes.output[1], STDERR_FILENO);
         if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
         ::signal(SIGPIPE, SIG_DFL);
-        ::execve(arguments[0], arguments.data(), entries.data());
+        ::execve(arguments[0], arguments.data(), variables);
     });
 }
 
