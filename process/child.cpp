@@ -73,7 +73,7 @@ struct Child::Pipes {
 // `child` does not return. In it only calls that are safe after the fork of a program with threads, unless it is a copy that works.
 void Child::start(Pipes& pipes, const std::function<void()>& child) {
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);
-    if (launch_.outlives_nothing) watch_group(0);  // it starts before `before_` is looked up, and is spared
+    if (launch_.dies_with_parent) watch_group(0);  // it starts before `before_` is looked up, and is spared
     own_bytes_ = resident_of(::getpid());
     const pid_t parent = ::getpid();
     before_ = family_of(parent);
@@ -94,7 +94,7 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
     ::fcntl(output_, F_SETFL, O_NONBLOCK);
     if (pid_ > 0) {
         ::setpgid(pid_, pid_);  // both processes call this; the order does not matter
-        if (launch_.outlives_nothing) watch_group(pid_);
+        if (launch_.dies_with_parent) watch_group(pid_);
         write_all(pipes.feed[1], launch_.input);
     }
     ::close(pipes.feed[1]);
@@ -236,7 +236,7 @@ void Child::look_for_end(int flags) {
     status_ = ended < 0 ? 0 : status;
     const std::int64_t peak = std::int64_t(used.ru_maxrss) * 1024;
     if (peak > own_bytes_ + (1 << 20)) peak_bytes_ = peak;
-    if (launch_.outlives_nothing) watch_group(0);
+    if (launch_.dies_with_parent) watch_group(0);
     ::kill(-pid_, SIGKILL);  // the rest of its group
     end_family(before_);     // and processes that left the group
     read_output();           // its last; the pipe may have no end yet

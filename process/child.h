@@ -1,4 +1,4 @@
-// A process of its own, with all that it starts: the one place where processes are started, listened to, limited and ended.
+// Starts a child process, reads its output, limits it, and ends it with all its descendants.
 #pragma once
 
 #include "process/scratch.h"
@@ -20,14 +20,13 @@ struct Launch {
     std::vector<std::string> command;  // the program, by its path, and its arguments; or ...
     // ... what a copy of this process does (fork), and its exit code. Only in a process without other threads.
     std::function<int(int events)> work;
-    std::filesystem::path folder;  // where it runs; empty: here
-    std::string input;             // its standard input; empty: none
-    bool events = false;           // a pipe for its lines; the number of its end is the last argument
-    bool silent = false;           // its standard output goes nowhere; the output that is kept is that of errors
-    std::size_t kept = 4096;       // characters of the end of its output
-    std::string scratch;           // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
-    bool outlives_nothing =
-        false;  // its process group ends even where this process is killed by SIGKILL; one child at a time
+    std::filesystem::path folder;   // where it runs; empty: here
+    std::string input;              // its standard input; empty: none
+    bool events = false;            // a pipe for its lines; the number of its end is the last argument
+    bool silent = false;            // discards its standard output, and keeps its standard error
+    std::size_t kept = 4096;        // characters of the end of its output
+    std::string scratch;            // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
+    bool dies_with_parent = false;  // its process group too, even if SIGKILL ends this process; one child at a time
 };
 
 struct ChildLimits {

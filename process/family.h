@@ -1,4 +1,4 @@
-// All descendants of a process (Linux, /proc).
+// Lists and kills the descendants of a process (Linux, /proc).
 #pragma once
 
 #include <sys/types.h>

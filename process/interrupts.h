@@ -1,4 +1,4 @@
-// The one way to be interrupted: by Ctrl-C, or by a signal that asks this process to end.
+// Defers SIGINT (Ctrl-C) and SIGTERM until the code can stop safely.
 #pragma once
 
 namespace hausbench {

@@ -1,4 +1,4 @@
-// Memory of processes, as Linux counts it.
+// Measures the memory of processes, as Linux counts it.
 #pragma once
 
 #include <cstdint>

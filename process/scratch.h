@@ -1,4 +1,4 @@
-// Folders for files that live as long as a computation, and what keeps them from being left behind.
+// Makes temporary folders, removed with their object; a lock shows which ones a killed process left behind.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What ends a process group if this process is killed and cannot.
+// Kills a process group when this process ends, even by SIGKILL.
 #pragma once
 
 #include <sys/types.h>

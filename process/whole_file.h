@@ -1,4 +1,4 @@
-// Files that are there whole or not at all.
+// Writes files atomically: a reader sees all of a file or none of it.
 #pragma once
 
 #include <filesystem>

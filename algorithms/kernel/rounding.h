@@ -1,6 +1,7 @@
 // What rounding may do to the distances computed here, and how bounds are widened so that they hold all the same.
 //
-// u = 2^-53, round to nearest. Every widening of a certified bound in this project is in this file.
+// u = 2^-53, round to nearest. The distances between points and triangles, and the widenings that most solvers use, are here. A file that
+// widens by more of its own derives it at the place: `git grep -l unit_roundoff` finds them.
 #pragma once
 
 #include "geometry.h"

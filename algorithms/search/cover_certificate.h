@@ -1,5 +1,5 @@
 // Writes a certificate of an upper bound of h(A,B): how the triangles of A are cut into polygons, and for each polygon a triangle of B
-// that is near all of it. docs/certificate.md describes the format and why it proves the bound; harness/certificate_check.h checks it.
+// that is near all of it. docs/certificate.md describes the format and why it proves the bound; harness/check/certificate_check.h checks it.
 //
 // Each triangle of A (a point of A is a triangle with three equal corners) has one tree in preorder: a node, its first child with all
 // below it, its second child. A node is a convex polygon; the root has the three corners of the triangle, 0, 1, 2 in the order of

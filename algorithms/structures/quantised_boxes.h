@@ -5,7 +5,7 @@
 // the boxes beside it coarse, and none below them.
 //
 // The distance to a box never exceeds the computed squared distance to a point of its content, so that no slack is needed
-// elsewhere. Near a node, distances are integers, in parts of its step, rounded down (measure_boxes in wide_walk-inl.h). Far
+// elsewhere. Near a node, distances are integers, in parts of its step, rounded down (measure_near_boxes and measure_far_boxes in wide_walk-inl.h). Far
 // from it, they are computed by the operations of squared_distance_to_box (box.h), which are monotone, to planes that are
 // what origin + q step is when computed: no farther inside than any coordinate of the content (QuantisedBoxes::set).
 #pragma once

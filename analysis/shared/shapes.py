@@ -44,7 +44,7 @@ class Mesh:
 
 
 def cache_folder() -> Path:
-    """As harness/paths.cpp finds it from within a checkout."""
+    """As datasets/paths.cpp finds it from within a checkout."""
     return Path(os.environ.get("HAUSBENCH_CACHE") or Path(os.environ.get("HAUSBENCH_ROOT", ROOT)) / "datasets" / "cache")
 
 

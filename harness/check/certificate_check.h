@@ -1,7 +1,7 @@
 // Checks a certificate of an upper bound of h(A,B) (docs/certificate.md). Shares no kernel with the solvers: it reads the bytes, cuts the
 // triangles of A itself and bounds each distance from above in interval arithmetic.
 //
-// Whatever the bytes say, what it finds is true: each triangle of A is the union of its polygons, as their tree shows, and a polygon
+// The bound that it returns holds, whatever the bytes are: each triangle of A is the union of its polygons, as their tree shows, and a polygon
 // lies within its bound of B since the distance to one triangle is convex (`one`), or by the triangle inequality (`centre`,
 // `vertex`). So a certificate may come from anywhere, and a wrong index makes the bound larger, not wrong.
 #pragma once

@@ -7,7 +7,7 @@
 // separating plane in interval arithmetic (a convex set T is at least min over its corners v of n.(p - v)/|n| away, for any n),
 // then, where that is not enough, in exact rationals. e is computed in exact rationals. O(|A| + |B|) a witness.
 //
-// Where there is no witness: not above a certified solver's upper bound. It stays `no witness`: not checked.
+// A lower bound without a witness is refuted if it is above a certified solver's upper bound; else it stays `no witness`.
 //
 // Upper bound: not below a verified lower bound of the same shapes and poses by any solver. That can refute, not prove. A lower
 // bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
@@ -15,7 +15,7 @@
 // A penetration depth has a check of its own, see verify_penetration.h.
 //
 // A row that is not certified may be off by what rounding explains, 84 * 2^-53 of the largest |coordinate| (verify.cpp derives it);
-// one that is certified by nothing.
+// a certified row may be off by nothing.
 #pragma once
 
 #include "result/result_file.h"

@@ -6,7 +6,7 @@
 // `lower` and `upper` of an element T (or of a vertex) of A, which bound h(T, B posed), the largest distance of a point of it: that can
 // refute, not prove. No lower bound is above an upper one (of all elements, not of 100). No upper bound is below the distance of a
 // corner or of the centroid. No lower bound is above the largest distance from a corner to b, for a single element b of B: as b is
-// convex, no point of T is farther from it. Those b are tried that are about the nearest to a corner or the centroid.
+// convex, no point of T is farther from it. It tries the elements b that are about the nearest to a corner or the centroid.
 #pragma once
 
 #include "check/verify.h"

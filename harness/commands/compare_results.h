@@ -1,4 +1,4 @@
-// Two results of the same experiment side by side.
+// Compares two results of the same experiment.
 #pragma once
 
 #include "result/result_file.h"

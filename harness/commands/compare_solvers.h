@@ -1,4 +1,4 @@
-// Two solvers of one result side by side.
+// Compares two solvers of one result.
 #pragma once
 
 #include "commands/text_table.h"

@@ -1,4 +1,4 @@
-// What `run` and `explain` are told of an experiment.
+// The options that `run` and `explain` share.
 #pragma once
 
 #include "commands/verb.h"

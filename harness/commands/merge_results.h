@@ -1,4 +1,4 @@
-// Several results of one experiment as one.
+// Merges results of one experiment.
 #pragma once
 
 #include "result/result_file.h"

@@ -1,4 +1,4 @@
-// The rows of a result, one line each.
+// Prints the rows of a result, one line each.
 #pragma once
 
 #include "commands/text_table.h"

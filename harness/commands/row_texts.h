@@ -1,4 +1,4 @@
-// Values of rows as tables for people show them.
+// Formats values of rows for text tables.
 #pragma once
 
 #include "commands/text_table.h"

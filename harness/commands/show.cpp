@@ -9,7 +9,7 @@ namespace hausbench {
 namespace {
 
 std::string show(const std::filesystem::path& file, const RowChoice& choice, Form form, bool summary) {
-    ResultFile& result = *new ResultFile(read_result(file));  // never freed, as in compare.cpp
+    ResultFile& result = *new ResultFile(read_result(file));  // never freed, as in commands/compare.cpp
     const auto rows = chosen_rows(result, choice);
     if (!summary) return show_rows(result, rows, form, paper_of_output());
     std::vector<Row> chosen;

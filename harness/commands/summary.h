@@ -1,4 +1,4 @@
-// The short form of a result, with which `run` ends.
+// The summary that `run` prints at its end.
 #pragma once
 
 #include "commands/text_table.h"

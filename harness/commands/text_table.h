@@ -1,4 +1,4 @@
-// Tables for people: on a terminal as wide as it is, elsewhere as wide as they need to be.
+// Text tables that fit the terminal; elsewhere they are as wide as needed.
 #pragma once
 
 #include <cstddef>

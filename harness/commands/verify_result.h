@@ -1,4 +1,4 @@
-// Every row of a finished result, checked once more.
+// Checks every row of a result again.
 #pragma once
 
 #include "catalogue.h"

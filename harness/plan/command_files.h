@@ -1,4 +1,4 @@
-// What a command line of the shell names: its programs, and other files such as the script that an interpreter runs.
+// Finds the programs and files that a shell command names.
 #pragma once
 
 #include <filesystem>

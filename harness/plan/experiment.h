@@ -1,4 +1,4 @@
-// An experiment file, checked: what to run on what. The one place that knows its TOML keys (see CONTRIBUTING.md).
+// Reads and checks an experiment file; CONTRIBUTING.md lists its keys. scene_reader.h and solver_reader.h read its tables.
 #pragma once
 
 #include "catalogue.h"

@@ -1,4 +1,4 @@
-// One table of an experiment's file: what TomlReader offers, and the values that only experiments have.
+// Reads one TOML table of an experiment, and refuses unknown keys.
 #pragma once
 
 #include "scene.h"

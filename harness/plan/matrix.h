@@ -1,4 +1,4 @@
-// The pairs of a matrix, put together so that each of its shapes is loaded and prepared once.
+// Joins the pairs of a matrix into jobs, so that each of its shapes is loaded and prepared once.
 #pragma once
 
 #include "plan/plan.h"

@@ -1,4 +1,4 @@
-// From an experiment to the cases it asks for, the workers that answer them, and what can be left out.
+// Turns an experiment into cases and jobs, and decides what need not run.
 #pragma once
 
 #include "catalogue.h"

@@ -9,7 +9,7 @@ namespace hausbench {
 
 namespace {
 
-// A static side has the identity beside every pose of the other; two that move have as many poses (experiment.cpp).
+// A static side has the identity beside every pose of the other; two that move have as many poses (scene_reader.cpp).
 void move(const ScenePlan& scene, SceneModels& models) {
     if (!moves(scene.motion) && !moves(scene.target_motion)) return;
     const auto side = [&](const Motion& motion, const auto& model, Pose ScenePose::*pose) {

@@ -1,4 +1,4 @@
-// The models of a scene, found or missing, and the poses of both.
+// Finds the models of a scene, and the poses of both.
 #pragma once
 
 #include "catalogue.h"

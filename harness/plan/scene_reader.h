@@ -1,4 +1,4 @@
-// The scenes that a [[scene]] of an experiment makes.
+// Reads a [[scene]] table, and expands it into one scene for each pair of models.
 #pragma once
 
 #include "plan/experiment.h"

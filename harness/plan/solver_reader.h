@@ -1,4 +1,4 @@
-// The solvers that an experiment asks for.
+// Reads a [[solver]] table.
 #pragma once
 
 #include "plan/experiment.h"

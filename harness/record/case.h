@@ -58,7 +58,7 @@ struct Case {
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
     double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }
-    Tolerance resolved_tolerance() const;  // relative to A's box becomes absolute: here and nowhere else
+    Tolerance resolved_tolerance() const;  // a length, unless it is a fraction of the lower bound
 };
 
 std::string identify(const Case& asked);

@@ -1,4 +1,5 @@
-// What became of a case, and what re-checking found.
+// The outcome of a case, and the result of its check. Result (solver.h) is what a solver returns; an Outcome is what a row of the
+// result file keeps of it, with times, memory and how its process ended.
 #pragma once
 
 #include "record/case.h"
@@ -47,14 +48,13 @@ struct Preparation {
     int shared = 0;
 };
 
-// What became of it.
 using Facts = std::map<std::string, std::string>;
 
 struct Outcome {
     RowStatus status = RowStatus::skipped;
     std::string reason;
     std::string solver_status;
-    double cutoff_used = std::numeric_limits<double>::infinity();  // see Item::narrow() in worker.h
+    double cutoff_used = std::numeric_limits<double>::infinity();  // see WorkOrder::Item::narrow()
     Bounds bounds{unknown, unknown};
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;

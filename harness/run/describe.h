@@ -1,4 +1,4 @@
-// What a result file says of its run as a whole.
+// Fills in the metadata of a run (/meta) and the records of its models.
 #pragma once
 
 #include "plan/plan.h"

@@ -107,7 +107,7 @@ CommandRun run_command(const std::string& line, double seconds, const fs::path& 
     launch.command = {"/bin/sh", "-c", line};
     launch.folder = folder;
     launch.kept = std::size_t(16) << 20;
-    launch.outlives_nothing = true;
+    launch.dies_with_parent = true;
     Child child(std::move(launch));
     const bool timed_out = child.wait({.seconds = seconds}) != Child::End::by_itself;
     return {timed_out, child.how_it_ended(), child.output(), child.peak_bytes()};

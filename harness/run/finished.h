@@ -1,4 +1,4 @@
-// What of a plan is finished: the answers that the journal holds, of this run and of earlier ones, with their fields.
+// The cases of a plan that the journal already answers, with their fields.
 #pragma once
 
 #include "plan/plan.h"

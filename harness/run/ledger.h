@@ -1,4 +1,4 @@
-// What a run left out, as far as that is known only afterwards.
+// Completes the ledger after a run: what was left out, and the time saved.
 #pragma once
 
 #include "plan/plan.h"

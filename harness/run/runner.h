@@ -1,4 +1,4 @@
-// Runs a plan: one worker process a solver and scene, limits, the journal, and the result file at the end.
+// Runs a plan: starts one worker for each solver and scene, keeps the journal, and writes the result.
 #pragma once
 
 #include "plan/plan.h"

@@ -47,10 +47,10 @@ public:
         std::string line;
         for (;;) {
             if (report_.interrupted()) return;  // the case in flight is run again on resume
-            if (!within_memory()) return;
+            if (kill_if_too_large()) return;
             switch (worker_.listen(turn, line)) {
                 case Child::Heard::nothing:
-                    if (!within_time()) return;
+                    if (kill_if_late()) return;
                     break;
                 case Child::Heard::closed: {
                     if (finished_ == order_.items.size()) return;
@@ -78,25 +78,25 @@ private:
     }
 
     // Looked at by the clock, once a turn, however much the worker has to say.
-    bool within_memory() {
-        if (Clock::now() < next_look_) return true;
+    bool kill_if_too_large() {
+        if (Clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
         if (worker_.resident_bytes() > limit) {
             fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
-            return false;
+            return true;
         }
         next_look_ = Clock::now() + turn;
-        return true;
+        return false;
     }
 
     // Looked at when all that the worker has said is heard: what it said in time counts.
-    bool within_time() {
-        if (Clock::now() <= deadline_) return true;
+    bool kill_if_late() {
+        if (Clock::now() <= deadline_) return false;
         const Limits& limits = order_.limits;
         fail(RowStatus::timeout,
              prepared_ ? fmt::format("killed: no answer within {} s", limits.case_seconds)
                        : fmt::format("killed: not loaded and prepared within {} s", seconds_to_prepare()));
-        return false;
+        return true;
     }
 
     // False if the line is no event, or one out of turn. A solver may have written it: nothing in it is taken for granted.

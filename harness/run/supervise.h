@@ -1,4 +1,4 @@
-// Watches one worker through its cases: limits, what it says, how it ends.
+// Runs one worker: reads its events, kills it at a limit, and makes the outcome of each case.
 #pragma once
 
 #include "run/work_order.h"

@@ -1,4 +1,4 @@
-// What a worker is told on its standard input.
+// What a worker reads from its standard input: solver, shapes and cases.
 #pragma once
 
 #include "plan/plan.h"

@@ -50,7 +50,7 @@ def test_median_of_an_even_number() -> None:
 
 
 def test_the_program_gives_the_same_intervals(tmp_path: Path) -> None:
-    """harness/statistics.cpp, of which `hausbench show` is made."""
+    """harness/record/statistics.cpp, of which `hausbench show` is made."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     rng, file = np.random.default_rng(20), ResultFile("intervals")
