@@ -22,12 +22,21 @@ struct Header {
     std::size_t points = 0, faces = 0, lines = 0;
 };
 
+// Some files write whole numbers with a decimal point.
+std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
+    const auto value = decimal(word);
+    if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)
+        return std::nullopt;
+    return static_cast<std::size_t>(*value);
+}
+
 std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
-    const auto value = whole<std::size_t>(word);
     // The shortest line of either kind has two characters; a header with a larger count is wrong and would cost memory.
-    if (!value || *value > size / 2)
-        throw InputError(fmt::format("{}: the header announces {} {}, which a file of {} bytes cannot hold", name,
-                                     shown(word), what, size));
+    const auto value = number_below(size / 2 + 1, word.substr(0, word.find(',')));
+    if (!value)
+        throw InputError(
+            fmt::format("{}: the header announces {} {}, which is no count that a file of {} bytes can hold", name,
+                        shown(word), what, size));
     return *value;
 }
 
@@ -63,14 +72,6 @@ void add_vertex(const std::string& name, Line line, bool four, Soup& soup) {
     const auto weight = decimal(next_word(line.text));
     if (!weight) refuse(name, line.number, "a vertex of 4OFF needs four numbers");
     soup.points.back() /= *weight;
-}
-
-// Some files write whole numbers with a decimal point.
-std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
-    const auto value = decimal(word);
-    if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)
-        return std::nullopt;
-    return static_cast<std::size_t>(*value);
 }
 
 void add_face(const std::string& name, Line line, Soup& soup) {

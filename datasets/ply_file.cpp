@@ -53,8 +53,10 @@ public:
                 fmt::format("is truncated: the header announces {} vertices and {} faces, at least {} bytes; "
                             "{} bytes found after it",
                             points_, faces_, least, body_.size()));
-        for (const Element& element : elements_)
+        for (const Element& element : elements_) {
+            if (element.properties.empty()) continue;  // they hold no byte, so their count may be anything
             for (std::uint64_t i = 0; i < element.count; ++i) read_one(element);
+        }
         return std::move(soup_);
     }
 
@@ -109,18 +111,18 @@ private:
         if (element.name == "tristrips" && element.count > 0)
             refuse_file("triangle strips are not read: convert the file to faces");
         std::uint64_t least = 0;
-        int axes = 0, lists = 0;
+        int axes = 0, named = 0, lists = 0;
         for (const Property& property : element.properties) {
             if (element.is_vertices() && property.count && property.name.starts_with("vertex_ind"))
                 refuse_file(
                     fmt::format("its vertices have the list '{}': a line 'element face ...' before it is missing",
                                 shown(property.name)));
             least += text() ? 2 : property.count.value_or(property.type).size;
-            axes += property.axis() >= 0 ? 1 : 0;
+            if (property.axis() >= 0) axes |= 1 << property.axis(), ++named;
             lists += property.is_corners() ? 1 : 0;
         }
         if (element.is_vertices()) {
-            if (axes != 3) refuse_file("its vertices do not have x, y and z");
+            if (axes != 7 || named != 3) refuse_file("its vertices do not have x, y and z");
             points_ += element.count;
         }
         if (element.is_faces() && element.count > 0) {

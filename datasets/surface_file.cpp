@@ -17,10 +17,13 @@ AlgebraicSurface read_surface(const TomlReader& table) {
         const toml::array* pair = (*box)[k].as_array();
         good = pair && pair->size() == 2 && (*pair)[0].is_number() && (*pair)[1].is_number();
         for (std::size_t i = 0; i < 2 && good; ++i)
-            surface.box(Eigen::Index(i), Eigen::Index(k)) = *(*pair)[i].value<double>();
+            surface.box(Eigen::Index(i), Eigen::Index(k)) = table.number((*pair)[i], "box");
     }
+    if (!good && node)
+        table.fail(*node, "'box' must be three pairs of numbers, such as box = [[-2, 2], [-2, 2], [-2, 2]]");
     if (!good) table.fail("'box' must be three pairs of numbers, such as box = [[-2, 2], [-2, 2], [-2, 2]]");
-    if (const std::string problem = surface_problem(surface); !problem.empty()) table.fail(problem);
+    if (const std::string problem = surface_problem(surface); !problem.empty())
+        table.fail(*table.find(problem.starts_with("polynomial") ? "polynomial" : "box"), problem);
     return surface;
 }
 

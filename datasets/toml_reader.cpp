@@ -81,9 +81,9 @@ int TomlReader::count(std::string_view key, int least, int otherwise) const {
 
 double TomlReader::number(const toml::node& node, std::string_view key) const {
     if (!node.is_number()) fail(node, fmt::format("'{}' must be a number", key));
-    const double value = *node.value<double>();
-    if (!std::isfinite(value)) fail(node, fmt::format("'{}' must be a finite number", key));
-    return value;
+    const auto value = node.value<double>();  // none for a whole number that a double does not hold
+    if (!value || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
+    return *value;
 }
 
 double TomlReader::positive(const toml::node& node, std::string_view key, double most) const {

@@ -32,13 +32,19 @@ using std::chrono::milliseconds;
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
 constexpr milliseconds between_looks_at_memory(20);
 
+// SIGPIPE is ignored meanwhile, and only then: the program's own output may still end it, as in `show | head`.
 void write_all(int descriptor, const std::string& text) {
+    struct sigaction ignore {
+    }, before{};
+    ignore.sa_handler = SIG_IGN;
+    ::sigaction(SIGPIPE, &ignore, &before);
     for (std::size_t done = 0; done < text.size();) {
         const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) return;  // it ended early: listen() and wait() report this
+        if (n < 0) break;  // it ended early: listen() and wait() report this
         done += std::size_t(n);
     }
+    ::sigaction(SIGPIPE, &before, nullptr);
 }
 
 // The environment of this process, with another TMPDIR.
@@ -64,7 +70,6 @@ struct Child::Pipes {
     int feed[2], events[2], output[2];
 
     Pipes() {
-        std::signal(SIGPIPE, SIG_IGN);
         if (::pipe2(feed, O_CLOEXEC) != 0 || ::pipe2(events, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0)
             throw std::runtime_error(fmt::format("cannot open a pipe: {}", std::strerror(errno)));
     }

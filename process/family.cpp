@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-std::vector<pid_t> family_of(pid_t process) {
+std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared) {
     std::vector<pid_t> all{process};
     for (std::size_t i = 0; i < all.size(); ++i) {
         const pid_t parent = all[i];
@@ -20,7 +20,9 @@ std::vector<pid_t> family_of(pid_t process) {
         for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
              !gone && thread != end; thread.increment(gone)) {
             std::ifstream children(thread->path() / "children");
-            for (pid_t child = 0; children >> child;) all.push_back(child);
+            for (pid_t child = 0; children >> child;) {
+                if (std::find(spared.begin(), spared.end(), child) == spared.end()) all.push_back(child);
+            }
         }
     }
     return all;
@@ -30,8 +32,8 @@ void end_family(const std::vector<pid_t>& spared) {
     // For a second; a process blocked in the kernel dies when its call returns.
     for (int tries = 0; tries < 1000; ++tries) {
         bool any = false;
-        for (const pid_t member : family_of(::getpid())) {
-            if (member == ::getpid() || std::find(spared.begin(), spared.end(), member) != spared.end()) continue;
+        for (const pid_t member : family_of(::getpid(), spared)) {
+            if (member == ::getpid()) continue;
             any = true;
             ::kill(member, SIGKILL);
             ::waitpid(member, nullptr, WNOHANG);  // if it is a child of this process and has ended

@@ -417,6 +417,8 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 99\nradius = 1\n", {"level is 99"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
            {"line 4", "must be a number"});
+    expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 9007199254740993\n",
+           {"line 5", "radius", "finite number"});  // a double does not hold it
     expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
     expect(package("12"), {"line 6", "64 digits"});
     expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});

@@ -251,6 +251,29 @@ TEST_F(Files, GzippedAndMisnamedFiles) {
     EXPECT_TRUE(same_bits(mesh_of(load("a.js", text, "ply")).vertices, awkward().vertices));
 }
 
+TEST_F(Files, ElementsOfPlyWithoutPropertiesCostNothing) {
+    std::string head =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+        "property double z\nelement face 1\nproperty list uchar int vertex_indices\n";
+    for (int i = 0; i < 20; ++i) head += "element nothing 80\n";
+    std::string body(72, '\0');
+    const double one = 1;
+    std::memcpy(body.data() + 24, &one, sizeof one);
+    std::memcpy(body.data() + 56, &one, sizeof one);
+    const std::int32_t corners[] = {0, 1, 2};
+    body += '\3' + std::string(reinterpret_cast<const char*>(corners), sizeof corners);
+    EXPECT_EQ(mesh_of(load("a.ply", head + "end_header\n" + body)).triangles.rows(), 1);
+    refused("b.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nproperty float "
+            "y\nend_header\n0 0 0\n",
+            {"x, y and z"});
+}
+
+TEST_F(Files, CountsOfOffMayHaveADecimalPoint) {
+    EXPECT_EQ(mesh_of(load("a.off", "OFF\n3.0, 1.0 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).triangles.rows(), 1);
+    refused("b.off", "OFF\n3.5 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"3.5", "no count"});
+}
+
 TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     refused("empty.obj", "", {"empty"});

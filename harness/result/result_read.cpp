@@ -201,8 +201,9 @@ void read_in_a_copy(const fs::path& file) {
     Launch launch;
     launch.silent = true;  // the last words of an abort
     launch.work = [&](int) {
-        const rlimit nothing{0, 0};
+        const rlimit nothing{0, 0}, enough{rlim_t(5 + bytes / 1'000'000), rlim_t(6 + bytes / 1'000'000)};
         ::setrlimit(RLIMIT_CORE, &nothing);
+        ::setrlimit(RLIMIT_CPU, &enough);  // s; it reads 100 MB/s, and loops for ever on some files
         try {
             read_trusting(file);
         } catch (const std::bad_alloc&) {
@@ -213,16 +214,15 @@ void read_in_a_copy(const fs::path& file) {
         }
         return 0;
     };
-    const ChildLimits limits{
-        .seconds = double(5 + bytes / 1'000'000),  // it reads 100 MB/s, and loops for ever on some files
-        .resident_bytes =
-            resident_of(::getpid()) + (std::int64_t(4) << 30) + 16 * bytes};  // a damaged count asks for more
+    const std::int64_t most = (std::int64_t(4) << 30) + 16 * bytes;  // a damaged count asks for more
+    const ChildLimits limits{.seconds = 60 + double(bytes) / 1e6,    // a slow disk
+                             .resident_bytes = resident_of(::getpid()) + std::min(most, spare_bytes())};
     Child copy(std::move(launch));
     const Child::End end = copy.wait(limits);
     if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted while it was read", file.string()));
     if (end == Child::End::time)
         throw std::runtime_error(fmt::format("reading it takes more than {} s", limits.seconds));
-    if (end == Child::End::memory || copy.exit_code() == out_of_memory)
+    if (end == Child::End::memory || copy.exit_code() != 0)
         throw std::runtime_error("it asks for more memory than its size accounts for");
     if (copy.signal()) throw std::runtime_error(fmt::format("reading it ends with {}", copy.how_it_ended()));
 }

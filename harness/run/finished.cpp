@@ -47,7 +47,11 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
 }
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
-    journal_.append({plan_.cases[row].identity, round}, outcome);
+    const auto known = journal_.outcomes().find({plan_.cases[row].identity, round});
+    // The head of a search may be a case of another scene too, whose trace holds the answers of other rows.
+    const bool has_less = known != journal_.outcomes().end() && known->second.cutoff_used == outcome.cutoff_used &&
+                          !known->second.trace.empty() && outcome.trace.empty() && kept(row, round) == &known->second;
+    if (!has_less) journal_.append({plan_.cases[row].identity, round}, outcome);
 }
 
 bool Finished::is_open(std::size_t row, int round) const {

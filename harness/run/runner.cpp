@@ -178,12 +178,12 @@ private:
         result.ledger = ledger_of(result.rows);
         const std::size_t mine = result.rows.size();
         summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
+        const bool swept = !HoldInterrupts::came();
+        HoldInterrupts::handled();  // the next Ctrl-C ends the reading or the checking, which can take long, too
         std::vector<std::size_t> places;
         keep_earlier_rows(result, summary.file, places);
         summary.kept = result.rows.size() - mine;
         progress_.doing("verifying");
-        const bool swept = !HoldInterrupts::came();
-        HoldInterrupts::handled();  // the next Ctrl-C ends the checking, which can take long, too
         verify(result.rows, mine);
         note_unsound(result.rows, summary);
         summary.interrupted = HoldInterrupts::came() || !swept;
@@ -246,6 +246,7 @@ private:
         try {
             for (const std::string& line : keep_earlier(result, read_result(file), plan_, places)) progress_.line(line);
         } catch (const InputError& error) {
+            if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
             const std::filesystem::path aside = file.string() + ".unreadable";
             std::filesystem::rename(file, aside);
             progress_.line(fmt::format("{}; it is {} now", error.what(), aside.string()));

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import json
+import os
 import signal
 import subprocess
 import time
@@ -219,9 +220,9 @@ def slow(tmp_path: Path) -> Path:
     return file
 
 
-def start(hausbench: Program, experiment: Path, folder: Path) -> subprocess.Popen[bytes]:
+def start(hausbench: Program, experiment: Path, folder: Path, *more: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        hausbench.command("run", experiment, "--results", folder),
+        hausbench.command("run", experiment, "--results", folder, *more),
         env=hausbench.environment(),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -250,6 +251,20 @@ def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_pat
     cut = folder / "slow.h5"
     assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case has its row even now
     same_answers(run(hausbench, slow, folder), undisturbed)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, tmp_path: Path, number: signal.Signals) -> None:
+    """The file is read once more while the signal is still there: that must not pass for a file that cannot be read."""
+    whole = run(hausbench, slow, tmp_path)
+    before = texts(whole, "cases/identity")
+    os.remove(tmp_path / "slow.journal")
+    process = start(hausbench, slow, tmp_path, "--scene", texts(whole, "cases/scene")[0])
+    wait_for(lambda: records(tmp_path) >= 1)
+    process.send_signal(number)
+    assert process.wait(30) in (130, 0)
+    assert texts(whole, "cases/identity") == before and not list(tmp_path.glob("*.unreadable"))
+    same_answers(run(hausbench, slow, tmp_path), whole)
 
 
 def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:

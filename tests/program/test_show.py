@@ -10,12 +10,14 @@ import os
 import pty
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import termios
 from pathlib import Path
 
 import pytest
+import signal
 
 from conftest import ROOT, Program
 from test_run import numbers, run, same_answers, texts
@@ -110,6 +112,14 @@ def test_forms_for_programs_say_the_same(hausbench: Program, result: Path) -> No
     markdown = hausbench("show", result, "--md").stdout.splitlines()
     assert len(markdown) == 8 and all(line.startswith("|") and line.endswith("|") for line in markdown)
     assert len({line.count("|") for line in markdown}) == 1
+
+
+def test_a_reader_that_stops_early_ends_it_without_a_word(hausbench: Program, result: Path) -> None:
+    """As in `show | head`: the program reads the file in a child first, which must not change how SIGPIPE ends it."""
+    process = subprocess.Popen(hausbench.command("show", result, "--json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=hausbench.environment())
+    assert process.stdout and process.stderr
+    process.stdout.close()
+    assert process.stderr.read() == b"" and process.wait(30) == -signal.SIGPIPE
 
 
 def test_a_full_disk_is_no_success(hausbench: Program, result: Path) -> None:
