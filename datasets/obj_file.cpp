@@ -1,4 +1,4 @@
-// Wavefront OBJ: its `v` and `f` statements, of faces the numbers of the vertices. All else is passed over.
+// Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores all else.
 #include "parse.h"
 #include "readers.h"
 

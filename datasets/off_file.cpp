@@ -1,5 +1,5 @@
-// OFF as text: a header, which may lack its keyword, then a line for each vertex and for each face; colours, normals and texture
-// coordinates behind the numbers that count are passed over.
+// Reads OFF as text: a header, which may lack its keyword, then a line for each vertex and for each face; colours, normals and texture
+// coordinates after the numbers that are used are ignored.
 #include "error.h"
 #include "parse.h"
 #include "readers.h"

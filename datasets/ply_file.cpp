@@ -1,5 +1,5 @@
-// PLY: text, and bytes in either order; numbers and lists of any type. What is neither a vertex's x, y and z nor a face's vertex numbers is
-// passed over.
+// Reads PLY, text or binary in either byte order, with numbers and lists of any type. Ignores all but x, y and z of vertices and the
+// vertex numbers of faces.
 #include "error.h"
 #include "parse.h"
 #include "readers.h"

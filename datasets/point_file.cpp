@@ -1,8 +1,8 @@
 // Point clouds as lines of decimal numbers: .xyz, .pts, .csv, and the points of a text PCD file (pcd_file.cpp).
 //
 // A line holds x, y and z and then whatever else (intensity, colours, normals), which is ignored. Its separator is ';' where it has one,
-// else ',' where it has one, else white space. '#' begins a comment, and so does "//" at the begin of a line. A line of one whole number
-// announces so many points (.pts, some .xyz). The first line may be a header: columns named x, y and z in any order and any case; in a
+// else ',' where it has one, else white space. '#' begins a comment, and "//" at the beginning of a line begins one too. A line of one whole number
+// gives the number of points (.pts, some .xyz). The first line may be a header: columns named x, y and z in any order and any case; in a
 // .csv file a header without these names is passed over. In a .csv file no line has more columns than the header: decimal commas, or a
 // separator within quotes, would move the numbers.
 #include "error.h"

@@ -1,4 +1,4 @@
-// Shared by load_file() and its readers; private to datasets/.
+// Declares the reader of each format, which load_file() calls; private to datasets/.
 #pragma once
 
 #include "load.h"

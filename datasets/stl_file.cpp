@@ -1,4 +1,4 @@
-// STL. A file is binary if its size fits, whether or not it begins with "solid"; keywords of a text may be in any case.
+// Reads STL. A file is binary if its size matches the number of triangles in its header, whether or not it begins with "solid"; keywords of a text may be in any case.
 #include "error.h"
 #include "parse.h"
 #include "readers.h"

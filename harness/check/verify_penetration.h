@@ -2,9 +2,9 @@
 // lie inside of A and of B (the parity of exact crossings of a ray) and how far they are from the other surface (verify_exact.h).
 //
 // Lower bound, from the witness p, a point of one surface in the other solid: it holds if no point of the other surface that bounds the same part of the volume is nearer
-// to p than `lower`. A nearer triangle does not count where it is proven to lie outside of the first solid, as far as it is nearer; unless the part is enclosed by the other mesh
-// alone, and the whole of that mesh counts. A nearer point refutes it that a line joins to p within both solids. Else the row stays `not checked`: the nearer
-// points may bound another part.
+// to p than `lower`. A nearer triangle does not count if its nearer part is proven to lie outside of the first solid. But if the other mesh alone encloses the part,
+// the whole of that mesh counts. The bound is refuted by a nearer point that a segment inside both solids joins to p. Else the row stays `not checked`: the
+// nearer points may bound another part.
 //
 // Upper bound: a vertex of one mesh inside of the other one bounds the volume, so that the depth is at least its distance to that other surface. That can refute, not prove.
 //

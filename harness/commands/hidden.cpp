@@ -1,4 +1,4 @@
-// Verbs that the program starts itself: `load`, `derive` and `worker`.
+// Verbs that only the program itself calls: `load`, `derive` and `worker`.
 #include "commands/verb.h"
 #include "derive.h"
 #include "load.h"

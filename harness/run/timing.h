@@ -1,5 +1,5 @@
-// Wall and CPU time of a solve, and one timed repeat, driven by Google Benchmark, one repetition a call (it reports only after
-// all of them).
+// Wall and CPU time of a solve, and one timed repeat, driven by Google Benchmark: time_once() runs one repetition, because the library
+// reports only after all repetitions.
 //
 // Which of the two is *the* time of a case (column `clock`): CPU time where one thread works at a time, because other work on
 // the machine disturbs it least; wall time where several do, because CPU time then is their sum. CPU time is that of the

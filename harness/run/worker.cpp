@@ -1,6 +1,6 @@
 // Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
-// timed), "repeat" for each timed repeat, "trace", "fields", "end". Of a warm chain of poses first all are answered; each repeat, and
-// the trace and the fields, is then a whole pass from its head; "end" comes for each at the end.
+// timed), "repeat" for each timed repeat, "trace", "fields", "end". In a warm chain the worker first answers all poses.
+// Each repeat, the trace and the fields then take one pass over the chain each. It sends "end" for every case last.
 #include "run/worker.h"
 
 #include "error.h"
