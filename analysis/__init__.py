@@ -1,1 +1,1 @@
-"""From result files to figures and tables: one module a stem, run as `python3 -m analysis.<stem>`."""
+"""From result files to figures and tables: one module a stem, run as `python3 -m analysis STEM`."""
