@@ -8,6 +8,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 namespace hausbench::readers {
 namespace {
@@ -31,13 +32,13 @@ std::optional<std::size_t> number_below(std::size_t end, std::string_view word) 
 }
 
 std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
+    const std::string_view number = word.substr(0, word.find(','));
     // The shortest line of either kind has two characters; a header with a larger count is wrong and would cost memory.
-    const auto value = number_below(size / 2 + 1, word.substr(0, word.find(',')));
-    if (!value)
-        throw InputError(
-            fmt::format("{}: the header announces {} {}, which is no count that a file of {} bytes can hold", name,
-                        shown(word), what, size));
-    return *value;
+    if (const auto value = number_below(size / 2 + 1, number)) return *value;
+    const bool whole = bool(number_below(std::numeric_limits<std::size_t>::max(), number));
+    throw InputError(
+        fmt::format("{}: the header announces {} {}, {}", name, shown(word), what,
+                    whole ? fmt::format("which a file of {} bytes cannot hold", size) : "which is no count"));
 }
 
 Header header_of(const std::string& name, const std::vector<Line>& lines, std::size_t size) {
