@@ -6,7 +6,7 @@
 
 namespace hausbench {
 
-// One line a solver: its function, defined in its own file.
+// The function of each solver, defined in its own file; the list below calls it.
 SolverEntry naive_solver();                 // points/naive.cpp
 SolverEntry earlybreak_solver();            // points/earlybreak.cpp
 SolverEntry inc_solver();                   // points/inc.cpp

@@ -1,4 +1,4 @@
-// The explicit list of solvers. To add one: its .cpp, one line in registry.cpp, one in CMakeLists.txt.
+// The explicit list of solvers. To add one: its .cpp, two lines in registry.cpp, one in CMakeLists.txt; CONTRIBUTING.md has the rest.
 #pragma once
 
 #include "solver.h"

@@ -133,8 +133,6 @@ SolverEntry cgal_solver() {
     info.parameters = {
         {.name = "match_faces",
          .default_value = true,
-         .unit = "",
-         .paper_value = "",
          .description = "first drop the faces of A that are faces of B; CGAL's default",
          .choices = {}},
     };

@@ -219,29 +219,18 @@ SolverEntry external_solver() {
     info.source = info.target = {.points = true, .mesh = true};
     info.original_coordinates = true;
     const auto place = [](const char* name, const char* what) -> ParameterSpec {
-        return {.name = name,
-                .default_value = std::string(),
-                .unit = "",
-                .paper_value = "",
-                .description = what,
-                .choices = {},
-                .problem = expression_problem};
+        return {.name = name, .default_value = std::string(), .description = what, .problem = expression_problem};
     };
     info.parameters = {
         {.name = "command",
          .default_value = std::string(),
-         .unit = "",
-         .paper_value = "",
          .description =
              "command line of the shell; {A} and {B} become the files, {tolerance} the tolerance as a length, "
              "{relative_tolerance} as a fraction of the diagonal of A as handed over",
-         .choices = {},
          .problem = command_problem,
          .command = true},
         {.name = "format",
          .default_value = std::string("off"),
-         .unit = "",
-         .paper_value = "",
          .description = "format of the files",
          .choices = {"off", "obj"}},
         place("lower",
@@ -252,9 +241,7 @@ SolverEntry external_solver() {
         {.name = "seconds_unit",
          .default_value = 1.0,
          .unit = "s",
-         .paper_value = "",
          .description = "length of one unit of that time: 1e-3 for milliseconds",
-         .choices = {},
          .least = 1e-12,
          .most = 1e6},
     };

@@ -47,10 +47,10 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
 }
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
-    const auto known = journal_.outcomes().find({plan_.cases[row].identity, round});
+    const Outcome* known = kept(row, round);
     // The head of a search may be a case of another scene too, whose trace holds the answers of other rows.
-    const bool has_less = known != journal_.outcomes().end() && known->second.cutoff_used == outcome.cutoff_used &&
-                          !known->second.trace.empty() && outcome.trace.empty() && kept(row, round) == &known->second;
+    const bool has_less =
+        known && known->cutoff_used == outcome.cutoff_used && !known->trace.empty() && outcome.trace.empty();
     if (!has_less) journal_.append({plan_.cases[row].identity, round}, outcome);
 }
 
