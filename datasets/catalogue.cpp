@@ -26,7 +26,10 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
     Sha256 hash;
     hash.add("shape").add(shapes_version).add(model.source).add(model.recipe).add(model.format).add(input);
     for (const auto& [name, value] : model.numbers) hash.add(name).add(fmt::format("{:a}", value));
-    if (model.surface) hash.add(describe(*model.surface));
+    if (model.written) {
+        const auto* surface = std::get_if<AlgebraicSurface>(&*model.written);
+        hash.add(surface ? describe(*surface) : content_hash(*model.written));
+    }
     return hash.hex();
 }
 
@@ -118,7 +121,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     if (model.source == "generated")
-        return {model.surface ? Shape(*model.surface) : generate(model.recipe, model.numbers), {"generated"}};
+        return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
     if (model.source != "derived") return load_isolated(program_, input.file, model.format);
     if (made_in_a_process(model.recipe) && !program_.empty())
         return derive_isolated(program_, model.recipe, model.numbers, input.file);

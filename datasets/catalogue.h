@@ -23,9 +23,9 @@ struct ModelInfo {
     std::filesystem::path folder;  // from which a relative path of a file counts
     // generated: recipe; derived: operation and `from`
     std::string recipe, from;
-    std::map<std::string, double> numbers;    // parameters of the recipe or operation
-    std::optional<AlgebraicSurface> surface;  // of the recipe "surface"
-    bool of_corpus = false;                   // of datasets/corpus.toml, or made by its rules (corpus.h)
+    std::map<std::string, double> numbers;  // parameters of the recipe or operation
+    std::optional<Shape> written;           // in its table: of the recipe "surface", and where coordinates are listed
+    bool of_corpus = false;                 // of datasets/corpus.toml, or made by its rules (corpus.h)
 
     bool by_rule() const { return of_corpus && source == "derived"; }
 };

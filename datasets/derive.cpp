@@ -250,31 +250,36 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
 const std::vector<Recipe>& operations() {
     const NumberSpec seed = seed_number(), x = coordinate("x"), y = coordinate("y"), z = coordinate("z"),
                      distance = length("distance", 0);
-    static const std::vector<Recipe> list = {
-        {"vertices", {}, [](const Given& g) { return PointSet{g.points()}; }},
-        {"weld", {}, welded},
-        {"quantise", {whole_number("cells", 1, 0x1p53)}, quantised},
-        {"triangulate",
-         {whole_number("cells", 1, 512)},
-         [](const Given& g) { return triangulate(surface_of(*g.origin), g.whole("cells")); }},
-        {"sample", {whole_number("count", 1, 1e8), seed}, sampled},
-        {"simplify", {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}}, simplified},
-        {"remesh",
-         {{"edge", false, 1e-4, 1}},
-         [](const Given& g) { return remesh(mesh_of(g, "remesh"), g.real("edge") * diagonal(g.points())); }},
-        {"noise", {{"amplitude", false, 0, 1e6}, seed}, with_noise},
-        {"subdivide", {whole_number("levels", 0, 8)}, subdivided},
-        {"scale", {length("factor")}, [](const Given& g) { return with_points(g, g.points() * g.real("factor")); }},
-        {"normalise", {}, normalised},
-        {"outlier", {x, y, z}, with_outlier},
-        {"translate",
-         {x, y, z},
-         [](const Given& g) {
-             return with_points(g, g.points().rowwise() + diagonal(g.points()) * g.xyz().transpose());
-         }},
-        {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}, rotated},
-        {"stray", {distance}, with_stray},
-        {"two_clusters", {distance}, with_copy}};
+    static const std::vector<Recipe> list = [&] {
+        std::vector<Recipe> all = {
+            {"vertices", {}, [](const Given& g) { return PointSet{g.points()}; }},
+            {"weld", {}, welded},
+            {"quantise", {whole_number("cells", 1, 0x1p53)}, quantised},
+            {"triangulate",
+             {whole_number("cells", 1, 512)},
+             [](const Given& g) { return triangulate(surface_of(*g.origin), g.whole("cells")); }},
+            {"sample", {whole_number("count", 1, 1e8), seed}, sampled},
+            {"simplify", {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}}, simplified},
+            {"remesh",
+             {{"edge", false, 1e-4, 1}},
+             [](const Given& g) { return remesh(mesh_of(g, "remesh"), g.real("edge") * diagonal(g.points())); }},
+            {"noise", {{"amplitude", false, 0, 1e6}, seed}, with_noise},
+            {"subdivide", {whole_number("levels", 0, 8)}, subdivided},
+            {"scale", {length("factor")}, [](const Given& g) { return with_points(g, g.points() * g.real("factor")); }},
+            {"normalise", {}, normalised},
+            {"outlier", {x, y, z}, with_outlier},
+            {"translate",
+             {x, y, z},
+             [](const Given& g) {
+                 return with_points(g, g.points().rowwise() + diagonal(g.points()) * g.xyz().transpose());
+             }},
+            {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}, rotated},
+            {"stray", {distance}, with_stray},
+            {"two_clusters", {distance}, with_copy}};
+        const std::vector<Recipe> exact = exact_operations();
+        all.insert(all.end(), exact.begin(), exact.end());
+        return all;
+    }();
     return list;
 }
 

@@ -23,7 +23,18 @@ namespace hausbench {
 // rotate     x, y, z: the axis; t: tangent of half the angle; about the origin (rational, so that no libm is needed)
 // stray      distance: the last element once more, that far along (2, 1, 2); a scan with one stray triangle or point
 // two_clusters  distance: the shape, and a copy of it that far along (2, 1, 2)
+// And those of derive_exact.cpp:
+// move       x, y, z: lengths
+// stretch    x, y, z: a factor for each coordinate; flattens a mesh into needles and caps
+// power      exponent: all coordinates times that power of two; rounded only where they become subnormal
+// nudge      ulps: every x becomes the double that many steps above it
+// repeat     count, vertices, x, y, z, grow: copies of all elements, each moved on by x, y, z, and copy i larger by 1 + i grow; with `vertices` 0
+//            the copies are of faces alone
+// shuffle    seed: another order of vertices, of faces, and another first corner of each
+// float32    each coordinate becomes the nearest float
+// lone_vertex  x, y, z: a vertex, the last, that no face uses
 const std::vector<Recipe>& operations();
+std::vector<Recipe> exact_operations();
 
 // As check_numbers(); also checks that simplify has exactly one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);

@@ -107,6 +107,12 @@ def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
     return [scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])]
 
 
+def _named(side: Any) -> str:
+    """What a scene's source or target names; of a shape that it describes in place, the model that this is derived from."""
+    first = side[0] if isinstance(side, list) else side
+    return str(first.get("from", "")) if isinstance(first, dict) else str(first)
+
+
 def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
     """Models of the catalogue that the experiment's scenes name in this profile; what else they name is not fetched."""
     try:
@@ -119,7 +125,8 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
     found: dict[str, None] = {}
     for scene in scenes_of(experiment, profile):
         each = scene.get("each", [""])
-        names = [scene.get("source", ""), scene.get("target", ""), *scene.get("sources", []), *scene.get("targets", [])]
+        sides = [_named(scene.get(key, "")) for key in ("source", "target")]
+        names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
         for one in catalogue.corpus if each == "corpus" else each:
             found.update(dict.fromkeys(name.replace("{}", one) for name in names))
     own = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}

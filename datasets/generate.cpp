@@ -208,6 +208,18 @@ TriangleMesh needle(const Given& g) {
     return builder.mesh();
 }
 
+TriangleMesh fan(const Given& g) {
+    const Index n = g.whole("triangles");
+    MeshBuilder builder;
+    for (Index i = 0; i < n; ++i) {
+        const Circle at = circle_point(i, n);
+        builder.vertex(at.cosine, at.sine, 0);
+    }
+    const Index hub = builder.vertex(0, 0, g.real("height"));
+    for (Index i = 0; i < n; ++i) builder.triangle(i, (i + 1) % n, hub);
+    return builder.mesh();
+}
+
 }  // namespace
 
 const std::vector<Recipe>& recipes() {
@@ -223,7 +235,8 @@ const std::vector<Recipe>& recipes() {
               whole_number("layers", 1, 4096), length("outer"), length("root"), length("bore"), length("height")},
              gear},
             {"plane", {whole_number("n", 1, 16384), coordinate("z")}, plane},
-            {"needle", {length("ratio")}, needle}};
+            {"needle", {length("ratio")}, needle},
+            {"fan", {whole_number("triangles", 3, 1e7), coordinate("height")}, fan}};
         const std::vector<Recipe> points = point_recipes();
         all.insert(all.end(), points.begin(), points.end());
         return all;

@@ -63,6 +63,7 @@ const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& na
 //                  4 teeth steps (rings + layers) triangles
 // plane            n, z: edge 1 around the z axis at height z, n x n squares; 2 n^2 triangles
 // needle           ratio: one triangle with a base of length 1 along x and a height of 1 / ratio along y
+// fan              triangles, height: around one vertex at that height over the centre of a circle of radius 1
 // gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
 //                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma
 // uniform_points   count, seed: in the cube [0, 1)^3

@@ -4,9 +4,12 @@
 #include "error.h"
 #include "generate.h"
 #include "surface_file.h"
-#include "toml_reader.h"
 
 #include <fmt/format.h>
+
+#include <cmath>
+#include <type_traits>
+#include <utility>
 
 namespace hausbench {
 namespace {
@@ -19,9 +22,12 @@ std::string kind_of_model(const toml::table& content) {
 // One [model.NAME] table.
 class ModelTable {
 public:
-    ModelTable(const std::filesystem::path& file, const std::string& name, const toml::table& content)
+    ModelTable(const std::filesystem::path& file, const std::string& name, const toml::table& content,
+               const std::optional<Filling>& filling, const std::string& from)
         : content_(content), table_(file, content, fmt::format("model '{}'", name)) {
+        if (filling) table_.fill(*filling);
         model_.name = name;
+        model_.from = from;
         model_.folder = file.parent_path();
     }
 
@@ -30,7 +36,9 @@ public:
         constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
         if (model_.name.empty() || model_.name.find_first_not_of(allowed) != std::string::npos)
             table_.fail(fmt::format("model '{}': a name is made of letters, digits, '_', '.' and '-'", model_.name));
-        model_.source = of == ModelsOf::manifest ? required("source") : table_.text("source", kind_of_model(content_));
+        model_.source = !model_.from.empty()       ? "derived"
+                        : of == ModelsOf::manifest ? required("source")
+                                                   : table_.text("source", kind_of_model(content_));
         model_.note = table_.text("note", "");
         model_.licence = table_.text("licence", "");
         const bool package = source == "debian" || source == "npm";
@@ -73,15 +81,48 @@ private:
     }
 
     void read_generated() {
+        if (content_.contains("vertices") || content_.contains("points")) return read_listed();
         model_.recipe = required("recipe");
         if (model_.recipe == "surface")
-            model_.surface = read_surface(table_);
+            model_.written = read_surface(table_);
         else
             check_numbers(where(content_), read_numbers("recipe", recipes()), model_.numbers);
     }
 
+    // Coordinates as they stand in the table.
+    void read_listed() {
+        model_.recipe = "listed";
+        if (!content_.contains("vertices")) {
+            model_.written = PointSet{rows<double>("points")};
+            return;
+        }
+        TriangleMesh mesh{rows<double>("vertices"), rows<Index>("triangles")};
+        model_.written = std::move(mesh);
+    }
+
+    template <class T> Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor> rows(const char* key) const {
+        const toml::array* list = table_.required(key).as_array();
+        const auto expect = [&](const toml::node& node, bool good) {
+            const char* of = std::is_same_v<T, Index> ? "numbers of vertices, from 0" : "coordinates";
+            if (!good) table_.fail(node, fmt::format("'{}' must be a list of three {} each", key, of));
+        };
+        expect(table_.required(key), list);
+        Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor> all(Eigen::Index(list->size()), 3);
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const toml::array* row = list->get(i)->as_array();
+            expect(*list->get(i), row && row->size() == 3);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double value = table_.number(*row->get(k), key);
+                if constexpr (std::is_same_v<T, Index>)
+                    expect(*row->get(k), value >= 0 && value <= 0x7fffffff && value == std::floor(value));
+                all(Eigen::Index(i), Eigen::Index(k)) = T(value);
+            }
+        }
+        return all;
+    }
+
     void read_derived() {
-        model_.from = required("from");
+        if (model_.from.empty()) model_.from = required("from");
         model_.recipe = required("operation");
         check_operation(where(content_), read_numbers("operation", operations()), model_.numbers);
     }
@@ -108,6 +149,11 @@ private:
 
 }  // namespace
 
+ModelInfo read_model(const std::filesystem::path& file, const std::string& name, const toml::table& table, ModelsOf of,
+                     const std::optional<Filling>& filling, const std::string& from) {
+    return ModelTable(file, name, table, filling, from).read(of);
+}
+
 std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of) {
     const TomlReader reader(file, root);
     const toml::node* models = reader.find("model");
@@ -116,7 +162,7 @@ std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml
     std::vector<ModelInfo> read;
     for (const auto& [key, table] : *models->as_table()) {
         if (!table.is_table()) reader.fail(table, fmt::format("'{}' is not [model.NAME]", key.str()));
-        read.push_back(ModelTable(file, std::string(key.str()), *table.as_table()).read(of));
+        read.push_back(read_model(file, std::string(key.str()), *table.as_table(), of));
     }
     return read;
 }

@@ -3,13 +3,23 @@
 
 #include "catalogue.h"
 
+#include "toml_reader.h"
+
 #include <toml++/toml.h>
+
+#include <optional>
+#include <string>
 
 namespace hausbench {
 
 // Where the tables stand. In an experiment `source` may be left out (`path`: file, `from`: derived, else generated), and nothing is
 // fetched.
 enum class ModelsOf { manifest, experiment };
+
+// One table. A model may list its coordinates, `vertices` and `triangles` or `points`, in place of a recipe. With `from` it is derived from that
+// model, and its table must not say so.
+ModelInfo read_model(const std::filesystem::path& file, const std::string& name, const toml::table& table, ModelsOf of,
+                     const std::optional<Filling>& filling = {}, const std::string& from = "");
 
 // All tables of `root`, a file that has been parsed; relative paths count from the file's folder. Throws InputError with file, line and
 // model for an unknown key or value (names the nearest).

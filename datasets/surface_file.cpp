@@ -15,7 +15,7 @@ AlgebraicSurface read_surface(const TomlReader& table) {
     bool good = box && box->size() == 3;
     for (std::size_t k = 0; k < 3 && good; ++k) {
         const toml::array* pair = (*box)[k].as_array();
-        good = pair && pair->size() == 2 && (*pair)[0].is_number() && (*pair)[1].is_number();
+        good = pair && pair->size() == 2;
         for (std::size_t i = 0; i < 2 && good; ++i)
             surface.box(Eigen::Index(i), Eigen::Index(k)) = table.number((*pair)[i], "box");
     }

@@ -58,8 +58,15 @@ template <class T> T TomlReader::value(std::string_view key, const T& otherwise,
     return *value;
 }
 
+std::string TomlReader::filled(std::string text) const {
+    if (!filling_) return text;
+    for (std::size_t at = text.find("{}"); at != std::string::npos; at = text.find("{}", at + filling_->text.size()))
+        text.replace(at, 2, filling_->text);
+    return text;
+}
+
 std::string TomlReader::text(std::string_view key, const std::string& otherwise) const {
-    return value(key, otherwise, "a text in quotes");
+    return filled(value(key, otherwise, "a text in quotes"));
 }
 
 std::string TomlReader::text(std::string_view key) const {
@@ -80,6 +87,11 @@ int TomlReader::count(std::string_view key, int least, int otherwise) const {
 }
 
 double TomlReader::number(const toml::node& node, std::string_view key) const {
+    if (filling_ && node.is_string()) {
+        const std::string& text = node.as_string()->get();
+        if (text == "{}") return filling_->number;
+        if (text == "-{}") return -filling_->number;
+    }
     if (!node.is_number()) fail(node, fmt::format("'{}' must be a number", key));
     const auto value = node.value<double>();  // none for a whole number that a double does not hold
     if (!value || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
@@ -110,7 +122,7 @@ std::vector<std::string> TomlReader::texts(std::string_view key, std::string_vie
     for (const toml::node& item : *array) {
         const auto value = item.value_exact<std::string>();
         if (!value) fail(item, fmt::format("'{}' must be a list of {}", key, of));
-        values.push_back(*value);
+        values.push_back(filled(*value));
     }
     return values;
 }

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,22 @@ namespace hausbench {
 // Throws InputError that names file and line.
 toml::table parse_toml(const std::filesystem::path& file);
 
+// What stands for every {} of a table: in its texts as `text`, and as the number where "{}" (or "-{}") stands in place of one.
+struct Filling {
+    std::string text;
+    double number = 0;
+    std::size_t index = 0;  // in the list of all
+};
+
 // All but find() and where() throw InputError for a value that is not as asked for. `otherwise` is what a missing key stands for.
 class TomlReader {
 public:
     // `name` is the table's in messages, such as "[[scene]]"; `before_line` stands between file and line there.
     TomlReader(std::filesystem::path file, const toml::table& table, std::string name = "",
                std::string before_line = ": line ");
+
+    void fill(const Filling& filling) { filling_ = filling; }
+    const std::optional<Filling>& filling() const { return filling_; }
 
     const toml::node* find(std::string_view key) const;  // null: it is missing
     const toml::node& required(std::string_view key) const;
@@ -42,13 +53,18 @@ public:
     [[noreturn]] void fail(const toml::node& node, const std::string& what) const;
     [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 
+    const std::filesystem::path& file() const { return file_; }
+    const toml::table& table() const { return table_; }
+
 private:
     template <class T> T value(std::string_view key, const T& otherwise, const char* what) const;
+    std::string filled(std::string text) const;
     std::string in_table() const { return name_.empty() ? "" : " in " + name_; }
 
     std::filesystem::path file_;
     const toml::table& table_;
     std::string name_, before_line_;
+    std::optional<Filling> filling_;
     mutable std::vector<std::string> known_;
 };
 

@@ -3,6 +3,7 @@
 #include "error.h"
 #include "model_table.h"
 #include "plan/scene_reader.h"
+#include "plan/severity.h"
 #include "plan/solver_reader.h"
 #include "toml_reader.h"
 
@@ -10,8 +11,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace hausbench {
 
@@ -103,9 +106,34 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
     }
 }
 
+// The tables of a kind, each with its keys checked.
+std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::path& file, const char* kind,
+                                       const std::vector<std::string>& keys) {
+    const toml::node* node = root.find(kind);
+    const toml::array* array = node ? node->as_array() : nullptr;
+    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
+    std::vector<ExperimentTable> tables;
+    for (const toml::node& item : *array) {
+        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
+        tables.emplace_back(file, *item.as_table(), fmt::format("[[{}]]", kind), keys);
+    }
+    return tables;
+}
+
+std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table, const ExperimentTable& root) {
+    std::vector<ModelInfo> models = read_models(file, table, ModelsOf::experiment);
+    for (const ExperimentTable& scene : tables_of(root, file, "scene", scene_keys)) {
+        for (const ExperimentTable& one : by_severity(scene)) {
+            std::vector<ModelInfo> of_scene = models_in(one);
+            std::move(of_scene.begin(), of_scene.end(), std::back_inserter(models));
+        }
+    }
+    return models;
+}
+
 // All but the scenes and the solvers.
 void read_top(const fs::path& file, const toml::table& table, const ExperimentTable& root, Experiment& experiment) {
-    experiment.models = read_models(file, table, ModelsOf::experiment);
+    experiment.models = own_models(file, table, root);
     experiment.title = root.text("title");
     experiment.paper = root.text("paper", "");
     experiment.tolerances = root.tolerances("tolerances");
@@ -127,20 +155,6 @@ void read_top(const fs::path& file, const toml::table& table, const ExperimentTa
     experiment.limits = read_limits(file, root);
 }
 
-// The tables of a kind, each with its keys checked.
-std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::path& file, const char* kind,
-                                       const std::vector<std::string>& keys) {
-    const toml::node* node = root.find(kind);
-    const toml::array* array = node ? node->as_array() : nullptr;
-    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
-    std::vector<ExperimentTable> tables;
-    for (const toml::node& item : *array) {
-        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
-        tables.emplace_back(file, *item.as_table(), fmt::format("[[{}]]", kind), keys);
-    }
-    return tables;
-}
-
 // Names of scenes, of matrices and of what `each` makes: in this profile, and in any.
 struct SceneNames {
     std::set<std::string> wanted, all;
@@ -149,20 +163,29 @@ struct SceneNames {
 SceneNames read_scenes(const fs::path& file, const ExperimentTable& root, const std::vector<std::string>& profiles,
                        Experiment& experiment) {
     SceneNames names;
-    for (const ExperimentTable& table : tables_of(root, file, "scene", scene_keys)) {
-        names.all.insert(table.text("name"));
-        const ScenePlan scene = read_scene(file, table);
-        const auto pairs = expand(file, table, scene);
-        for (const ScenePlan& pair : pairs) names.all.insert(pair.name);
-        if (!wanted(table, experiment.profile, profiles)) continue;
-        expect_pose_files(table, scene);
-        experiment.scenes.insert(experiment.scenes.end(), pairs.begin(), pairs.end());
-        bool fresh = names.wanted.insert(scene.name).second;
-        for (const ScenePlan& pair : pairs)
-            fresh = fresh && ((pair.matrix.empty() && pair.each.empty()) || names.wanted.insert(pair.name).second);
-        if (!fresh)
-            table.fail(fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, experiment.profile));
+    std::vector<std::string> swept;
+    for (const ExperimentTable& given : tables_of(root, file, "scene", scene_keys)) {
+        names.all.insert(given.text("name"));
+        const bool asked = wanted(given, experiment.profile, profiles);
+        if (asked) swept.push_back(given.text("name"));
+        for (const ExperimentTable& table : by_severity(given)) {
+            const ScenePlan scene = read_scene(file, table);
+            const auto pairs = expand(file, table, scene);
+            for (const ScenePlan& pair : pairs) names.all.insert(pair.name);
+            if (!asked) continue;
+            expect_pose_files(table, scene);
+            bool fresh = names.wanted.insert(scene.name).second;
+            for (ScenePlan pair : pairs) {
+                fresh = fresh && ((pair.matrix.empty() && pair.each.empty()) || names.wanted.insert(pair.name).second);
+                if (table.filling()) pair.each = given.text("name");
+                experiment.scenes.push_back(std::move(pair));
+            }
+            if (!fresh)
+                table.fail(
+                    fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, experiment.profile));
+        }
     }
+    names.wanted.insert(swept.begin(), swept.end());  // a sweep, too, can be named as a whole
     return names;
 }
 
@@ -195,7 +218,8 @@ std::vector<std::string> read_solvers(const fs::path& file, const ExperimentTabl
 }  // namespace
 
 std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
-    return read_models(file, parsed(file, toml, profile), ModelsOf::experiment);
+    const toml::table table = parsed(file, toml, profile);
+    return own_models(file, table, ExperimentTable(file, table, "", root_keys));
 }
 
 Experiment read_experiment(const fs::path& file, const std::string& profile) {

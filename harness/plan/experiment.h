@@ -22,9 +22,11 @@ struct ScenePlan {
     bool search = false;  // of a matrix: the targets of each source are one chain, see Case::chain
     std::string each;  // of which it is one: the name of the [[scene]] with `each` (and {}) or `recording`; else empty
     std::string note;
-    double exact = std::numeric_limits<double>::quiet_NaN();  // the experiment's quantity, where it is known
-    Motion motion = Static{}, target_motion = Static{};       // one of them is static, or both have as many poses
-    std::vector<int> frames;                                  // of a recording: of each pose; else empty
+    std::string family;                                          // of a case in a sweep over `severity`; else empty
+    double severity = std::numeric_limits<double>::quiet_NaN();  // where it is in that sweep
+    double exact = std::numeric_limits<double>::quiet_NaN();     // the experiment's quantity, where it is known
+    Motion motion = Static{}, target_motion = Static{};          // one of them is static, or both have as many poses
+    std::vector<int> frames;                                     // of a recording: of each pose; else empty
 };
 
 struct SolverPlan {
@@ -42,7 +44,7 @@ struct Experiment {
     std::string toml;  // verbatim
     std::filesystem::path file;
     std::filesystem::path folder() const { return std::filesystem::absolute(file).parent_path(); }
-    std::vector<ModelInfo> models;  // its own: [model.NAME]
+    std::vector<ModelInfo> models;  // its own: [model.NAME], and those that scenes describe in place
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;

@@ -266,6 +266,8 @@ private:
         asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
         asked.scene = scene.name;
         asked.note = scene.note;
+        asked.family = scene.family;
+        asked.severity = scene.severity;
         asked.quantity = solver.quantity;
         if (solver.quantity == experiment.quantity) asked.exact = scene.exact;
         asked.source = scene.source;

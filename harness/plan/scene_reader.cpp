@@ -1,6 +1,7 @@
 #include "plan/scene_reader.h"
 
 #include "error.h"
+#include "plan/severity.h"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,16 @@ Motion read_motion(const std::filesystem::path& file, const ExperimentTable& sce
                                  nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
 }
 
+// One number, or one for each severity.
+double exact_of(const ExperimentTable& table, const toml::node& node) {
+    const toml::array* list = node.as_array();
+    if (!list) return table.number(node, "exact");
+    const toml::array* severities = table.find("severity") ? table.find("severity")->as_array() : nullptr;
+    if (!severities || severities->size() != list->size())
+        table.fail(node, "'exact' must be a number, or a list of as many as 'severity' has");
+    return table.number(*list->get(table.filling()->index), "exact");
+}
+
 }  // namespace
 
 ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& table) {
@@ -52,12 +63,14 @@ ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& t
     if (!table.find("sources") && !table.find("recording")) {
         if (const toml::node* node = table.find("targets"))
             table.fail(*node, "'targets' makes a matrix together with 'sources': give both, or 'source' and 'target'");
-        scene.source = table.text("source");
-        scene.target = table.text("target");
+        scene.source = model_name(table, "source");
+        scene.target = model_name(table, "target");
         scene.source_line = line_of(*table.find("source"));
         scene.target_line = line_of(*table.find("target"));
     }
     scene.note = table.text("note", "");
+    scene.family = family_of(table);
+    scene.severity = severity_of(table);
     if (const toml::node* node = table.find("motion")) scene.motion = read_motion(file, table, *node, "motion");
     if (const toml::node* node = table.find("target_motion")) {
         scene.target_motion = read_motion(file, table, *node, "target_motion");
@@ -71,7 +84,7 @@ ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& t
         }
     }
     if (const toml::node* exact = table.find("exact")) {
-        scene.exact = table.number(*exact, "exact");
+        scene.exact = exact_of(table, *exact);
         if (scene.exact < 0) table.fail(*exact, fmt::format("'exact' must not be below 0, as {} is", scene.exact));
         if (moves(scene.motion) || moves(scene.target_motion))
             table.fail(*exact, "'exact' is the distance of one pose: remove it, or the scene's motions");

@@ -55,6 +55,8 @@ struct Case {
     bool warm = false;
     std::string chain;
     double exact = unknown;  // the true distance, where the experiment gives it
+    std::string family;         // of a case that is swept over its severity; else empty
+    double severity = unknown;  // where it is in that sweep
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
 
     double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }

@@ -54,6 +54,8 @@ const Columns<Case>& case_columns() {
         COLUMN(scene, "of the experiment"),
         NAMED("scene_note", note, "the experiment's remark on the scene, such as the model that it stands in for"),
         COLUMN(exact, "the true distance, where the experiment gives it; else NaN"),
+        COLUMN(family, "the case of a sweep over severity, such as `offset`; empty: the scene is of none"),
+        COLUMN(severity, "of the case, as the experiment gives it, such as the offset; NaN: it has none"),
         COLUMN(source_elements, "points or triangles of A"),
         COLUMN(target_elements, "points or triangles of B"),
         COLUMN(source_diagonal, "length, of the box of A as loaded"),

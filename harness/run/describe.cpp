@@ -53,7 +53,8 @@ ModelRecord record_of(const ModelRow& model) {
                        no_box,
                        model.info->path,
                        r.file_sha256};
-    if (const auto& surface = model.info->surface) {
+    const std::optional<Shape>& written = model.info->written;
+    if (const auto* surface = written ? std::get_if<AlgebraicSurface>(&*written) : nullptr) {
         record.polynomial = surface->polynomial;
         for (std::size_t i = 0; i < 6; ++i) record.box[i] = surface->box(Eigen::Index(i % 2), Eigen::Index(i / 2));
     }

@@ -1,0 +1,125 @@
+// Operations for cases whose distance is known: of short coordinates the results are exact.
+#include "derive.h"
+
+#include "error.h"
+#include "random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+Shape with_points(const Given& g, const Points& points) {
+    Shape shape = *g.origin;
+    points_of(shape) = points;
+    return shape;
+}
+
+Shape stretched(const Given& g) {
+    Points points = g.points();
+    for (Eigen::Index i = 0; i < points.rows(); ++i) points.row(i) = points.row(i).cwiseProduct(g.xyz().transpose());
+    return with_points(g, points);
+}
+
+Shape nudged(const Given& g) {
+    Points points = g.points();
+    for (Index n = 0; n < g.whole("ulps"); ++n)
+        for (Eigen::Index i = 0; i < points.rows(); ++i)
+            points(i, 0) = std::nextafter(points(i, 0), std::numeric_limits<double>::infinity());
+    return with_points(g, points);
+}
+
+// The vertices of a mesh come with the copies, or are those of the first: then the faces alone are there several times.
+Shape repeated(const Given& g) {
+    const Points& points = g.points();
+    const Index count = g.whole("count");
+    const bool vertices = g.whole("vertices") == 1;
+    Points all(vertices ? points.rows() * count : points.rows(), 3);
+    for (Index i = 0; i < (vertices ? count : 1); ++i)
+        all.middleRows(i * points.rows(), points.rows()) =
+            ((1 + i * g.real("grow")) * points).rowwise() + i * g.xyz().transpose();
+    const auto* mesh = std::get_if<TriangleMesh>(g.origin);
+    if (!mesh) return PointSet{all};
+    Triangles triangles(mesh->triangles.rows() * count, 3);
+    for (Index i = 0; i < count; ++i) {
+        const auto shift = static_cast<Index>(vertices ? i * points.rows() : 0);
+        triangles.middleRows(i * mesh->triangles.rows(), mesh->triangles.rows()) =
+            (mesh->triangles.array() + shift).matrix();
+    }
+    return TriangleMesh{all, triangles};
+}
+
+// A random order of 0 .. count - 1.
+std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first) {
+    std::vector<std::pair<std::uint64_t, Index>> lots;
+    for (Index i = 0; i < count; ++i) lots.emplace_back(random.bits(first + static_cast<std::uint64_t>(i)), i);
+    std::sort(lots.begin(), lots.end());
+    std::vector<Index> order;
+    for (const auto& [lot, i] : lots) order.push_back(i);
+    return order;
+}
+
+Shape shuffled(const Given& g) {
+    const Points& points = g.points();
+    const Random random(g.seed());
+    const std::vector<Index> order = random_order(points.rows(), random, 0);
+    Points moved(points.rows(), 3);
+    std::vector<Index> place(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        moved.row(static_cast<Eigen::Index>(i)) = points.row(order[i]);
+        place[static_cast<std::size_t>(order[i])] = static_cast<Index>(i);
+    }
+    const auto* mesh = std::get_if<TriangleMesh>(g.origin);
+    if (!mesh) return PointSet{moved};
+    const auto after = static_cast<std::uint64_t>(points.rows());
+    const std::vector<Index> faces = random_order(mesh->triangles.rows(), random, after);
+    Triangles triangles(mesh->triangles.rows(), 3);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const auto turn = static_cast<int>(random.bits(2 * after + 3 * i) % 3);
+        for (int k = 0; k < 3; ++k)
+            triangles(static_cast<Eigen::Index>(i), k) =
+                place[static_cast<std::size_t>(mesh->triangles(faces[i], (k + turn) % 3))];
+    }
+    return TriangleMesh{moved, triangles};
+}
+
+Shape with_lone_vertex(const Given& g) {
+    const auto* mesh = std::get_if<TriangleMesh>(g.origin);
+    if (!mesh) throw InputError("lone_vertex takes a mesh, but its origin is a point set");
+    Points all(g.points().rows() + 1, 3);
+    all << g.points(), g.xyz().transpose();
+    return TriangleMesh{all, mesh->triangles};
+}
+
+}  // namespace
+
+std::vector<Recipe> exact_operations() {
+    const NumberSpec x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
+    const NumberSpec fx{"x"}, fy{"y"}, fz{"z"};  // factors
+    return {
+        {"move", {x, y, z}, [](const Given& g) { return with_points(g, g.points().rowwise() + g.xyz().transpose()); }},
+        {"stretch", {fx, fy, fz}, stretched},
+        {"power",
+         {whole_number("exponent", -1100, 1100)},
+         [](const Given& g) {
+             const int exponent = g.whole("exponent");
+             return with_points(g, g.points().unaryExpr([&](double c) { return std::ldexp(c, exponent); }));
+         }},
+        {"nudge", {whole_number("ulps", 0, 1e6)}, nudged},
+        {"repeat",
+         {whole_number("count", 1, 1e7), whole_number("vertices", 0, 1), x, y, z, coordinate("grow")},
+         repeated},
+        {"shuffle", {seed_number()}, shuffled},
+        {"float32",
+         {},
+         [](const Given& g) {
+             return with_points(g, g.points().unaryExpr([](double c) { return double(float(c)); }));
+         }},
+        {"lone_vertex", {x, y, z}, with_lone_vertex}};
+}
+
+}  // namespace hausbench

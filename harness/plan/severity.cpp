@@ -1,0 +1,112 @@
+#include "plan/severity.h"
+
+#include "model_table.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace hausbench {
+
+namespace {
+
+constexpr std::string_view place = "{}";
+
+// "1e8", "0.25": the shortest text that reads back as the same number, as people write it.
+std::string text_of(double value) {
+    std::string text = fmt::format("{}", value);
+    const std::size_t e = text.find('e');
+    if (e == std::string::npos) return text;
+    std::size_t digits = e + (text[e + 1] == '-' ? 2 : 1);
+    while (text[digits] == '+' || text[digits] == '0') text.erase(digits, 1);
+    return text;
+}
+
+// Names of models hold fewer characters than names of scenes.
+std::string as_model_name(std::string text) {
+    for (char& c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+    return text;
+}
+
+const toml::array* severities(const ExperimentTable& scene) {
+    const toml::node* node = scene.find("severity");
+    return node ? node->as_array() : nullptr;
+}
+
+ModelInfo model_in(const ExperimentTable& scene, const toml::node& node, const std::string& name,
+                   const std::string& from = "") {
+    if (!node.is_table()) scene.fail(node, "a shape is described by a table, as [model.NAME] is");
+    return read_model(scene.file(), name, *node.as_table(), ModelsOf::experiment, scene.filling(), from);
+}
+
+}  // namespace
+
+std::vector<ExperimentTable> by_severity(const ExperimentTable& scene) {
+    const toml::array* values = severities(scene);
+    if (!values) return {scene};
+    const toml::node& node = *scene.find("severity");
+    for (const char* key : {"each", "sources", "recording"})
+        if (const toml::node* other = scene.find(key))
+            scene.fail(*other, fmt::format("'{}' does not go with a list of severities: remove one of the two", key));
+    if (values->empty()) scene.fail(node, "'severity' has no value: give some, or remove it");
+    if (scene.text("name").find(place) == std::string::npos)
+        scene.fail(*scene.find("name"), "'name' has no {}, the place of each severity");
+    std::vector<ExperimentTable> scenes;
+    std::set<double> seen;
+    for (std::size_t i = 0; i < values->size(); ++i) {
+        const double value = scene.number(*values->get(i), "severity");
+        if (!seen.insert(value).second) scene.fail(*values->get(i), "'severity' has a value twice");
+        scenes.push_back(scene);
+        scenes.back().fill({text_of(value), value, i});
+    }
+    return scenes;
+}
+
+double severity_of(const ExperimentTable& scene) {
+    if (scene.filling()) return scene.filling()->number;
+    const toml::node* node = scene.find("severity");
+    return node ? scene.number(*node, "severity") : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string family_of(const ExperimentTable& scene) {
+    if (scene.find("family")) return scene.text("family");
+    const toml::node* name = scene.find("name");
+    if (!scene.filling() || !name) return "";
+    std::string family = name->value_or<std::string>("");
+    if (const std::size_t at = family.find(place); at != std::string::npos) family.erase(at, place.size());
+    while (family.ends_with(' ') || family.ends_with(',')) family.pop_back();
+    return family;
+}
+
+std::string model_name(const ExperimentTable& scene, std::string_view key) {
+    const toml::node& node = scene.required(key);
+    if (!node.is_table() && !node.is_array()) return scene.text(key);
+    return as_model_name(scene.text("name")) + (key == "source" ? ".A" : ".B");
+}
+
+std::vector<ModelInfo> models_in(const ExperimentTable& scene) {
+    std::vector<ModelInfo> models;
+    for (const char* key : {"source", "target"}) {
+        const toml::node* node = scene.find(key);
+        if (!node || node->is_string()) continue;
+        const std::string name = model_name(scene, key);
+        const toml::array* steps = node->as_array();
+        if (!steps) {
+            models.push_back(model_in(scene, *node, name));
+            continue;
+        }
+        if (steps->empty()) scene.fail(*node, fmt::format("'{}' describes no shape", key));
+        for (std::size_t i = 0; i < steps->size(); ++i) {
+            const bool last = i + 1 == steps->size();
+            const std::string from = i == 0 ? "" : models.back().name;
+            models.push_back(model_in(scene, *steps->get(i), last ? name : fmt::format("{}.{}", name, i), from));
+        }
+    }
+    return models;
+}
+
+}  // namespace hausbench
