@@ -120,6 +120,12 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
 }
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
+    if (const auto* mesh = model.written ? std::get_if<TriangleMesh>(&*model.written) : nullptr) {
+        LoadReport report{"generated"};  // as the readers of files do
+        TriangleMesh used = without_unused(mesh->vertices, mesh->triangles);
+        report.unreferenced = mesh->vertices.rows() - used.vertices.rows();
+        return {std::move(used), report};
+    }
     if (model.source == "generated")
         return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
     if (model.source != "derived") return load_isolated(program_, input.file, model.format);

@@ -32,7 +32,6 @@ namespace hausbench {
 //            the copies are of faces alone
 // shuffle    seed: another order of vertices, of faces, and another first corner of each
 // float32    each coordinate becomes the nearest float
-// lone_vertex  x, y, z: a vertex, the last, that no face uses
 const std::vector<Recipe>& operations();
 std::vector<Recipe> exact_operations();
 

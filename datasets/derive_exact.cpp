@@ -1,7 +1,6 @@
 // Operations for cases whose distance is known: of short coordinates the results are exact.
 #include "derive.h"
 
-#include "error.h"
 #include "random.h"
 
 #include <algorithm>
@@ -87,14 +86,6 @@ Shape shuffled(const Given& g) {
     return TriangleMesh{moved, triangles};
 }
 
-Shape with_lone_vertex(const Given& g) {
-    const auto* mesh = std::get_if<TriangleMesh>(g.origin);
-    if (!mesh) throw InputError("lone_vertex takes a mesh, but its origin is a point set");
-    Points all(g.points().rows() + 1, 3);
-    all << g.points(), g.xyz().transpose();
-    return TriangleMesh{all, mesh->triangles};
-}
-
 }  // namespace
 
 std::vector<Recipe> exact_operations() {
@@ -114,12 +105,9 @@ std::vector<Recipe> exact_operations() {
          {whole_number("count", 1, 1e7), whole_number("vertices", 0, 1), x, y, z, coordinate("grow")},
          repeated},
         {"shuffle", {seed_number()}, shuffled},
-        {"float32",
-         {},
-         [](const Given& g) {
+        {"float32", {}, [](const Given& g) {
              return with_points(g, g.points().unaryExpr([](double c) { return double(float(c)); }));
-         }},
-        {"lone_vertex", {x, y, z}, with_lone_vertex}};
+         }}};
 }
 
 }  // namespace hausbench

@@ -97,6 +97,10 @@ private:
             return;
         }
         TriangleMesh mesh{rows<double>("vertices"), rows<Index>("triangles")};
+        if (mesh.triangles.size() > 0 && mesh.triangles.maxCoeff() >= mesh.vertices.rows())
+            table_.fail(*content_.get("triangles"),
+                        fmt::format("'triangles' names vertex {}, but there are {}: they are counted from 0",
+                                    mesh.triangles.maxCoeff(), mesh.vertices.rows()));
         model_.written = std::move(mesh);
     }
 

@@ -6,7 +6,7 @@
 // smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
 // back to the farthest points of the boxes.
 //
-// A surface whose polynomial does not change its sign on the grid is refused: there is no mesh of it.
+// Where a polynomial does not change its sign on the grid there is no mesh of the surface: `stalled`, with bounds that say nothing.
 // Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "error.h"
 #include "registry.h"
@@ -16,6 +16,8 @@
 #include "kernel/interval.h"
 
 #include <algorithm>
+#include <limits>
+#include <string>
 
 namespace hausbench {
 namespace {
@@ -29,7 +31,14 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override {
         const auto &a = surface_of(scene.source), &b = surface_of(scene.target);
-        TriangleMesh of_a = triangulate(a, cells_), of_b = triangulate(b, cells_);
+        TriangleMesh of_a, of_b;
+        try {
+            of_a = triangulate(a, cells_);
+            of_b = triangulate(b, cells_);
+        } catch (const InputError& error) {
+            no_mesh_ = error.what();
+            return;
+        }
         a_ = deviation(a, of_a, cells_, levels_);
         b_ = deviation(b, of_b, cells_, levels_);
         triangles_ = {static_cast<double>(of_a.triangles.rows()), static_cast<double>(of_b.triangles.rows())};
@@ -44,9 +53,10 @@ public:
                                             Scene{std::move(of_a), std::move(of_b)}, QuerySet{});
     }
 
-    std::size_t prepared_bytes() const override { return meshes_->prepare_bytes(); }
+    std::size_t prepared_bytes() const override { return meshes_ ? meshes_->prepare_bytes() : 0; }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
+        if (!meshes_) return without_meshes(query);
         Query inner = query;
         inner.floor = 0;  // its distance is another
         inner.cutoff = std::numeric_limits<double>::infinity();
@@ -80,7 +90,17 @@ public:
     }
 
 private:
+    // Nothing is known, not even that there is a point of the target.
+    Result without_meshes(const Query& query) const {
+        Result result;
+        result.bounds = {0, std::numeric_limits<double>::infinity()};
+        result.status = query.answer(0, result.bounds.upper).value_or(Status::stalled);
+        result.note = no_mesh_;
+        return result;
+    }
+
     int cells_, levels_;
+    std::string no_mesh_;  // why there is none; else empty
     SolverEntry asked_;
     MeshDeviation a_{}, b_{};
     std::array<double, 2> triangles_{};
