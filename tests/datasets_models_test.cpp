@@ -9,8 +9,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <set>
+#include <vector>
 
 namespace hausbench {
 namespace {
@@ -191,6 +195,67 @@ TEST(Generate, HardPointSetsAreWhatTheySay) {
     EXPECT_NE(clusters.row(0), clusters.row(4));
     EXPECT_LT((clusters.row(0) - clusters.row(4)).norm(), 0.02);
     EXPECT_GT((clusters.row(1) - clusters.row(2)).norm(), 0.1);
+}
+
+TEST(Derive, ExactOperationsAreExactForShortCoordinates) {
+    const Shape square = generate("plane", {{"n", 1}, {"z", 0.25}});
+    const auto points = [](const LoadedShape& made) { return points_of(made.shape); };
+    const Points& p = points_of(square);
+    EXPECT_EQ(points(derived("move", {{"x", 1e12}, {"y", 0.5}, {"z", 0}}, square)).row(0),
+              (Eigen::RowVector3d(1e12 - 0.5, 0, 0.25)));
+    EXPECT_EQ(points(derived("stretch", {{"x", 1e-300}, {"y", 1}, {"z", 4}}, square)).row(3),
+              (Eigen::RowVector3d(0.5e-300, 0.5, 1)));
+    EXPECT_EQ(points(derived("power", {{"exponent", -1070}}, square)), p * 0x1p-1070);
+    EXPECT_EQ(points(derived("nudge", {{"ulps", 3}}, square))(3, 0), 0.5 + 3 * 0x1p-53);
+    EXPECT_EQ(
+        points(derived("float32", {}, derive("stretch", {{"x", 0.2}, {"y", 1}, {"z", 1}}, {square, {}}).shape))(3, 0),
+        double(0.1f));
+}
+
+TEST(Derive, RepeatCopiesElementsWithOrWithoutTheirVertices) {
+    const Shape square = generate("plane", {{"n", 1}, {"z", 0.25}});
+    const auto made = [&](double vertices) {
+        return derived("repeat", {{"count", 3}, {"vertices", vertices}, {"x", 1}, {"y", 0}, {"z", 0}, {"grow", 1}},
+                       square)
+            .shape;
+    };
+    const Shape faces = made(0), all = made(1);
+    EXPECT_EQ(element_count(faces), 6);
+    EXPECT_EQ(points_of(faces), points_of(square));
+    EXPECT_EQ(element_count(all), 6);
+    EXPECT_EQ(points_of(all).rows(), 12);
+    EXPECT_EQ(points_of(all).row(11),
+              (Eigen::RowVector3d(3 * 0.5 + 2, 3 * 0.5, 3 * 0.25)));  // copy 2 is three times as large
+    EXPECT_EQ(mesh_of(all).triangles.bottomRows(2), (mesh_of(square).triangles.array() + 8).matrix());
+}
+
+TEST(Derive, ShuffleKeepsTheTriangles) {
+    const Shape ball = sphere(2);
+    const Shape other = derived("shuffle", {{"seed", 5}}, ball).shape;
+    EXPECT_NE(content_hash(ball), content_hash(other));
+    const auto triangles = [](const Shape& shape) {  // each from its least corner on, turned the same way round
+        std::multiset<std::vector<double>> all;
+        for (Index t = 0; t < element_count(shape); ++t) {
+            std::array<std::array<double, 3>, 3> corners{};
+            for (int k = 0; k < 3; ++k)
+                for (int c = 0; c < 3; ++c)
+                    corners[std::size_t(k)][std::size_t(c)] = points_of(shape)(mesh_of(shape).triangles(t, k), c);
+            std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+            std::vector<double> flat;
+            for (const auto& corner : corners) flat.insert(flat.end(), corner.begin(), corner.end());
+            all.insert(flat);
+        }
+        return all;
+    };
+    EXPECT_EQ(triangles(ball), triangles(other));
+    EXPECT_NE(mesh_of(ball).triangles, mesh_of(other).triangles);
+}
+
+TEST(Generate, FansAreAroundOneVertex) {
+    const Shape fan = generate("fan", {{"triangles", 10}, {"height", 0.5}});
+    EXPECT_EQ(element_count(fan), 10);
+    EXPECT_EQ(points_of(fan).row(10), (Eigen::RowVector3d(0, 0, 0.5)));
+    for (Index t = 0; t < 10; ++t) EXPECT_EQ(mesh_of(fan).triangles(t, 2), 10);
 }
 
 TEST(Derive, OutlierAddsOnePoint) {

@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <limits>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace hausbench {
@@ -15,14 +18,19 @@ namespace {
 
 constexpr std::string_view place = "{}";
 
-// "1e8", "0.25": the shortest text that reads back as the same number, as people write it.
+// "1e8", "0.25", "1000": short texts that read back as the same number, as people write it.
 std::string text_of(double value) {
-    std::string text = fmt::format("{}", value);
-    const std::size_t e = text.find('e');
-    if (e == std::string::npos) return text;
-    std::size_t digits = e + (text[e + 1] == '-' ? 2 : 1);
-    while (text[digits] == '+' || text[digits] == '0') text.erase(digits, 1);
-    return text;
+    std::array<char, 64> buffer{};
+    const auto written = [&](std::chars_format format) {
+        const auto end = std::to_chars(buffer.begin(), buffer.end(), value, format);
+        return end.ec == std::errc() ? std::string(buffer.begin(), end.ptr) : "";  // 1e300 in full does not fit
+    };
+    std::string power = written(std::chars_format::scientific);
+    std::size_t digits = power.find('e') + 1;
+    if (power[digits] == '-') ++digits;
+    while (digits + 1 < power.size() && (power[digits] == '+' || power[digits] == '0')) power.erase(digits, 1);
+    const std::string plain = written(std::chars_format::fixed);
+    return plain.empty() || power.size() + 2 <= plain.size() ? power : plain;
 }
 
 // Names of models hold fewer characters than names of scenes.
