@@ -122,6 +122,17 @@ def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch:
     assert found.magnitude(surface.row) == 1.0
 
 
+@pytest.mark.parametrize(("off", "certified", "peer"), [(1e-16, Outcome.TIGHT, Outcome.TIGHT), (4e-15, Outcome.WRONG, Outcome.TIGHT),
+                                                        (2e-14, Outcome.WRONG, Outcome.WRONG)])
+def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: float, certified: Outcome, peer: Outcome) -> None:
+    """Others get 84 u M, which is 9.3e-15 here."""
+    sweeps = Sweeps()
+    sweeps.family("offset", "mesh", [10.0], {label: [{"lower": 0.5 + off, "upper": 0.5 + off}] for label in ("guthe", "cgal")})
+    suite = written(sweeps, tmp_path, monkeypatch)
+    found = {answer.label: answer.outcome for answer in suite.answers}
+    assert (found["guthe"], found["cgal"]) == (certified, peer)
+
+
 def test_matrix_cells(make: Make, tmp_path: Path) -> None:
     sweeps = small()
     sweeps.file.write(tmp_path)
