@@ -162,6 +162,10 @@ $(GROUPS): %: build
 $(STEMS): %: build
 	$(call walk,$*,$(call fetch_for,$*))
 
+# Drawn from the results of another experiment, whose scripts draw all of them.
+.PHONY: stability_error stability_time
+stability_error stability_time: stability_matrix
+
 figures: $(DEPS)
 	@trap 'exit 130' INT TERM; failed=; none=yes; \
 	for stem in $(STEMS); do \

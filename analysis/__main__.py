@@ -1,5 +1,5 @@
 """Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`. Each reads <results>/STEM.h5 by the script that
-stems.module_of finds.
+stems.module_of finds. With a stem come all that draw its results; such a one by itself reads the results that it names.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from analysis.shared.load import load
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError
-from analysis.shared.stems import module_of
+from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,10 +25,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen, code = parser.parse_args(arguments), 0
     for stem in chosen.stems:
         try:
-            script = importlib.import_module(module_of(stem))
-            results = load(chosen.results / f"{stem}.h5")
-            report: Report = script.make(results)
-            print(*report.save(results, chosen.out), sep="\n")
+            results = load(chosen.results / f"{results_of(stem)}.h5")
+            for each in drawn_with(stem):
+                report: Report = importlib.import_module(module_of(each)).make(results)
+                print(*report.save(results, chosen.out, each), sep="\n")
         except ResultError as problem:
             print(problem, file=sys.stderr)
             code = 2

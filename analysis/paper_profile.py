@@ -22,7 +22,7 @@ from analysis.shared import tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.results import ResultError, Results
-from analysis.shared.stems import module_of
+from analysis.shared.stems import drawn_with, module_of
 
 
 @dataclass
@@ -81,7 +81,8 @@ def text_of(group: str, folder: Path, kept: Kept) -> str:
         counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
         rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
                       f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-        texts[stem] = tables.markdown(importlib.import_module(module_of(stem)).make(results).table).strip("\n")
+        texts[stem] = "\n\n".join(tables.markdown(importlib.import_module(module_of(each)).make(results).table).strip("\n")
+                                  for each in drawn_with(stem))
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}

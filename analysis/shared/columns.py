@@ -52,6 +52,8 @@ class Cases:
     certified: Ints
     scene: Texts
     scene_note: Texts
+    family: Texts
+    severity: Floats
     exact: Floats
     source_elements: Ints
     target_elements: Ints
@@ -197,6 +199,8 @@ DEFAULTS: dict[str, Any] = {
     "cases/certified": -1,
     "cases/scene": "",
     "cases/scene_note": "",
+    "cases/family": "",
+    "cases/severity": float("nan"),
     "cases/exact": float("nan"),
     "cases/source_elements": 0,
     "cases/target_elements": 0,

@@ -23,9 +23,9 @@ class Report:
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
 
-    def save(self, results: Results, out: Path) -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png."""
-        stem = results.stem
+    def save(self, results: Results, out: Path, stem: str = "") -> list[Path]:
+        """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
+        stem = stem or results.stem
         if self.table is None:
             return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")))
         footnote = ". ".join(filter(None, [self.key, unchecked_line(results)]))

@@ -66,3 +66,20 @@ def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> Non
     assert fetched("paper", "PROFILE=paper") == ["--profile", "paper", "--experiment", files["paper_fig1"], files["paper_fig2"]]
     assert fetched("experiments") == ["--profile", "quick", "--experiment", files["other"], files["paper_fig1"], files["paper_fig2"]]
     assert fetched("corpus") == ["--corpus", "--check"]
+
+
+def test_a_stem_of_another_experiment_runs_that_one(tmp_path: Path) -> None:
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    (tmp_path / "packages.txt").write_text("")
+    for name, text in (("program", PROGRAM), ("python", PYTHON)):
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
+    for folder, suffix, text in (("experiments", "toml", "0"), ("analysis", "py", "")):
+        (tmp_path / folder / "stability").mkdir(parents=True)
+        (tmp_path / folder / "stability" / f"stability_matrix.{suffix}").write_text(text)
+    for target in ("stability_error", "stability_time", "stability"):
+        (tmp_path / "drawn").write_text("")
+        done = subprocess.run(["make", "-o", "build", "SKIP_DEPS=1", "FETCH=true", f"HAUSBENCH_PROGRAM={tmp_path / 'program'}",
+                               f"PYTHON={tmp_path / 'python'}", target], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0 and "ran experiments/stability/stability_matrix.toml" in done.stdout, done.stdout + done.stderr
+        assert (tmp_path / "drawn").read_text().split() == ["stability_matrix"]

@@ -1,0 +1,88 @@
+"""How the error and the certified gap of each solver grow with severity, on the families whose true distance is known."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from analysis.shared import tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.stability import stability_panels
+from analysis.stability.stability_families import Answer, Family, Suite, look, severity_text
+from analysis.stability.stability_outcomes import MEETABLE, Outcome
+from analysis.stability.stability_panels import Measure, choose, largest, relative, swept
+
+RESULTS_OF: Final = "stability_matrix"
+
+
+def make(results: Results) -> Report:
+    suite = Suite(results)
+    families = [family for family in swept(suite) if has_exact(suite, family)]
+    table = tables.Table("The largest true error of each solver on families whose distance is known in closed form, relative to the diagonal of A, "
+                         "and the gap that it claims there.",
+                         ["family", "solver", "error", "at severity", "gap", "10 u M", "wrong", "without bounds"], left=2)
+    for family in families:
+        table.rules.add(len(table.rows))
+        for pair in suite.labels_of(family.kind):
+            if own := family.asked(pair[1]):
+                table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
+    table.notes = ["Error: the larger of |lower - h| and |upper - h|; of CGAL, which gives one number, |answer - h|. u = 2^-53, M: the largest "
+                   "coordinate; a tolerance below 10 u M is below the precision of doubles. All severities and tolerances.",
+                   f"{machine_line(results)}."]
+    records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
+               if answer in family.asked(answer.label)]
+    return Report(lambda: draw(suite, choose(families)), table, records)
+
+
+def has_exact(suite: Suite, family: Family) -> bool:
+    return all(math.isfinite(suite.results.cases.exact[answer.row]) for own in family.answers.values() for answer in own.values())
+
+
+def error(suite: Suite, answer: Answer) -> float:
+    """NaN where there are no bounds."""
+    cases, row = suite.results.cases, answer.row
+    lower, upper, exact = float(cases.lower[row]), float(cases.upper[row]), float(cases.exact[row])
+    apart = abs(lower - exact) if cases.solver[row] == "cgal" else max(abs(lower - exact), abs(upper - exact))
+    return relative(apart, float(cases.source_diagonal[row]))
+
+
+def gap(suite: Suite, answer: Answer) -> float:
+    """Bounds that cross have none."""
+    between = suite.results.gap(answer.row)
+    return relative(between, float(suite.results.cases.source_diagonal[answer.row])) if between >= 0 else math.nan
+
+
+def floor(suite: Suite, answer: Answer) -> float:
+    return relative(MEETABLE * suite.judge.magnitude(answer.row), float(suite.results.cases.source_diagonal[answer.row]))
+
+
+def cells(suite: Suite, own: list[Answer]) -> list[str]:
+    worst = largest([(error(suite, answer), answer) for answer in own])
+    wrong = sum(answer.outcome == Outcome.WRONG for answer in own)
+    silent = sum(math.isnan(error(suite, answer)) for answer in own)
+    counts = [f"{count} of {len(own)}" if count else "" for count in (wrong, silent)]
+    if worst is None:
+        return [tables.NOTHING] * 4 + counts
+    value, answer = worst
+    return [tables.number(value, 2), severity_text(answer.severity), tables.number(gap(suite, answer), 2),
+            tables.number(floor(suite, answer), 2), *counts]
+
+
+def record(suite: Suite, family: Family, answer: Answer) -> tables.Record:
+    cases, row = suite.results.cases, answer.row
+    return {"family": family.name, "kind": family.kind, "severity": answer.severity, "tolerance": answer.tolerance, "solver": cases.solver[row],
+            "label": answer.label, "certified": int(answer.certified), "verdict": answer.outcome.words, "relative_error": error(suite, answer),
+            "relative_gap": gap(suite, answer), "relative_10uM": floor(suite, answer), "exact": float(cases.exact[row])}
+
+
+def draw(suite: Suite, families: list[Family]) -> Any:
+    measures = (Measure("gap / diagonal", lambda answer: gap(suite, answer), lambda answer: floor(suite, answer)),
+                Measure("error / diagonal", lambda answer: error(suite, answer), lambda answer: floor(suite, answer)))
+    tolerances = sorted({answer.tolerance for answer in suite.answers})
+    notes = ["Red crosses: wrong. Open markers: stopped or loose. Dotted: 10 u M, the precision of doubles. "
+             "Zeros stand in the grey band."
+             + (f" Tolerance: {tolerances[0]:g}, the finest." if len(tolerances) > 1 else ""),
+             "Letters: no bounds (H hung, C crashed, R refused, X no numbers; ∞ no upper bound)."]
+    return stability_panels.draw(suite, families, measures, notes)

@@ -1,0 +1,178 @@
+"""The rows of the stability suite by family and solver: a family is one scene at several severities."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from analysis.shared import style, tables
+from analysis.shared.results import Results
+from analysis.stability.stability_outcomes import Judge, Outcome, judge
+from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
+
+KINDS: Final = ("points", "meshes", "surfaces")
+_KIND_OF: Final = {"points": "points", "mesh": "meshes", "surface": "surfaces"}  # of a model
+AS_PRINTED: Final = {solver: looks for solver, looks in BESIDE_PRINTED.items() if solver.endswith("_as_printed")}
+Label = tuple[str, str]  # a solver, and what the row calls it
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A row and what it came to."""
+
+    row: int
+    label: str
+    severity: float  # NaN: of no sweep
+    tolerance: float
+    certified: bool
+    outcome: Outcome
+    can_be_met: bool | None  # None: unknown
+    legal: bool
+
+
+Step = tuple[str, int]  # a scene and a pose: one severity
+
+
+@dataclass(frozen=True)
+class Family:
+    name: str
+    kind: str  # of KINDS
+    steps: list[Step]  # in the order of the experiment: the mildest first
+    severities: list[float]  # of each step
+    answers: dict[str, dict[tuple[Step, float], Answer]]  # by label, then by step and tolerance
+
+    @cached_property
+    def tolerances(self) -> list[float]:
+        """The coarsest first."""
+        return sorted({tolerance for own in self.answers.values() for _, tolerance in own}, reverse=True)
+
+    @property
+    def title(self) -> str:
+        return self.name.replace("_", " ")
+
+    @property
+    def has_severities(self) -> bool:
+        return any(math.isfinite(x) for x in self.severities)
+
+    def of(self, label: str) -> list[Answer]:
+        return list(self.answers.get(label, {}).values())
+
+    def asked(self, label: str) -> list[Answer]:
+        """Those that were run."""
+        return [answer for answer in self.of(label) if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
+
+    def outcome(self, label: str, step: Step, tolerance: float) -> Outcome:
+        """Where the experiment does not ask a solver, it was not run."""
+        answer = self.answers.get(label, {}).get((step, tolerance))
+        return answer.outcome if answer else Outcome.NOT_RUN
+
+    def finest(self, label: str) -> list[Answer]:
+        """Of each step the answer at the finest tolerance, the mildest severity first."""
+        own = self.answers.get(label, {})
+        least: dict[Step, Answer] = {}
+        for (step, tolerance), answer in own.items():
+            if step not in least or tolerance < least[step].tolerance:
+                least[step] = answer
+        return [least[step] for step in self.steps if step in least]
+
+
+class Suite:
+    def __init__(self, results: Results) -> None:
+        self.results, self.judge = results, Judge(results)
+        rows: dict[tuple[str, str], list[int]] = {}
+        for row, kind in enumerate(self._kinds()):
+            rows.setdefault((str(results.cases.family[row] or results.cases.scene[row]), kind), []).append(row)
+        self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
+
+    def _kinds(self) -> list[str]:
+        """Of each row. Where the model could not be read, as of input that is not legal: that of its family, or of the row before it."""
+        cases, models = self.results.cases, dict(zip(self.results.models.name, self.results.models.kind))
+        known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
+        of_family = {str(family): kind for family, kind in zip(cases.family, known) if family and kind}
+        found: list[str] = []
+        for row, kind in enumerate(known):
+            found.append(kind or of_family.get(str(cases.family[row])) or (found[-1] if found else KINDS[0]))
+        return found
+
+    def _family(self, name: str, kind: str, rows: Sequence[int]) -> Family:
+        cases = self.results.cases
+        steps = list(dict.fromkeys((str(cases.scene[row]), int(cases.pose_index[row])) for row in rows))
+        first = {(cases.scene[row], int(cases.pose_index[row])): row for row in reversed(rows)}
+        answers: dict[str, dict[tuple[Step, float], Answer]] = {}
+        for row in rows:
+            step = (str(cases.scene[row]), int(cases.pose_index[row]))
+            answers.setdefault(str(self.results.names[row]), {})[step, float(cases.tolerance[row])] = self._answer(row)
+        return Family(name, kind, steps, [float(cases.severity[first[step]]) for step in steps], answers)
+
+    def _answer(self, row: int) -> Answer:
+        cases, ending = self.results.cases, self.judge.ending(row)
+        return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
+                      judge(ending), self.judge.can_be_met(row), ending.legal)
+
+    @cached_property
+    def labels(self) -> list[Label]:
+        """All, in the order of tables."""
+        return ordered(zip(self.results.cases.solver, self.results.names))
+
+    @cached_property
+    def answers(self) -> list[Answer]:
+        return sorted((answer for family in self.families for own in family.answers.values() for answer in own.values()),
+                      key=lambda answer: answer.row)
+
+    @cached_property
+    def family_of(self) -> dict[int, Family]:
+        """Of each row."""
+        return {answer.row: family for family in self.families for own in family.answers.values() for answer in own.values()}
+
+    def of_kind(self, kind: str) -> list[Family]:
+        return [family for family in self.families if family.kind == kind]
+
+    def labels_of(self, kind: str) -> list[Label]:
+        """Those that take such shapes: not every row of theirs is `not applicable`."""
+        return [pair for pair in self.labels
+                if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
+
+    def is_certified(self, label: str) -> bool:
+        """Of a solver that was run nowhere nobody knows: it promises nothing here."""
+        return any(answer.certified for family in self.families for answer in family.of(label))
+
+
+def ordered(pairs: Iterable[Label]) -> list[Label]:
+    """As style.order, and each variant that is printed wrong beside what it is a variant of."""
+    known = style.order(pairs)
+    found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
+    for pair in (pair for pair in known if pair[0] in AS_PRINTED):
+        after = [i for i, (solver, _) in enumerate(found) if solver == pair[0].removesuffix("_as_printed")]
+        found.insert(after[-1] + 1 if after else len(found), pair)
+    return found
+
+
+def look(solver: str, label: str) -> style.Look:
+    return AS_PRINTED[solver] if solver == label and solver in AS_PRINTED else style.look(solver, label)
+
+
+def severity_text(severity: float) -> str:
+    """'1e6', '12', '0.25', '' where there is none."""
+    if math.isnan(severity):
+        return ""
+    if severity == 0 or 1e-3 <= abs(severity) < 1e4:
+        return f"{severity:g}"
+    mantissa, exponent = f"{severity:.2e}".split("e")
+    return f"{float(mantissa):g}e{int(exponent)}"
+
+
+def range_text(family: Family) -> str:
+    """'10 to 1e12', from the mildest to the severest."""
+    if not family.has_severities:
+        return f"{len(family.steps)} scenes" if len(family.steps) > 1 else ""
+    ends = list(dict.fromkeys((severity_text(family.severities[0]), severity_text(family.severities[-1]))))
+    return " to ".join(ends)
+
+
+def percent(part: int, whole: int) -> str:
+    """'97.2 %'; never 100 where some are missing."""
+    share = 100 * part / whole
+    return f"{tables.number(min(share, 99.9) if part < whole else share)} %"

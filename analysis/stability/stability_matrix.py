@@ -1,0 +1,172 @@
+"""What every solver comes to on families of scenes that get worse step by step: a matrix of outcomes, and what they say of three claims.
+
+stability_error and stability_time draw the same results.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from analysis.shared import tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, never
+from analysis.stability import stability_picture
+from analysis.stability.stability_families import KINDS, Answer, Family, Suite, look, percent, severity_text
+from analysis.stability.stability_outcomes import ILL, MEETABLE, SLACK, U, Outcome
+
+SHARE: Final = 0.95  # of the cells that can be right and tight
+# Its bounds are as wide as its samples are apart, whatever the tolerance.
+WITHOUT_TOLERANCE: Final = ("sampling",)
+NAMED: Final = 12  # at most so many places are named where a claim fails
+
+
+def make(results: Results) -> Report:
+    suite = Suite(results)
+    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers])
+
+
+# --- claims -------------------------------------------------------------------------------------------------------------------------
+
+
+def place(suite: Suite, answer: Answer) -> str:
+    """'guthe on offset at 1e4'."""
+    family, severity = suite.family_of[answer.row], severity_text(answer.severity)
+    return f"{answer.label} on {family.title}{f' at {severity}' if severity else ''}"
+
+
+def named(places: Sequence[str]) -> str:
+    """Without repeats: tolerances share a place."""
+    distinct = list(dict.fromkeys(places))
+    rest = len(distinct) - NAMED
+    return "; ".join(distinct[:NAMED]) + (f"; and {rest} more" if rest > 0 else "")
+
+
+def was_run(answer: Answer) -> bool:
+    return answer.outcome not in (Outcome.NOT_RUN, Outcome.NOT_APPLICABLE)
+
+
+def claim_certified(suite: Suite) -> Verdict:
+    asked = [answer for answer in suite.answers if answer.certified and was_run(answer)]
+    ill = [answer for answer in asked if answer.outcome in ILL]
+    # The tolerances of a scene are one trial: they share their arithmetic.
+    trials = len({(answer.label, suite.results.cases.scene[answer.row]) for answer in asked})
+    found = never("no certified solver is wrong, refuses legal input, crashes or hangs", len(ill), len(asked), "answers", independent=trials)
+    if not ill:
+        return found
+    which = named([f"{place(suite, answer)}: {answer.outcome.words}" for answer in ill])
+    return Verdict(found.claim, found.outcome, f"{found.evidence}: {which}")
+
+
+def claim_tight(suite: Suite) -> Verdict:
+    """A count of all cells that there are, and no test."""
+    claim = (f"at least {100 * SHARE:.0f} % of the cells of certified solvers whose gap can be met are right and tight "
+             f"({', '.join(WITHOUT_TOLERANCE)}, which has no tolerance, aside)")
+    among = [answer for answer in suite.answers if answer.certified and answer.legal and answer.can_be_met and was_run(answer)
+             and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE]
+    if not among:
+        return Verdict(claim, UNTESTED, "no answers")
+    tight = [answer for answer in among if answer.outcome == Outcome.TIGHT]
+
+    def below(name_of: dict[int, str]) -> str:
+        """The shares of each family, or each solver, that does not get so far by itself; the worst first."""
+        shares = []
+        for name in dict.fromkeys(name_of[answer.row] for answer in among):
+            own = [answer for answer in among if name_of[answer.row] == name]
+            good = sum(answer.outcome == Outcome.TIGHT for answer in own)
+            if good < SHARE * len(own):
+                shares.append((good / len(own), f"{name} {good} of {len(own)}"))
+        return ", ".join(text for _, text in sorted(shares)) or "none"
+
+    families = {answer.row: suite.family_of[answer.row].title for answer in among}
+    labels = {answer.row: answer.label for answer in among}
+    return Verdict(claim, HOLDS if len(tight) >= SHARE * len(among) else FAILS,
+                   f"{len(tight):,} of {len(among):,}, {percent(len(tight), len(among))}; families below: {below(families)}; "
+                   f"solvers below: {below(labels)}")
+
+
+def expected_wrong(suite: Suite) -> list[str]:
+    """Labels of arithmetic and algorithms that are known to be wrong, and of the peer that publishes no bound of its rounding."""
+    return [label for solver, label in suite.labels
+            if solver == "cgal" or solver.endswith("_as_printed") or "textbook kernel" in label]
+
+
+def claims_can_fail(suite: Suite) -> list[Verdict]:
+    """One case is enough to show that a solver can be seen to be wrong."""
+    found = []
+    for label in expected_wrong(suite):
+        asked = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
+        wrong = [answer for answer in asked if answer.outcome == Outcome.WRONG]
+        where = named([place(suite, answer).removeprefix(f"{label} on ") for answer in wrong])
+        evidence = f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}" if asked else "no answers"
+        found.append(Verdict(f"the suite can fail: {label} is wrong somewhere", HOLDS if wrong else OPEN if asked else UNTESTED, evidence))
+    return found
+
+
+# --- table and numbers --------------------------------------------------------------------------------------------------------------
+
+
+def cell(family: Family, label: str) -> str:
+    """The worst outcome, and of how many severities: at a severity the worst of its tolerances counts."""
+    worst = {}
+    for step in family.steps:
+        own = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
+        worst[step] = max(own, key=lambda outcome: outcome.badness)
+    if set(worst.values()) == {Outcome.NOT_APPLICABLE}:
+        return Outcome.NOT_APPLICABLE.short
+    run = [outcome for outcome in worst.values() if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
+    if not run:
+        return Outcome.NOT_RUN.short
+    least = max(run, key=lambda outcome: outcome.badness)
+    missing = len(worst) - len(run)
+    return f"{least.short} {run.count(least)} of {len(worst)}" + (f", {missing} not run" if missing else "")
+
+
+def table_of(suite: Suite) -> tables.Table:
+    results, labels = suite.results, suite.labels
+    table = tables.Table("The worst that each solver comes to on each family of scenes, and at how many of its severities.",
+                         ["family", "severity", "scenes", *[look(*pair).title for pair in labels]], left=3 + len(labels))
+    for kind in KINDS:
+        table.rules.add(len(table.rows))
+        for family in suite.of_kind(kind):
+            ends = [severity_text(x) for x in (family.severities[0], family.severities[-1])] if family.has_severities else [tables.NOTHING]
+            table.rows.append([family.title, " to ".join(dict.fromkeys(ends)), str(len(family.steps)),
+                               *[cell(family, label) for _, label in labels]])
+    claims = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
+    unknown = sum(answer.can_be_met is None and was_run(answer) for answer in suite.answers)
+    table.notes = [one.line() for one in claims] + [
+        "Tight: an answer within its tolerance whose bounds hold. Loose: the bounds hold and the solver ended by itself, but the gap is above "
+        "the tolerance, or the upper bound is infinite. Stopped: at its budget, its time limit or the precision of doubles, with bounds that hold. "
+        "Refused: an error and no bounds; 'refused it' where that is right, because the input is not legal. Wrong: bounds that leave out the "
+        "true distance, cross or are no numbers; 'converged' of a certified solver whose gap is above the tolerance; an answer to input that "
+        "is not legal; or two runs that differ. Hung: killed at the limit, without bounds. n/a: the solver does not take such shapes.",
+        f"Bounds are held against the distance in closed form, to one ulp, or else against all that certified solvers prove together. "
+        f"Solvers that are not certified may be off by {SLACK / U:.0f} u M. A gap can be met where the tolerance is at least "
+        f"{MEETABLE / U:.0f} u M (u = 2^-53, M the largest coordinate).",
+        f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(results.cases.tolerance), reverse=True))}."]
+    table.notes += [f"Of {unknown:,} answers the shapes are not in the cache: whether their gap can be met is unknown, and the bounds of "
+                    "solvers that are not certified are judged by the harness alone."] * bool(unknown)
+    table.notes += [f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))]
+    table.notes.append(f"{machine_line(results)}.")
+    return table
+
+
+def seconds_text(results: Results) -> str:
+    return ", ".join(f"{tables.number(x)} s" for x in sorted(set(map(float, results.cases.case_seconds_limit))))
+
+
+def note_of(suite: Suite, family: Family) -> str:
+    """What the experiment says of the family: of its first scene that it says anything of."""
+    notes = (str(suite.results.cases.scene_note[answer.row]) for own in family.answers.values() for answer in own.values())
+    return next(filter(None, notes), "")
+
+
+def record(suite: Suite, answer: Answer) -> tables.Record:
+    cases, family, row = suite.results.cases, suite.family_of[answer.row], answer.row
+    met = {True: "yes", False: "no", None: "unknown"}[answer.can_be_met]
+    return {"family": family.name, "kind": family.kind, "scene": cases.scene[row], "severity": answer.severity, "tolerance": answer.tolerance,
+            "solver": cases.solver[row], "label": answer.label, "certified": int(cases.certified[row]), "verdict": answer.outcome.words,
+            "can_be_met": met, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "exact": float(cases.exact[row]),
+            "status": cases.status[row], "reason": cases.reason[row], "seconds": float(cases.solve_seconds[row])}

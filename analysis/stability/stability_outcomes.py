@@ -1,0 +1,172 @@
+"""What each row of the stability suite came to: judged here, and given its words, letters and colours."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+import numpy as np
+
+from analysis.shared import shapes
+from analysis.shared.results import Interval, ResultError, Results
+
+U: Final = 2.0**-53
+SLACK: Final = 84 * U  # of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
+MEETABLE: Final = 10 * U  # likewise: a tolerance below it is below the precision of double arithmetic
+
+
+class Outcome(Enum):
+    """From best to worst, after the two of rows that were not asked: words, short word, letter in figures, colour, colour of the letter.
+
+    The good ones are light and the ill ones dark, so that grey print keeps them apart; letters tell those of like grey.
+    """
+
+    NOT_APPLICABLE = ("not applicable", "n/a", "", "#EEEEEE", "#777777")
+    NOT_RUN = ("not run", "not run", "", "#FFFFFF", "#777777")
+    TIGHT = ("right and tight", "tight", "", "#7CC0B0", "#222222")
+    RIGHTLY_REFUSED = ("rightly refused", "refused it", "r", "#7CC0B0", "#222222")
+    LOOSE = ("right but loose", "loose", "~", "#D5EBE4", "#222222")
+    STOPPED = ("stopped, bounds hold", "stopped", "s", "#F3DFA2", "#222222")
+    REFUSED = ("refused", "refused", "R", "#B9A3CE", "#222222")
+    HUNG = ("hung", "hung", "H", "#5B4A8A", "#FFFFFF")
+    CRASHED = ("crashed", "crashed", "C", "#3A2A1A", "#FFFFFF")
+    WRONG = ("wrong", "wrong", "X", "#B2380E", "#FFFFFF")
+
+    def __init__(self, words: str, short: str, letter: str, colour: str, ink: str) -> None:
+        self.words, self.short, self.letter, self.colour, self.ink = words, short, letter, colour, ink
+        self.badness = len(type(self).__members__)
+
+
+ASKED: Final = tuple(outcome for outcome in Outcome if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN))
+ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
+
+
+@dataclass(frozen=True)
+class Ending:
+    """All that decides the outcome of a row."""
+
+    status: str = "ok"
+    reason: str = ""
+    solver_status: str = ""  # empty: the solver gave no answer
+    lower: float = math.nan
+    upper: float = math.nan
+    truth: Interval = Interval(math.nan, math.nan)  # what is known of the true distance
+    slack: float = 0.0  # by how far the bounds may be off; NaN: unknown
+    tolerance: float = 0.0
+    certified: bool = True
+    unsound: bool = False  # found by the harness
+    legal: bool = True  # the input is one that a solver should answer
+
+    @property
+    def takes_it(self) -> bool:
+        """False where the solver does not take such shapes, or does not compute the quantity."""
+        return not re.match(r"solver '[^']*' (takes no|computes) ", self.reason)
+
+    @property
+    def leaves_out_the_truth(self) -> bool:
+        """Bounds that cross, or do not hold. By an unknown slack nothing is shown."""
+        low, high = self.lower - self.slack, self.upper + self.slack
+        return self.lower > high or low > self.truth.upper or high < self.truth.lower or math.isinf(self.lower)
+
+    @property
+    def is_tight(self) -> bool:
+        return self.upper - self.lower <= self.tolerance + float(np.nan_to_num(self.slack))
+
+
+def judge(ending: Ending) -> Outcome:
+    if ending.status in ("skipped", "not_built"):
+        return Outcome.NOT_RUN if ending.takes_it else Outcome.NOT_APPLICABLE
+    found = _judge_legal(ending)
+    if ending.legal:
+        return found
+    return {Outcome.REFUSED: Outcome.RIGHTLY_REFUSED, Outcome.CRASHED: Outcome.CRASHED, Outcome.HUNG: Outcome.HUNG}.get(found, Outcome.WRONG)
+
+
+def _judge_legal(ending: Ending) -> Outcome:
+    if ending.status in ("signal", "out_of_memory"):
+        return Outcome.CRASHED
+    if ending.status == "unsound" or ending.unsound:
+        return Outcome.WRONG
+    if math.isnan(ending.lower) or math.isnan(ending.upper):
+        return _without_bounds(ending)
+    if ending.leaves_out_the_truth:
+        return Outcome.WRONG
+    if ending.status == "failed" and ending.solver_status != "stalled":  # two runs of it differ: one cannot rely on either
+        return Outcome.WRONG
+    if ending.is_tight:
+        return Outcome.TIGHT
+    if ending.status in ("timeout", "budget", "floor"):
+        return Outcome.STOPPED
+    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # says nothing, but why
+        return Outcome.REFUSED
+    if ending.status == "ok" and ending.certified:
+        return Outcome.WRONG
+    return Outcome.LOOSE
+
+
+def _without_bounds(ending: Ending) -> Outcome:
+    if ending.solver_status:  # its answer is not a number
+        return Outcome.WRONG
+    if ending.status == "timeout":
+        return Outcome.HUNG
+    return Outcome.REFUSED if ending.status == "failed" and ending.reason else Outcome.CRASHED
+
+
+class Judge:
+    """Judges the rows of a result file. Remembers how large each model is."""
+
+    def __init__(self, results: Results) -> None:
+        self.results = results
+        self._largest: dict[str, tuple[float, float, float] | None] = {}
+
+    def ending(self, row: int) -> Ending:
+        cases = self.results.cases
+        certified = bool(cases.certified[row] == 1)
+        return Ending(str(cases.status[row]), str(cases.reason[row]), str(cases.solver_status[row]), float(cases.lower[row]),
+                      float(cases.upper[row]), self.truth(row), 0.0 if certified else SLACK * self.magnitude(row),
+                      float(cases.tolerance_absolute[row]), certified, "unsound" in (cases.lower_check[row], cases.upper_check[row]),
+                      not str(cases.scene_note[row]).startswith("not legal"))
+
+    def truth(self, row: int) -> Interval:
+        """`exact`, give or take one ulp; else what all certified rows prove together."""
+        exact = float(self.results.cases.exact[row])
+        if math.isnan(exact):
+            return self.results.reference_of(row)
+        return Interval(float(np.nextafter(exact, -np.inf)), float(np.nextafter(exact, np.inf)))
+
+    def can_be_met(self, row: int) -> bool | None:
+        """The tolerance is not below the precision of doubles; None where a shape is not in the cache."""
+        largest = self.magnitude(row)
+        return None if math.isnan(largest) else bool(self.results.cases.tolerance_absolute[row] >= MEETABLE * largest)
+
+    def magnitude(self, row: int) -> float:
+        """The largest |coordinate| of both shapes where they stand, as harness/check/verify.cpp bounds it; NaN: unknown."""
+        cases, found = self.results.cases, list[float]()
+        for model, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row])):
+            largest = self._largest_of(str(model))
+            if largest is None:
+                return math.nan
+            found.append(float((np.abs(pose[:9].reshape(3, 3)) @ largest + np.abs(pose[9:])).max()))
+        return max(found)
+
+    def _largest_of(self, model: str) -> tuple[float, float, float] | None:
+        """By axis."""
+        if model not in self._largest:
+            self._largest[model] = self._read(model)
+        return self._largest[model]
+
+    def _read(self, model: str) -> tuple[float, float, float] | None:
+        models = self.results.models
+        rows = np.flatnonzero(models.name == model)
+        if len(rows) and np.isfinite(models.box[rows[0]]).all():  # of a surface
+            corners = models.box[rows[0]].reshape(3, 2).T
+        else:
+            try:
+                corners = shapes.mesh(self.results, model).corners
+            except ResultError:
+                return None
+        x, y, z = np.abs(corners).max(axis=0)
+        return float(x), float(y), float(z)

@@ -1,0 +1,154 @@
+"""Small multiples of the stability suite: for a few families two measures of each answer, one above the other, against severity."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import scales, style
+from analysis.stability.stability_families import Answer, Family, Label, Suite, look
+from analysis.stability.stability_outcomes import Outcome
+
+MOST: Final = 12  # panels
+ACROSS: Final = 4
+# In inches.
+WIDE: Final = 1.34
+TALL: Final = 0.86
+PITCH: Final = 1.68
+DEEP: Final = 0.2 + 2 * TALL + 0.08 + 0.36
+LEFT: Final = 0.6
+MARK: Final = "#D00000"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What a frame shows: NaN is not drawn, infinity stands as a letter at the top."""
+
+    name: str
+    of: Callable[[Answer], float]
+    guide: Callable[[Answer], float]  # a line for orientation; NaN: none
+    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # where an answer that ran out of time is drawn, with an open marker
+
+
+def choose(families: Sequence[Family]) -> list[Family]:
+    """Those with the most severities, in the order of the experiment."""
+    among = sorted(families, key=lambda family: -len(family.steps))[:MOST]
+    return [family for family in families if family in among]
+
+
+def swept(suite: Suite) -> list[Family]:
+    """Families with two severities or more, of input that is legal."""
+    return [family for family in suite.families if family.has_severities and len(set(family.severities)) > 1
+            and all(answer.legal for own in family.answers.values() for answer in own.values())]
+
+
+def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Measure], notes: Sequence[str]) -> Any:
+    shown = [pair for pair in suite.labels if any(family.asked(pair[1]) for family in families)]
+    legend_rows = -(-max(1, len(shown)) // 6)
+    height = 0.1 + DEEP * max(1, -(-len(families) // ACROSS)) + 0.145 * legend_rows + 0.14 * len(notes) + 0.12
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
+    figure.set_layout_engine("none")
+    for i, family in enumerate(families):
+        left, floor = LEFT + (i % ACROSS) * PITCH, height - (i // ACROSS) * DEEP - 0.26 - 2 * TALL
+        for measure, bottom in zip(measures, (floor + TALL + 0.08, floor)):
+            ax = figure.add_axes((left / style.DOUBLE_COLUMN, bottom / height, WIDE / style.DOUBLE_COLUMN, TALL / height))
+            draw_frame(ax, suite, family, measure)
+            if i % ACROSS == 0:
+                ax.set_ylabel(measure.name)
+                ax.yaxis.set_label_coords(-0.3, 0.5)
+            if bottom > floor:
+                ax.set_title(f"{family.title} ({family.kind})", pad=3)
+                ax.tick_params(labelbottom=False)
+            else:
+                ax.set_xlabel("severity", labelpad=1)
+    figure.legend(handles=[handle(pair) for pair in shown], loc="lower center", ncol=6, handlelength=2.2, fontsize=6.5,
+                  bbox_to_anchor=(0.5, (0.14 * len(notes) + 0.06) / height))
+    figure.text(0.5, 0.04 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    return figure
+
+
+def handle(pair: Label) -> Any:
+    looks = look(*pair)
+    return plt.Line2D([], [], label=looks.title, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+
+
+def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure) -> None:
+    answers = {pair: [answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)] for pair in suite.labels
+               if family.asked(pair[1])}
+    everyone = [answer for own in answers.values() for answer in own]
+    guide = {answer.severity: measure.guide(answer) for answer in everyone if math.isfinite(measure.guide(answer))}
+    values = [measure.of(answer) for answer in everyone] + [measure.stopped_at(answer) for answer in everyone]
+    axis = scales.LogAxis(ax, [*filter(math.isfinite, values), *guide.values()], 5)
+    if guide:
+        along = sorted(guide)
+        ax.plot(along, axis.place([guide[x] for x in along]), color="black", linewidth=0.8, linestyle=(0, (1, 1)), zorder=2)
+    lost: Counter[float] = Counter()
+    for pair, own in answers.items():
+        draw_line(ax, axis, pair, own, measure, lost)
+    if lost:  # room for the letters
+        low, high = ax.get_ylim()
+        ax.set_ylim(low, high * (high / low) ** (0.09 * max(lost.values())))
+    set_severities(ax, sorted({answer.severity for answer in everyone}), family)
+
+
+def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float]) -> None:
+    """A line through the answers, and what has none above it: a letter at the top, in the colour of the solver."""
+    looks = look(*pair)
+    known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
+    if known:
+        ax.plot([x for x, _, _ in known], axis.place([y for _, y, _ in known]), color=looks.colour, linestyle=looks.line, linewidth=0.8,
+                zorder=3)
+    for x, y, answer in known:
+        kind = style.open_marker if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE) else style.filled_marker
+        ax.plot([x], axis.place([y]), zorder=4, clip_on=False, **kind(looks) | {"markersize": 0.7 * looks.size})
+        if answer.outcome == Outcome.WRONG:
+            ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="x", markersize=6, markeredgewidth=1.1, color=MARK)
+    for answer in own:
+        letter = answer.outcome.letter or "?"
+        if math.isfinite(measure.of(answer)) or answer.outcome in (Outcome.NOT_RUN, Outcome.NOT_APPLICABLE):
+            continue
+        at = measure.stopped_at(answer)
+        if math.isfinite(at):
+            ax.plot([answer.severity], axis.place([at]), zorder=4, clip_on=False, **style.open_marker(looks) | {"markersize": 0.7 * looks.size})
+        elif not math.isnan(measure.of(answer)) or answer.outcome.badness > Outcome.STOPPED.badness:
+            ax.annotate("∞" if math.isinf(measure.of(answer)) else letter, (answer.severity, 1), (0, -3 - 5.5 * lost[answer.severity]),
+                        xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center", fontsize=5.5,
+                        fontweight="bold", color=looks.colour, annotation_clip=False, zorder=6, family="DejaVu Sans")
+            lost[answer.severity] += 1
+
+
+def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None:
+    """The severest at the right. A severity of 0 or below has no logarithm."""
+    if not severities:
+        return
+    first, last = severities[0], severities[-1]
+    if first > 0:
+        ax.set_xscale("log")
+        room = (last / first) ** 0.06
+        ax.set_xlim(first / room, last * room)
+        scales.log_ticks(ax.xaxis)
+        if last / first >= 1e4:  # labels such as 10 to the minus 12 are wide
+            ax.xaxis.get_major_locator().set_params(numticks=5)
+        if last / first < 100:
+            ax.set_xticks(severities, [f"{x:g}" for x in severities])
+    else:
+        ax.set_xlim(first - 0.06 * (last - first), last + 0.06 * (last - first))
+    known = [x for x in family.severities if math.isfinite(x)]
+    if known[-1] < known[0]:
+        ax.invert_xaxis()
+
+
+def relative(value: float, diagonal: float) -> float:
+    """A length over the diagonal of A; as it is where A is a single point."""
+    return value / diagonal if diagonal > 0 else value
+
+
+def largest(values: Sequence[tuple[float, Answer]]) -> tuple[float, Answer] | None:
+    known = [pair for pair in values if not np.isnan(pair[0])]
+    return max(known, key=lambda pair: pair[0]) if known else None

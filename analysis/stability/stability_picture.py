@@ -1,0 +1,136 @@
+"""The matrix of outcomes: a band of rows for each kind of shape, a cell a family and solver, in it a strip a severity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+from matplotlib.patches import Rectangle
+
+from analysis.shared import style
+from analysis.stability.stability_families import KINDS, Family, Label, Suite, look, range_text
+from analysis.stability.stability_outcomes import Outcome
+
+# In inches, for the figure is laid out by hand: cells of one size in all bands.
+WIDE: Final = style.DOUBLE_COLUMN
+LEFT: Final = 1.42  # the names of families
+RIGHT: Final = 0.62  # their severities
+ROW: Final = 0.138
+HEAD: Final = 0.86  # the names of solvers
+GAP: Final = 0.06  # between cells, as a part of a cell
+BELOW: Final = 0.6  # how wide the first column is, which is of no solver
+DARK: Final = "#555555"
+
+
+def draw(suite: Suite) -> Any:
+    kinds = [kind for kind in KINDS if suite.of_kind(kind)]
+    columns = max(len(suite.labels_of(kind)) for kind in kinds) + BELOW
+    pitch = min(0.46, (WIDE - LEFT - RIGHT) / columns)
+    bands = [HEAD + ROW * len(suite.of_kind(kind)) + 0.12 for kind in kinds]
+    entries = legend(suite)
+    height = sum(bands) + 0.16 * -(-len(entries) // 5) + 0.3
+    figure = plt.figure(figsize=(WIDE, height))
+    figure.set_layout_engine("none")
+    top = height
+    for kind, band in zip(kinds, bands):
+        families, labels = suite.of_kind(kind), suite.labels_of(kind)
+        wide = pitch * (len(labels) + BELOW)
+        ax = figure.add_axes((LEFT / WIDE, (top - HEAD - ROW * len(families)) / height, wide / WIDE, ROW * len(families) / height))
+        draw_band(ax, suite, families, labels, 72 * pitch)
+        figure.text(0.05 / WIDE, (top - HEAD + 0.09) / height, kind[0].upper() + kind[1:], fontsize=9, fontweight="bold", va="bottom")
+        top -= band
+    figure.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncol=5, handlelength=1.4, handleheight=1.0)
+    figure.text(0.5, 0.04 / height, "\n".join(footnote(suite)), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    return figure
+
+
+def footnote(suite: Suite) -> list[str]:
+    two = any(len(family.tolerances) > 1 for family in suite.families)
+    return ["Strips: severities, the mildest at the left" + ("; in each cell the coarser tolerance above the finer one" if two else "")
+            + ". Names in italics: not certified, so that bounds may be wrong."]
+
+
+def legend(suite: Suite) -> list[Any]:
+    """Of what there is."""
+    shown = {family.outcome(label, step, tolerance) for family in suite.families for _, label in suite.labels_of(family.kind)
+             for step in family.steps for tolerance in family.tolerances}
+    entries: list[Any] = [Rectangle((0, 0), 1, 1, facecolor=outcome.colour, edgecolor="#BBBBBB", linewidth=0.4,
+                                    hatch="//////" if outcome == Outcome.NOT_RUN else None,
+                                    label=f"{outcome.letter}  {outcome.words}" if outcome.letter else outcome.words)
+                          for outcome in reversed(Outcome) if outcome in shown]
+    if any(answer.can_be_met is False for answer in suite.answers):
+        entries.append(Rectangle((0, 0), 1, 1, facecolor=DARK, label="first column: tolerance too fine for doubles"))
+    return entries
+
+
+def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequence[Label], pitch: float) -> None:
+    """`pitch` is how wide a cell is, in points."""
+    ax.set_xlim(-BELOW, len(labels))
+    ax.set_ylim(len(families), 0)
+    for i, family in enumerate(families):
+        draw_floor(ax, family, i)
+        for j, (_, label) in enumerate(labels):
+            draw_cell(ax, family, label, (j, i), pitch)
+        ax.text(len(labels) + 0.08, i + 0.5, range_text(family), fontsize=6, color=style.GREY, va="center", ha="left")
+    ax.set_yticks([i + 0.5 for i in range(len(families))], [family.title for family in families])
+    ax.set_xticks([-BELOW / 2, *[j + 0.5 for j in range(len(labels))]], ["below floor", *[look(*pair).title for pair in labels]],
+                  rotation=42, ha="left", rotation_mode="anchor")
+    ax.xaxis.tick_top()
+    ax.tick_params(length=0, pad=2)
+    for text, pair in zip(ax.get_xticklabels(), [None, *labels]):
+        text.set_fontsize(6.5)
+        if pair is None:
+            text.set_color(DARK)
+        elif not suite.is_certified(pair[1]):
+            text.set_style("italic")
+    ax.grid(False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+
+
+def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, float, float, float]]:
+    """Of a cell: (step, tolerance), left, top, width and height of each of its parts."""
+    n, m = len(family.steps), len(family.tolerances)
+    across, down = (wide - GAP) / n, (1 - 2 * GAP) / m
+    return [((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
+            for k, step in enumerate(family.steps) for l, tolerance in enumerate(family.tolerances)]
+
+
+def draw_floor(ax: Any, family: Family, i: int) -> None:
+    """Dark where no solver of doubles can meet the gap."""
+    met = {key: answer.can_be_met for own in family.answers.values() for key, answer in own.items() if answer.can_be_met is not None}
+    for key, x, y, wide, high in parts(family, -BELOW, BELOW):
+        colour = {True: "#EEEEEE", False: DARK, None: "#FFFFFF"}[met.get(key)]
+        ax.add_patch(Rectangle((x, i + y), wide, high, facecolor=colour, edgecolor=colour, linewidth=0.1))
+
+
+def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: float) -> None:
+    """A letter stands in the middle of each run of like strips; runs too narrow for it get a smaller one."""
+    outcomes = {key: family.outcome(label, *key) for key, *_ in parts(family, 0, 1)}
+    for key, x, y, wide, high in parts(family, at[0], 1):
+        outcome = outcomes[key]
+        ax.add_patch(Rectangle((x, at[1] + y), wide, high, facecolor=outcome.colour, linewidth=0.1,
+                               edgecolor="#BBBBBB" if outcome == Outcome.NOT_RUN else outcome.colour,
+                               hatch="//////" if outcome == Outcome.NOT_RUN else None))
+    across = (1 - GAP) / len(family.steps)
+    for l, tolerance in enumerate(family.tolerances):
+        line = [outcomes[step, tolerance] for step in family.steps]
+        y = at[1] + GAP + (l + 0.5) * (1 - 2 * GAP) / len(family.tolerances)
+        for begin, end in runs(line):
+            outcome, points = line[begin], (end - begin) * across * pitch
+            x = at[0] + GAP / 2 + (begin + end) / 2 * across
+            if outcome.letter:
+                size = min(6.0 if len(family.tolerances) == 1 else 4.6, max(3.6, 1.25 * points))
+                ax.text(x, y, outcome.letter, ha="center", va="center_baseline", fontsize=size, color=outcome.ink, fontweight="bold",
+                        family="DejaVu Sans")
+        for k in range(1, len(line)):  # so that strips of one colour can be counted
+            x = at[0] + GAP / 2 + k * across
+            ax.plot([x, x], [y - 0.5 / len(family.tolerances) + GAP, y + 0.5 / len(family.tolerances) - GAP], color="white", linewidth=0.25,
+                    solid_capstyle="butt")
+
+
+def runs(line: Sequence[Outcome]) -> list[tuple[int, int]]:
+    """Where each run of equal values begins and ends."""
+    ends = [k for k in range(1, len(line)) if line[k] != line[k - 1]]
+    return list(zip([0, *ends], [*ends, len(line)]))

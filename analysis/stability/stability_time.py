@@ -1,0 +1,94 @@
+"""How the time and the counted work of each solver grow with severity."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from analysis.shared import tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.stability import stability_panels
+from analysis.stability.cliffs_curves import COUNTED
+from analysis.stability.stability_families import Answer, Family, Suite, look, severity_text
+from analysis.stability.stability_outcomes import Outcome
+from analysis.stability.stability_panels import Measure, choose, largest, swept
+
+RESULTS_OF: Final = "stability_matrix"
+
+
+def make(results: Results) -> Report:
+    suite = Suite(results)
+    families = swept(suite)
+    table = tables.Table("Time to solve and counted work of each solver on each family: at the mildest severity, and the most that it takes.",
+                         ["family", "solver", "time, ms", "most, ms", "at severity", "work", "most work", "at severity", "out of time",
+                          "without bounds"], left=2)
+    for family in families:
+        table.rules.add(len(table.rows))
+        for pair in suite.labels_of(family.kind):
+            if own := [answer for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]:
+                table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
+    table.notes = ["Of the finest tolerance. Time: wall time of the first answer, structures built before it. Work: distances, bounds, nodes of "
+                   "trees and polynomial bounds together; peers count nothing. Out of time: at the limit, with bounds or without.",
+                   f"{machine_line(results)}."]
+    records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
+               if answer in family.asked(answer.label)]
+    return Report(lambda: draw(suite, choose(families)), table, records)
+
+
+def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
+    return bool(suite.results.cases.status[answer.row] == "timeout")
+
+
+def seconds(suite: Suite, answer: Answer) -> float:
+    """Of an answer: NaN where there is none, or where the limit ended it."""
+    return math.nan if ran_out_of_time(suite, answer) else float(suite.results.cases.solve_seconds[answer.row])
+
+
+def limit(suite: Suite, answer: Answer) -> float:
+    return float(suite.results.cases.case_seconds_limit[answer.row])
+
+
+def work(suite: Suite, answer: Answer) -> float:
+    """NaN where nothing is counted, or the answer was cut short."""
+    counters = suite.results.cases.counters
+    count = sum(int(counters[name][answer.row]) for name in COUNTED if name in counters)
+    return float(count) if count and not ran_out_of_time(suite, answer) else math.nan
+
+
+def cells(suite: Suite, own: list[Answer]) -> list[str]:
+    found: list[str] = []
+    for of, scale in ((seconds, 1e3), (work, 1.0)):
+        values = [(of(suite, answer), answer) for answer in own]
+        most = largest(values)
+        found += [text(values[0][0] * scale, of is work), text(most[0] * scale, of is work) if most else tables.NOTHING,
+                  severity_text(most[1].severity) if most else tables.NOTHING]
+    late = sum(ran_out_of_time(suite, answer) for answer in own)
+    silent = sum(answer.outcome in (Outcome.HUNG, Outcome.CRASHED, Outcome.REFUSED) for answer in own)
+    return found + [f"{count} of {len(own)}" if count else "" for count in (late, silent)]
+
+
+def text(value: float, is_count: bool) -> str:
+    return tables.NOTHING if math.isnan(value) else f"{value:,.0f}" if is_count else tables.number(value)
+
+
+def record(suite: Suite, family: Family, answer: Answer) -> tables.Record:
+    cases, row = suite.results.cases, answer.row
+    return {"family": family.name, "kind": family.kind, "severity": answer.severity, "tolerance": answer.tolerance, "solver": cases.solver[row],
+            "label": answer.label, "certified": int(answer.certified), "verdict": answer.outcome.words, "status": cases.status[row],
+            "seconds": seconds(suite, answer), "limit_seconds": limit(suite, answer), "work": work(suite, answer)}
+
+
+def draw(suite: Suite, families: list[Family]) -> Any:
+    def no_guide(answer: Answer) -> float:
+        return math.nan
+
+    measures = (Measure("time (s)", lambda answer: seconds(suite, answer), lambda answer: limit(suite, answer),
+                        lambda answer: limit(suite, answer) if ran_out_of_time(suite, answer) else math.nan),
+                Measure("counted work", lambda answer: work(suite, answer), no_guide))
+    tolerances = sorted({answer.tolerance for answer in suite.answers})
+    notes = ["Dotted: the time limit; open markers on it: out of time. Open markers below: stopped or loose. Red crosses: wrong."
+             + (f" Tolerance: {tolerances[0]:g}, the finest." if len(tolerances) > 1 else ""),
+             "Letters: no answer (C crashed, R refused; H hung, in the frame of work). Peers count no work."]
+    return stability_panels.draw(suite, families, measures, notes)
