@@ -6,7 +6,8 @@
 // smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
 // back to the farthest points of the boxes.
 //
-// Where a polynomial does not change its sign on the grid there is no mesh of the surface: `stalled`, with bounds that say nothing.
+// Where a polynomial does not change its sign on the grid there is no mesh of the surface: `stalled`, with the farthest points of the boxes
+// as the upper bound; infinity where it is the target, which may have no point.
 // Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "error.h"
 #include "registry.h"
@@ -31,10 +32,17 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override {
         const auto &a = surface_of(scene.source), &b = surface_of(scene.target);
+        farthest_ = farthest(a.box, b.box);
         TriangleMesh of_a, of_b;
         try {
-            of_a = triangulate(a, cells_);
             of_b = triangulate(b, cells_);
+        } catch (const InputError& error) {  // it may have no point
+            no_mesh_ = error.what();
+            farthest_ = std::numeric_limits<double>::infinity();
+            return;
+        }
+        try {
+            of_a = triangulate(a, cells_);
         } catch (const InputError& error) {
             no_mesh_ = error.what();
             return;
@@ -42,13 +50,6 @@ public:
         a_ = deviation(a, of_a, cells_, levels_);
         b_ = deviation(b, of_b, cells_, levels_);
         triangles_ = {static_cast<double>(of_a.triangles.rows()), static_cast<double>(of_b.triangles.rows())};
-        const UpwardRounding upward;
-        Interval sum(0.0);
-        for (int k = 0; k < 3; ++k) {
-            const double first = b.box(1, k) - a.box(0, k), second = a.box(1, k) - b.box(0, k);
-            sum += CGAL::square(Interval(std::max({first, second, 0.0})));
-        }
-        farthest_ = CGAL::sqrt(sum).sup();
         meshes_ = std::make_unique<Session>(asked_, Options(asked_.info.name, asked_.info.parameters, {}),
                                             Scene{std::move(of_a), std::move(of_b)}, QuerySet{});
     }
@@ -90,11 +91,21 @@ public:
     }
 
 private:
-    // Nothing is known, not even that there is a point of the target.
+    // No two points of the boxes are farther apart.
+    static double farthest(const Points& a, const Points& b) {
+        const UpwardRounding upward;
+        Interval sum(0.0);
+        for (int k = 0; k < 3; ++k) {
+            const double first = b(1, k) - a(0, k), second = a(1, k) - b(0, k);
+            sum += CGAL::square(Interval(std::max({first, second, 0.0})));
+        }
+        return CGAL::sqrt(sum).sup();
+    }
+
     Result without_meshes(const Query& query) const {
         Result result;
-        result.bounds = {0, std::numeric_limits<double>::infinity()};
-        result.status = query.answer(0, result.bounds.upper).value_or(Status::stalled);
+        result.bounds = {0, farthest_};
+        result.status = query.answer(0, farthest_).value_or(Status::stalled);
         result.note = no_mesh_;
         return result;
     }

@@ -52,9 +52,9 @@ class Cases:
     certified: Ints
     scene: Texts
     scene_note: Texts
+    exact: Floats
     family: Texts
     severity: Floats
-    exact: Floats
     source_elements: Ints
     target_elements: Ints
     source_diagonal: Floats
@@ -199,15 +199,15 @@ DEFAULTS: dict[str, Any] = {
     "cases/certified": -1,
     "cases/scene": "",
     "cases/scene_note": "",
+    "cases/exact": float("nan"),
     "cases/family": "",
     "cases/severity": float("nan"),
-    "cases/exact": float("nan"),
     "cases/source_elements": 0,
     "cases/target_elements": 0,
     "cases/source_diagonal": 0.0,
     "cases/source_longest": 0.0,
     "cases/pose_index": 0,
-    "cases/tolerance_absolute": 0.0,
+    "cases/tolerance_absolute": 5e-324,
     "cases/status": "skipped",
     "cases/reason": "",
     "cases/solver_status": "",

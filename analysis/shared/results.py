@@ -238,4 +238,4 @@ class Results:
         return "not checked (no witness)" if check == "no witness" else check
 
     def gap(self, case: int) -> float:
-        return float(self.cases.upper[case] - self.cases.lower[case])
+        return float(self.cases.upper[case]) - float(self.cases.lower[case])

@@ -33,11 +33,16 @@ def make(results: Results) -> Report:
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
-    return Report(lambda: draw(suite, choose(families)), table, records)
+    return Report(lambda: draw(suite, choose(families, ill)), table, records)
 
 
 def has_exact(suite: Suite, family: Family) -> bool:
     return all(math.isfinite(suite.results.cases.exact[answer.row]) for own in family.answers.values() for answer in own.values())
+
+
+def ill(family: Family) -> float:
+    """1: some solver is wrong there."""
+    return float(any(answer.outcome == Outcome.WRONG for own in family.answers.values() for answer in own.values()))
 
 
 def error(suite: Suite, answer: Answer) -> float:

@@ -131,9 +131,9 @@ class Suite:
         return [family for family in self.families if family.kind == kind]
 
     def labels_of(self, kind: str) -> list[Label]:
-        """Those that take such shapes: not every row of theirs is `not applicable`."""
+        """Those that take such shapes: not every row of theirs is `not applicable`. Input that cannot be read is refused before that shows."""
         return [pair for pair in self.labels
-                if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
+                if any(answer.legal and answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
 
     def is_certified(self, label: str) -> bool:
         """Of a solver that was run nowhere nobody knows: it promises nothing here."""

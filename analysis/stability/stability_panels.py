@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from analysis.shared import scales, style
 from analysis.stability.stability_families import Answer, Family, Label, Suite, look
@@ -36,9 +37,9 @@ class Measure:
     stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # where an answer that ran out of time is drawn, with an open marker
 
 
-def choose(families: Sequence[Family]) -> list[Family]:
-    """Those with the most severities, in the order of the experiment."""
-    among = sorted(families, key=lambda family: -len(family.steps))[:MOST]
+def choose(families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0) -> list[Family]:
+    """Those of most interest, and of these the ones with the most severities, in the order of the experiment."""
+    among = sorted(families, key=lambda family: (-interest(family), -len(family.steps)))[:MOST]
     return [family for family in families if family in among]
 
 
@@ -123,6 +124,15 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
             lost[answer.severity] += 1
 
 
+def spread(severities: Sequence[float], apart: float) -> list[float]:
+    """Those that are so many powers of ten from all before them, sorted."""
+    kept: list[float] = []
+    for severity in severities:
+        if all(abs(math.log10(severity / other)) >= apart for other in kept):
+            kept.append(severity)
+    return sorted(kept)
+
+
 def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None:
     """The severest at the right. A severity of 0 or below has no logarithm."""
     if not severities:
@@ -131,10 +141,16 @@ def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None
     if first > 0:
         ax.set_xscale("log")
         room = (last / first) ** 0.06
-        ax.set_xlim(first / room, last * room)
-        scales.log_ticks(ax.xaxis)
-        if last / first >= 1e4:  # labels such as 10 to the minus 12 are wide
-            ax.xaxis.get_major_locator().set_params(numticks=5)
+        ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are no doubles
+        if last / first >= 1e30:  # the locators of logarithmic axes look beyond the axis, where there are no doubles
+            shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)
+            ax.xaxis.set_major_locator(FixedLocator(shown))
+            ax.xaxis.set_minor_locator(NullLocator())
+            ax.xaxis.set_major_formatter(FixedFormatter([f"$10^{{{math.log10(x):.0f}}}$" for x in shown]))
+        else:
+            scales.log_ticks(ax.xaxis)
+            if last / first >= 1e4:  # labels such as 10 to the minus 12 are wide
+                ax.xaxis.get_major_locator().set_params(numticks=5)
         if last / first < 100:
             ax.set_xticks(severities, [f"{x:g}" for x in severities])
     else:

@@ -10,7 +10,7 @@ from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.stability import stability_panels
-from analysis.stability.cliffs_curves import COUNTED
+from analysis.speed.cliffs_curves import COUNTED
 from analysis.stability.stability_families import Answer, Family, Suite, look, severity_text
 from analysis.stability.stability_outcomes import Outcome
 from analysis.stability.stability_panels import Measure, choose, largest, swept
@@ -34,7 +34,7 @@ def make(results: Results) -> Report:
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
-    return Report(lambda: draw(suite, choose(families)), table, records)
+    return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records)
 
 
 def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
@@ -55,6 +55,19 @@ def work(suite: Suite, answer: Answer) -> float:
     counters = suite.results.cases.counters
     count = sum(int(counters[name][answer.row]) for name in COUNTED if name in counters)
     return float(count) if count and not ran_out_of_time(suite, answer) else math.nan
+
+
+def growth(suite: Suite, family: Family) -> float:
+    """By how many powers of ten the work of a solver grows at most; beyond all measure where one ran out of time."""
+    most = 0.0
+    for label in family.answers:
+        own = [answer for answer in family.finest(label) if answer in family.asked(label)]
+        known = [count for answer in own if (count := work(suite, answer)) > 0]
+        if any(ran_out_of_time(suite, answer) for answer in own):
+            return math.inf
+        if known:
+            most = max(most, math.log10(max(known) / min(known)))
+    return most
 
 
 def cells(suite: Suite, own: list[Answer]) -> list[str]:

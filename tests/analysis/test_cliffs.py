@@ -14,11 +14,11 @@ from stem_runner import Make, stem_runner
 
 from analysis.__main__ import main
 from analysis.shared import load, style
-from analysis.stability import cliffs, cliffs_picture
-from analysis.stability.cliffs_curves import FAMILIES, Row, collect
+from analysis.speed import cliffs, cliffs_picture
+from analysis.speed.cliffs_curves import FAMILIES, Row, collect
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDER = ROOT / "experiments" / "stability"
+FOLDER = ROOT / "experiments" / "speed"
 
 
 @pytest.fixture()

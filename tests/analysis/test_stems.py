@@ -18,7 +18,7 @@ from synthetic import ResultFile, spread
 from analysis.__main__ import main
 from analysis.shared import load, style
 from analysis.shared.statistics import median
-from analysis.stability import error_vs_time
+from analysis.speed import error_vs_time
 from analysis.zhang2017 import zhang2017_table3
 
 ROOT = Path(__file__).resolve().parents[2]

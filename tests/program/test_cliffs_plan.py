@@ -6,7 +6,7 @@ from pathlib import Path
 
 from conftest import Program
 
-EXPERIMENT = Path(__file__).resolve().parents[2] / "experiments" / "stability" / "cliffs.toml"
+EXPERIMENT = Path(__file__).resolve().parents[2] / "experiments" / "speed" / "cliffs.toml"
 
 
 def test_explain_makes_the_models_and_plans_every_pose(hausbench: Program, tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ def place(results: Results, case: int) -> tuple[str, float]:
         return scene, 1 / float(cases.tolerance[case])
     found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
     if not found or found[1] not in FAMILIES:
-        raise ResultError(f"{results.path}: scene '{scene}' belongs to no family of analysis/stability/cliffs_curves.py: name it "
+        raise ResultError(f"{results.path}: scene '{scene}' belongs to no family of analysis/speed/cliffs_curves.py: name it "
                           "FAMILY_1eNN, with a family of the list FAMILIES there")
     return found[1], 10.0 ** int(found[3]) if found[2] else float(found[3])
 

@@ -13,8 +13,8 @@ from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
-from analysis.stability import cliffs_picture
-from analysis.stability.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, collect, flat_from, largest, power, relative
+from analysis.speed import cliffs_picture
+from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, collect, flat_from, largest, power, relative
 
 def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
     """Of each claim and each solver that counts its work."""

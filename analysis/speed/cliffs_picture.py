@@ -10,7 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 
 from analysis.shared import scales, style
-from analysis.stability.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
+from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
 
 ACROSS: Final = 4
 WIDE: Final = 1.46  # inches, of a frame
