@@ -178,7 +178,7 @@ def test_matrix_where_nothing_is_ill(make: Make, tmp_path: Path) -> None:
     write_shapes(sweeps.file, tmp_path, {})
     text = make(sweeps.file)[2]
     assert "crashes or hangs. Here: not refuted (0 of 80 answers" in text
-    assert "(sampling, which has no tolerance, aside). Here it holds (60 of 60, 100 %; families below: none; solvers below: none)." in text
+    assert "(sampling and surface_meshes, whose bounds have a width of their own, aside). Here it holds (60 of 60, 100 %; families below: none; solvers below: none)." in text
 
 
 @pytest.mark.parametrize(("tight", "outcome"), [(19, "it holds (57 of 60, 95.0 %"), (18, "it does not hold (54 of 60, 90.0 %")])
