@@ -13,8 +13,8 @@ constexpr std::uint64_t most_more_cuts = 1'000'000;
 
 // `proven` is above the upper bound by what the check may lose (cover_certificate.h), (14 L + 100) u D below L cuts, and by what
 // chords of cells are off (piece_cells.h), less than 100 u D. L <= 156: three cuts for each of 50 levels, or one for each of 102, and
-// at most six for the cells; so it is less than 1e-12 D in all.
-constexpr double loss_of_check = 200, loss_of_cut = 14;
+// at most six for the cells. Where a piece was looked at once more, `slack` is added. All of it is less than 1e-12 D = 9007 u D.
+constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
 // The cuts that make the parts of a piece, told to a tree. One of four is left over from three cuts; `next` writes what stands between.
 template <class Write>
@@ -91,12 +91,14 @@ void PieceProofs::one(Node piece, double upper, Index near) {
     entry.tree.clear();
 }
 
-void PieceProofs::cells(Node piece, double upper, const CertificateTree& tree) {
+void PieceProofs::prove(Node piece, double upper, const PieceArgument& argument, const PieceCorners& corners) {
+    if (argument.kind == PieceArgument::Kind::one) return one(piece, upper, argument.near);
     Entry& entry = nodes_[piece];
     if (!(upper < entry.upper)) return;
     entry.upper = upper;
     entry.near = -1;
-    entry.tree = tree;
+    entry.tree.clear();
+    write_cells(entry.tree, argument, corners, entry.turn);
 }
 
 void PieceProofs::one_for_all(Index near) {
@@ -108,7 +110,11 @@ void PieceProofs::one_for_all(Index near) {
 class PieceProofs::Writing {
 public:
     Writing(const PieceProofs& proofs, double upper)
-        : proofs_(proofs), target_(proofs.pair_.target), magnitude_(proofs.pair_.magnitude), upper_(upper) {}
+        : proofs_(proofs),
+          bounds_(proofs.pair_.target, proofs.pair_.magnitude, uncounted_),
+          upper_(upper),
+          unit_(unit_roundoff * diagonal_of(proofs.pair_)),
+          slack_(slack * unit_) {}
 
     // False: too many cuts.
     bool triangle(Index i, CertificateTree& tree) {
@@ -117,7 +123,8 @@ public:
         return piece(static_cast<Node>(i), {points.row(v[0]), points.row(v[1]), points.row(v[2])}, 0, tree);
     }
 
-    int depth() const { return depth_; }  // a bound of the cuts above a leaf
+    // That the check, after what it may lose, finds no more than this above the upper bound.
+    double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ ? slack_ : 0); }
 
 private:
     struct More {  // a piece that is looked at anew
@@ -148,49 +155,48 @@ private:
         return true;
     }
 
-    // By the triangles nearest to its corners, and by that of the piece that it is part of.
-    bool look_again(More more, CertificateTree& tree) {
-        std::array<Index, 4> near{more.near, -1, -1, -1};
+    // The bound of a piece that it is part of may have been the exact one, and that of a part has more of rounding in it.
+    bool look_again(const More& more, CertificateTree& tree) {
+        PieceCorners corners;
+        Index near = more.near;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Index warm = i > 0 ? near[i] : more.near;
-            near[i + 1] = target_.closest(more.corners[i], warm, uncounted_).triangle;
+            const ClosestPoint nearest = proofs_.pair_.target.closest(more.corners[i], near, uncounted_);
+            near = nearest.triangle;
+            corners[i] = {more.corners[i], nearest.squared_distance, near};
         }
-        double least = std::numeric_limits<double>::infinity();
-        for (const Index k : near) {
-            if (k < 0) continue;
-            const double most = squared_to_farthest(more.corners, k);
-            if (most < least) least = most, more.near = k;
-        }
-        if (surface_distance_at_most(least, magnitude_, more.level) <= upper_) {
-            reach(more.level);
-            tree.one(more.near);
-            return true;
-        }
+        looked_again_ = true;
+        if (leaf_of(corners, more, tree)) return true;
         if (more.level >= most_levels(proofs_.split_) || ++more_cuts_ > most_more_cuts) return false;
         const PointCut parts(more.corners, proofs_.split_);
         bool all = true;
         write_cuts(tree, proofs_.split_, more.turn, opposite_of(parts.cut), [&](std::size_t i) {
-            all = all && look_again({parts.corners(i), more.level + 1, {turn_of(proofs_.split_, i)}, more.near}, tree);
+            all = all && look_again({parts.corners(i), more.level + 1, {turn_of(proofs_.split_, i)}, near}, tree);
         });
         return all;
     }
 
-    double squared_to_farthest(const Corners& corners, Index k) const {
-        const Triangle near = target_.triangle(k);
-        double most = 0;
-        for (const Vec3& corner : corners) most = std::max(most, target_.squared_distance(corner, near));
-        return most;
+    bool leaf_of(const PieceCorners& corners, const More& more, CertificateTree& tree) {
+        const auto suffices = [&](double upper) {
+            if (!(upper <= upper_ + slack_)) return false;
+            reach(more.level);
+            write_cells(tree, bounds_.argument(), corners, more.turn);
+            return true;
+        };
+        return (more.near >= 0 && suffices(bounds_.nearest_triangles(corners, more.level, more.near))) ||
+               suffices(bounds_.nearest_triangles(corners, more.level)) || suffices(bounds_.u3(corners, more.level)) ||
+               suffices(bounds_.u4(corners, more.level));
     }
 
     // A leaf of this level.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;
-    const Target& target_;
-    double magnitude_, upper_;
     Counters uncounted_;
+    PieceBounds bounds_;
+    double upper_, unit_, slack_;
     std::uint64_t more_cuts_ = 0;
-    int depth_ = 0;
+    bool looked_again_ = false;
+    int depth_ = 0;  // at least the cuts above any leaf
 };
 
 void PieceProofs::finish(Result& result) const {
@@ -208,8 +214,8 @@ void PieceProofs::finish(Result& result) const {
         }
         builder.set(i, tree);
     }
-    const double loss = (loss_of_cut * writing.depth() + loss_of_check) * unit_roundoff * diagonal_of(pair_);
-    if (auto certificate = builder.finish(result.bounds.upper + loss)) result.certificates = {std::move(*certificate)};
+    if (auto certificate = builder.finish(result.bounds.upper + writing.loss()))
+        result.certificates = {std::move(*certificate)};
 }
 
 }  // namespace hausbench

@@ -6,16 +6,17 @@
 // - Of each piece the least bound that was found for it, and why it holds: one triangle of B, or some cuts more, into cells with a
 //   triangle of B each (piece_cells.h). A bound by one triangle is one for every part of the piece too, and parts inherit it.
 //
-// One argument the format does not hold: a part that the search settles by the cells of the piece that it was cut from, because no bound of
-// its own was less. In guthe there is none. When the search is over, such a part is bounded anew by single triangles, those
-// nearest to its corners, and is cut further until this suffices for the final upper bound (`most_more_cuts`). That is the one
-// step of the proof that the search did not take.
+// One argument is not told: a part that the search settles by the cells of the piece that it was cut from, because no bound of its own was
+// less. In guthe there is none. When the search is over, such a part is measured and bounded anew, by the nearest triangles, u3 and u4
+// of piece_bounds.h, and is cut further until one of these suffices for the final upper bound, but for rounding (`slack`). That is
+// the one step of the proof that the search did not take; where it takes too many cuts there is no certificate.
 //
 // Nothing here changes what the search does; it is called only where a certificate is wanted.
 #pragma once
 
 #include "cover_certificate.h"
 #include "mesh_solver.h"
+#include "piece_cells.h"
 #include "subdivision.h"
 
 #include <array>
@@ -26,15 +27,6 @@
 #include <vector>
 
 namespace hausbench {
-
-// How the corners of a piece stand in its polygon of the certificate: corner i of the piece is corner i + turn of the polygon.
-struct PieceTurn {
-    std::uint8_t turn = 0;
-
-    std::size_t place(std::size_t i) const {
-        return (i + turn) % 3;
-    }  // of corner i, or of the edge from it to the next
-};
 
 class PieceProofs {
 public:
@@ -53,9 +45,8 @@ public:
     // No point of the piece is farther than `upper` from triangle `near` of B. Kept if this is less than what was told before.
     void one(Node piece, double upper, Index near);
 
-    // Likewise, by cells: `tree` is that of the polygon, as turn() says.
-    void cells(Node piece, double upper, const CertificateTree& tree);
-    PieceTurn turn(Node piece) const { return nodes_[piece].turn; }
+    // Likewise, with the argument of a bound of piece_bounds.h.
+    void prove(Node piece, double upper, const PieceArgument& argument, const PieceCorners& corners);
 
     // Where time is out before each triangle of A has a bound: `near` will do for all of A.
     void one_for_all(Index near);
