@@ -83,6 +83,51 @@ TEST(CertificateFile, WhatIsReadIsWhatWasWritten) {
     }
 }
 
+std::string bytes_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Empty: the file was read.
+std::string problem_of(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary).write(bytes.data(), std::ptrdiff_t(bytes.size())).flush();
+    try {
+        (void)read_certificate(file);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+// Every bit of a small file, and a bit here and there of a large one; every end that is cut off; and bytes that are added or exchanged.
+TEST(CertificateFile, NoChangedByteIsRead) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "proof";
+    CertificateFile large = proof_of(Quantity::symmetric);
+    for (int i = 0; i < 300'000; ++i) large.certificates[0].bytes += char(i * i % 251);
+    for (const CertificateFile& c : {proof_of(Quantity::directed), large}) {
+        write_certificate(file, c);
+        const std::string good = bytes_of(file);
+        ASSERT_EQ(problem_of(file, good), "");
+        const std::size_t step = good.size() < 5000 ? 1 : 9973, seal = good.size() - 73;
+        for (std::size_t bit = 0; bit < 8 * good.size(); bit += step) {
+            std::string bad = good;
+            bad[bit / 8] = char(bad[bit / 8] ^ (1 << bit % 8));
+            const std::string problem = problem_of(file, bad);
+            ASSERT_NE(problem, "") << bit;
+            if (bit / 8 >= seal) continue;
+            ASSERT_NE(problem.find("damaged: its SHA-256 is not what it says"), std::string::npos) << problem;
+        }
+        for (std::size_t size = 0; size < good.size(); size += step)
+            ASSERT_NE(problem_of(file, good.substr(0, size)), "");
+        ASSERT_NE(problem_of(file, good + '\n'), "");
+        ASSERT_NE(problem_of(file, good.substr(0, seal) + 'x' + good.substr(seal)), "");
+        std::string capitals = good;  // the same number, written otherwise
+        for (std::size_t i = seal + 8; i < good.size(); ++i) capitals[i] = char(std::toupper(capitals[i]));
+        ASSERT_NE(problem_of(file, capitals), "");
+    }
+}
+
 TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
     for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
         const CertificateFile good = proof_of(quantity);

@@ -8,6 +8,7 @@ Exit code 0: all proofs of true bounds are accepted, and all false claims refuse
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import os
 import subprocess
@@ -39,13 +40,14 @@ def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedP
 
 def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
     """Copies that claim less than the lower bound, which a witness shows: by the number alone, and with a shorter proof."""
-    header, body = proof.read_bytes().split(b"\n", 1)
+    header, body = proof.read_bytes().rsplit(b"\nsha256 ", 1)[0].split(b"\n", 1)
     for name, content in (("number", body), ("end", body[:-1])):
         claim = json.loads(header)
         for certificate in claim["certificates"]:
             certificate["proven"] = lower * (1 - 1e-9)
         changed = proof.with_suffix(f".{name}")
-        changed.write_bytes(json.dumps(claim).encode() + b"\n" + content)
+        whole = json.dumps(claim).encode() + b"\n" + content
+        changed.write_bytes(whole + f"\nsha256 {hashlib.sha256(whole).hexdigest()}\n".encode())
         yield name, changed
 
 
