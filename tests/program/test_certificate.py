@@ -216,6 +216,6 @@ def test_mesh_solvers_write_proofs(hausbench: Program, tetrahedron: Path, raised
 
 def test_bounds_that_prove_nothing_are_said(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     out = tmp_path / "none"
-    done = hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--param", "kernel=textbook", "--certificate", out)
+    done = hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--set", "kernel=textbook", "--certificate", out)
     assert done.returncode == 1 and not out.exists()
     assert "kernel = textbook or certify = false" in done.stdout + done.stderr
