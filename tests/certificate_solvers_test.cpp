@@ -176,6 +176,50 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
 }
 
+// Every order of the four bounds, either split, regions on and off; and the bounds of the answer are those without a certificate.
+TEST(CertificatesOfCascades, EveryOrderAndSplit) {
+    Random random(92);
+    std::string digits;
+    const auto check_order = [&](const std::string& name, ParameterMap given) {
+        const SolverEntry& entry = find_solver(name);
+        for (const char* split : {"midpoint", "longest_edge"}) {
+            given.insert_or_assign("split", std::string(split));
+            for (int i = 0; i < 20; ++i) {
+                const Scene scene = small_scene(random, int(random.below(1000)));
+                Query query;
+                query.tolerance.value = i % 2 ? 1e-2 : 1e-6;
+                query.budget = 3000;  // u1 and u2 alone come close slowly
+                const Session session(entry, Options(name, entry.info.parameters, given), scene, {});
+                Trace untraced;
+                const Result plain = session.solve(query, untraced);
+                query.wanted.certificate = true;
+                const Result result = session.solve(query, untraced);
+                const std::string where = name + " " + digits + " " + split + " " + std::to_string(i);
+                EXPECT_EQ(result.bounds.lower, plain.bounds.lower) << where;
+                EXPECT_EQ(result.bounds.upper, plain.bounds.upper) << where;
+                EXPECT_EQ(result.counters.point_triangle_distances, plain.counters.point_triangle_distances) << where;
+                ASSERT_EQ(result.certificates.size(), 1u) << where << ": " << result.why_no_certificate;
+                Tally tally;
+                check_all(scene, query, result, tally, where);
+            }
+        }
+    };
+    for (int order = 1; order < 625; ++order) {  // numbers to base 5: each digit at most once
+        digits.clear();
+        for (int rest = order; rest > 0; rest /= 5) digits += char('0' + rest % 5);
+        std::string sorted = digits;
+        std::sort(sorted.begin(), sorted.end());
+        if (sorted[0] == '0' || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) continue;
+        check_order("sacht", {{"order", digits}});
+        if (HasFailure()) return;
+    }
+    digits.clear();
+    for (const char* name : {"guthe", "kang", "zheng"}) {
+        check_order(name, {{"regions", true}});
+        check_order(name, {{"regions", false}});
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(EachSolver, Certificates, ::testing::Range<std::size_t>(0, with_certificates().size()),
                          [](const auto& test) { return with_certificates()[test.param].info.name; });
 
