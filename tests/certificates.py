@@ -1,6 +1,6 @@
 """Certificates of pairs of real meshes: each is written, checked, and checked again with false claims, which must be refused.
 
-    python3 tests/certificates.py [--program build/release/hausbench] [--pairs N]
+    python3 tests/certificates.py [--program build/release/hausbench] [--solver NAME] [--pairs N]
 
 Exit code 0: all proofs of true bounds are accepted, and all false claims refused; 1: not so; 2: something is missing.
 """
@@ -51,13 +51,13 @@ def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
         yield name, changed
 
 
-def check(program: str, source: str, target: str, folder: Path) -> str:
+def check(program: str, solver: str, source: str, target: str, folder: Path) -> str:
     """One line about a pair; Refused where the proof is, or where a false claim is not."""
     files = [folder / f"{number}.off" for number in range(2)]
     for model, file in zip((source, target), files):
         run(program, "export", model, str(file))
     proof = folder / "proof"
-    answer = json.loads(run(program, "measure", *map(str, files), "--certificate", str(proof), "--json").stdout)
+    answer = json.loads(run(program, "measure", *map(str, files), "--solver", solver, "--certificate", str(proof), "--json").stdout)
     before = time.perf_counter()
     run(program, "verify", "--certificate", str(proof))
     seconds = time.perf_counter() - before
@@ -66,12 +66,13 @@ def check(program: str, source: str, target: str, folder: Path) -> str:
         for name, changed in false_claims(proof, lower):
             if run(program, "verify", "--certificate", str(changed), allowed=(0, 1, 2)).returncode == 0:
                 raise Refused(f"{source} to {target}: accepted with a false claim ({name})")
-    return f"{source} to {target}: {proof.stat().st_size / 2**20:.1f} MiB, accepted after {seconds:.2f} s" + (", false claims refused" if lower > 0 else "")
+    return f"{solver}, {source} to {target}: {proof.stat().st_size / 2**20:.1f} MiB, accepted after {seconds:.2f} s" + (", false claims refused" if lower > 0 else "")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--program", default=os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench")))
+    parser.add_argument("--solver", default="cover")
     parser.add_argument("--pairs", type=int, default=len(PAIRS), help="only the first N")
     chosen = parser.parse_args()
     if not Path(chosen.program).is_file():
@@ -81,7 +82,7 @@ def main() -> int:
     for source, target in PAIRS[:chosen.pairs]:
         with tempfile.TemporaryDirectory() as folder:
             try:
-                print(check(chosen.program, source, target, Path(folder)), flush=True)
+                print(check(chosen.program, chosen.solver, source, target, Path(folder)), flush=True)
             except Refused as problem:
                 wrong += 1
                 print(problem, file=sys.stderr, flush=True)

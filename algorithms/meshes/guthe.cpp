@@ -90,8 +90,8 @@ public:
             queue_.for_each([&](const Piece& piece) { elements_->settle(piece.upper, piece.source); });
             result.fields = bounds_.fields();
         }
-        if (proofs_) proofs_->finish(result);
         result.reported = stages_.seconds();
+        if (proofs_) proofs_->finish(result);
         return result;
     }
 

@@ -69,8 +69,8 @@ public:
         }
         if (result.status == Status::budget && counters_.subdivisions >= factor_budget_)
             result.note = "max_factor was spent";
-        if (proofs_) proofs_->finish(result);
         result.reported = stages_.seconds();
+        if (proofs_) proofs_->finish(result);
         return result;
     }
 

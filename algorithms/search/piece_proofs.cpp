@@ -124,7 +124,9 @@ public:
     }
 
     // That the check, after what it may lose, finds no more than this above the upper bound.
-    double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ ? slack_ : 0); }
+    double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
+
+    std::uint64_t looked_again() const { return looked_again_; }
 
 private:
     struct More {  // a piece that is looked at anew
@@ -164,7 +166,7 @@ private:
             near = nearest.triangle;
             corners[i] = {more.corners[i], nearest.squared_distance, near};
         }
-        looked_again_ = true;
+        ++looked_again_;
         if (leaf_of(corners, more, tree)) return true;
         if (more.level >= most_levels(proofs_.split_) || ++more_cuts_ > most_more_cuts) return false;
         const PointCut parts(more.corners, proofs_.split_);
@@ -194,8 +196,7 @@ private:
     Counters uncounted_;
     PieceBounds bounds_;
     double upper_, unit_, slack_;
-    std::uint64_t more_cuts_ = 0;
-    bool looked_again_ = false;
+    std::uint64_t more_cuts_ = 0, looked_again_ = 0;
     int depth_ = 0;  // at least the cuts above any leaf
 };
 
@@ -214,6 +215,7 @@ void PieceProofs::finish(Result& result) const {
         }
         builder.set(i, tree);
     }
+    result.reported[std::string(pieces_bounded_anew)] = static_cast<double>(writing.looked_again());
     if (auto certificate = builder.finish(result.bounds.upper + writing.loss()))
         result.certificates = {std::move(*certificate)};
 }

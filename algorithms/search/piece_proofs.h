@@ -24,9 +24,13 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hausbench {
+
+// In Result::reported: pieces of the certificate that were bounded anew, as above.
+inline constexpr std::string_view pieces_bounded_anew = "proof: pieces bounded anew";
 
 class PieceProofs {
 public:
