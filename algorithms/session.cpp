@@ -299,6 +299,7 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     }
     if (!query.wanted.fields || !entry_.info.fields) result.fields.reset();
     if (!query.wanted.certificate || !entry_.info.certificates) result.certificates.clear();
+    if (!query.wanted.certificate || !result.certificates.empty()) result.why_no_certificate.clear();
     scale_back(result, trace, widening(*source_, query.source_pose) + widening(*target_, query.target_pose));
     if (entry_.info.traces) trace.finish(result.bounds.lower, result.bounds.upper);
 

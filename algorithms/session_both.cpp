@@ -72,6 +72,7 @@ void Session::join(Result& whole, const Result& other, bool backward) {
     keep_larger(whole, other);
     if (!whole.fields) whole.fields = other.fields;
     // The proof of one direction alone proves nothing of H.
+    if (whole.why_no_certificate.empty()) whole.why_no_certificate = other.why_no_certificate;
     if (whole.certificates.empty() || other.certificates.empty())
         whole.certificates.clear();
     else
@@ -103,6 +104,8 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
         whole.status = Status::above_cutoff;
         whole.note.clear();
         whole.certificates.clear();  // what they prove is not the bound of H
+        whole.why_no_certificate =
+            "one direction is above the cutoff, so the other one was not measured and H has no upper bound";
         return whole;
     }
     const double first = clock.elapsed();

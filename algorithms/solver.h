@@ -115,6 +115,7 @@ struct Result {
         {};  // one line, why the status is not `converged`, where the solver knows more than the status says
     std::optional<Fields> fields = {};           // only where the query wants them
     std::vector<Certificate> certificates = {};  // likewise; of H(A,B) one for each direction, or none
+    std::string why_no_certificate = {};         // one line, where one was wanted and there is none
     // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;

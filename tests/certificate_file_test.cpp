@@ -83,6 +83,51 @@ TEST(CertificateFile, WhatIsReadIsWhatWasWritten) {
     }
 }
 
+std::string bytes_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Empty: the file was read.
+std::string problem_of(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary).write(bytes.data(), std::ptrdiff_t(bytes.size())).flush();
+    try {
+        (void)read_certificate(file);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+// Every byte of a small file, and one here and there of a large one; ends that are cut off; and bytes that are added or exchanged.
+TEST(CertificateFile, NoChangedByteIsRead) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "proof";
+    CertificateFile large = proof_of(Quantity::symmetric);
+    for (int i = 0; i < 300'000; ++i) large.certificates[0].bytes += char(i % 251);
+    for (const CertificateFile& c : {proof_of(Quantity::directed), large}) {
+        write_certificate(file, c);
+        const std::string good = bytes_of(file);
+        ASSERT_EQ(problem_of(file, good), "");
+        const std::size_t step = good.size() < 5000 ? 1 : 4999, seal = good.size() - 73;
+        for (std::size_t at = 0; at < good.size(); at += step) {
+            std::string bad = good;
+            bad[at] = char(bad[at] ^ (1 << at / step % 8));
+            const std::string problem = problem_of(file, bad);
+            ASSERT_NE(problem, "") << at;
+            if (at >= seal) continue;
+            ASSERT_NE(problem.find("damaged: its SHA-256 is not what it says"), std::string::npos) << problem;
+        }
+        for (std::size_t size = 0; size < good.size(); size += 9 * step)
+            ASSERT_NE(problem_of(file, good.substr(0, size)), "");
+        ASSERT_NE(problem_of(file, good + '\n'), "");
+        ASSERT_NE(problem_of(file, good.substr(0, seal) + 'x' + good.substr(seal)), "");
+        std::string capitals = good;  // the same number, written otherwise
+        for (std::size_t i = seal + 8; i < good.size(); ++i) capitals[i] = char(std::toupper(capitals[i]));
+        ASSERT_NE(problem_of(file, capitals), "");
+    }
+}
+
 TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
     for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
         const CertificateFile good = proof_of(quantity);

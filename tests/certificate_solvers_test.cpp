@@ -7,6 +7,7 @@
 #include "quick_options.h"
 #include "registry.h"
 #include "scenes.h"
+#include "search/piece_proofs.h"
 #include "session.h"
 #include "small_scenes.h"
 
@@ -71,6 +72,7 @@ std::vector<SolverEntry> with_certificates() {
 
 struct Tally {
     int answers = 0, certificates = 0;
+    double anew = 0;  // pieces
 };
 
 // Each one is accepted, and proves the upper bound but for rounding.
@@ -79,6 +81,9 @@ void check_all(const Scene& scene, const Query& query, const Result& result, Tal
     ASSERT_TRUE(result.certificates.empty() || result.certificates.size() == directions) << where;
     ++tally.answers;
     if (!result.certificates.empty()) ++tally.certificates;
+    for (const auto& [name, value] : result.reported) {
+        if (name.starts_with(pieces_bounded_anew)) tally.anew += std::get<double>(value);
+    }
     for (const Certificate& one : result.certificates) {
         const CertificateCheck check =
             check_certificate(scene.source, query.source_pose, scene.target, query.target_pose, one);
@@ -94,6 +99,13 @@ class Certificates : public ::testing::TestWithParam<std::size_t> {
 protected:
     const SolverEntry entry = with_certificates()[GetParam()];
     const bool slow = entry.info.name == "slow";
+
+    // Only what cells bound may have to be bounded anew.
+    void expect_own_steps(const Tally& tally) const {
+        if (entry.info.name != "sacht" && entry.info.name != "kang") {
+            EXPECT_EQ(tally.anew, 0) << entry.info.name;
+        }
+    }
 
     void ask(const TestScene& test, const Query& asked, Tally& tally, const std::string& what) const {
         if (!refusal(entry.info, kind_of(test.scene.source), kind_of(test.scene.target)).empty()) return;
@@ -145,6 +157,7 @@ TEST_P(Certificates, OfEverySceneAreAccepted) {
     }
     // The slow one gives up where it would take too many cuts.
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
+    expect_own_steps(tally);
 }
 
 TEST_P(Certificates, WhateverTheStatus) {
@@ -162,6 +175,7 @@ TEST_P(Certificates, WhateverTheStatus) {
             ask(scene, one, tally, what);
     }
     EXPECT_GT(tally.certificates, 0);
+    expect_own_steps(tally);
 }
 
 TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
@@ -174,6 +188,51 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
         if (HasFailure()) return;
     }
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
+    expect_own_steps(tally);
+}
+
+// Every order of the four bounds, either split, regions on and off; and the bounds of the answer are those without a certificate.
+TEST(CertificatesOfCascades, EveryOrderAndSplit) {
+    Random random(92);
+    std::string digits;
+    const auto check_order = [&](const std::string& name, ParameterMap given) {
+        const SolverEntry& entry = find_solver(name);
+        for (const char* split : {"midpoint", "longest_edge"}) {
+            given.insert_or_assign("split", std::string(split));
+            for (int i = 0; i < 20; ++i) {
+                const Scene scene = small_scene(random, int(random.below(1000)));
+                Query query;
+                query.tolerance.value = i % 2 ? 1e-2 : 1e-6;
+                query.budget = 3000;  // u1 and u2 alone come close slowly
+                const Session session(entry, Options(name, entry.info.parameters, given), scene, {});
+                Trace untraced;
+                const Result plain = session.solve(query, untraced);
+                query.wanted.certificate = true;
+                const Result result = session.solve(query, untraced);
+                const std::string where = name + " " + digits + " " + split + " " + std::to_string(i);
+                EXPECT_EQ(result.bounds.lower, plain.bounds.lower) << where;
+                EXPECT_EQ(result.bounds.upper, plain.bounds.upper) << where;
+                EXPECT_EQ(result.counters.point_triangle_distances, plain.counters.point_triangle_distances) << where;
+                ASSERT_EQ(result.certificates.size(), 1u) << where << ": " << result.why_no_certificate;
+                Tally tally;
+                check_all(scene, query, result, tally, where);
+            }
+        }
+    };
+    for (int order = 1; order < 625; ++order) {  // numbers to base 5: each digit at most once
+        digits.clear();
+        for (int rest = order; rest > 0; rest /= 5) digits += char('0' + rest % 5);
+        std::string sorted = digits;
+        std::sort(sorted.begin(), sorted.end());
+        if (sorted[0] == '0' || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) continue;
+        check_order("sacht", {{"order", digits}});
+        if (HasFailure()) return;
+    }
+    digits.clear();
+    for (const char* name : {"guthe", "kang", "zheng"}) {
+        check_order(name, {{"regions", true}});
+        check_order(name, {{"regions", false}});
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(EachSolver, Certificates, ::testing::Range<std::size_t>(0, with_certificates().size()),

@@ -1,6 +1,6 @@
 """Certificates of pairs of real meshes: each is written, checked, and checked again with false claims, which must be refused.
 
-    python3 tests/certificates.py [--program build/release/hausbench] [--pairs N]
+    python3 tests/certificates.py [--program build/release/hausbench] [--solver NAME] [--pairs N]
 
 Exit code 0: all proofs of true bounds are accepted, and all false claims refused; 1: not so; 2: something is missing.
 """
@@ -8,6 +8,7 @@ Exit code 0: all proofs of true bounds are accepted, and all false claims refuse
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import os
 import subprocess
@@ -39,23 +40,24 @@ def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedP
 
 def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
     """Copies that claim less than the lower bound, which a witness shows: by the number alone, and with a shorter proof."""
-    header, body = proof.read_bytes().split(b"\n", 1)
+    header, body = proof.read_bytes().rsplit(b"\nsha256 ", 1)[0].split(b"\n", 1)
     for name, content in (("number", body), ("end", body[:-1])):
         claim = json.loads(header)
         for certificate in claim["certificates"]:
             certificate["proven"] = lower * (1 - 1e-9)
         changed = proof.with_suffix(f".{name}")
-        changed.write_bytes(json.dumps(claim).encode() + b"\n" + content)
+        whole = json.dumps(claim).encode() + b"\n" + content
+        changed.write_bytes(whole + f"\nsha256 {hashlib.sha256(whole).hexdigest()}\n".encode())
         yield name, changed
 
 
-def check(program: str, source: str, target: str, folder: Path) -> str:
+def check(program: str, solver: str, source: str, target: str, folder: Path) -> str:
     """One line about a pair; Refused where the proof is, or where a false claim is not."""
     files = [folder / f"{number}.off" for number in range(2)]
     for model, file in zip((source, target), files):
         run(program, "export", model, str(file))
     proof = folder / "proof"
-    answer = json.loads(run(program, "measure", *map(str, files), "--certificate", str(proof), "--json").stdout)
+    answer = json.loads(run(program, "measure", *map(str, files), "--solver", solver, "--certificate", str(proof), "--json").stdout)
     before = time.perf_counter()
     run(program, "verify", "--certificate", str(proof))
     seconds = time.perf_counter() - before
@@ -64,12 +66,13 @@ def check(program: str, source: str, target: str, folder: Path) -> str:
         for name, changed in false_claims(proof, lower):
             if run(program, "verify", "--certificate", str(changed), allowed=(0, 1, 2)).returncode == 0:
                 raise Refused(f"{source} to {target}: accepted with a false claim ({name})")
-    return f"{source} to {target}: {proof.stat().st_size / 2**20:.1f} MiB, accepted after {seconds:.2f} s" + (", false claims refused" if lower > 0 else "")
+    return f"{solver}, {source} to {target}: {proof.stat().st_size / 2**20:.1f} MiB, accepted after {seconds:.2f} s" + (", false claims refused" if lower > 0 else "")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--program", default=os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench")))
+    parser.add_argument("--solver", default="cover")
     parser.add_argument("--pairs", type=int, default=len(PAIRS), help="only the first N")
     chosen = parser.parse_args()
     if not Path(chosen.program).is_file():
@@ -79,7 +82,7 @@ def main() -> int:
     for source, target in PAIRS[:chosen.pairs]:
         with tempfile.TemporaryDirectory() as folder:
             try:
-                print(check(chosen.program, source, target, Path(folder)), flush=True)
+                print(check(chosen.program, chosen.solver, source, target, Path(folder)), flush=True)
             except Refused as problem:
                 wrong += 1
                 print(problem, file=sys.stderr, flush=True)

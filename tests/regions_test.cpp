@@ -94,7 +94,7 @@ TEST(SourceRegions, SettlesOrShowsEachTriangleOnceAndItsBoundHolds) {
                 seen.insert(triangle);
                 for (const Index v : a.triangles.row(triangle)) bounds.measure(points.row(v), near, triangle, 0);
             },
-            [&](Index triangle, double upper) {
+            [&](Index triangle, double upper, Index shown) {
                 seen.insert(triangle);
                 EXPECT_LE(upper, bounds.purged_at_most(0));
                 const Index v = a.triangles(triangle, static_cast<Index>(random.below(3)));
@@ -123,7 +123,8 @@ std::vector<double> first_bounds(const TriangleMesh& a, const TriangleMesh& b, c
     SearchBounds bounds(query, target, {magnitude}, counters, trace);
     SourceRegions regions(tree, points, pose, target, bounds, counters);
     std::vector<double> uppers;
-    EXPECT_TRUE(regions.walk([](Index, Index) { FAIL(); }, [&](Index, double upper) { uppers.push_back(upper); }));
+    EXPECT_TRUE(
+        regions.walk([](Index, Index) { FAIL(); }, [&](Index, double upper, Index) { uppers.push_back(upper); }));
     return uppers;
 }
 

@@ -48,14 +48,6 @@ namespace {
 constexpr std::size_t first_clusters = 32;  // the most promising ones
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
-// Of the box of both.
-double diagonal_of(const MeshPair& pair) {
-    Box box;
-    for (Index i = 0; i < pair.points.rows(); ++i) box.add(Vec3(pair.points.row(i)));
-    for (Index i = 0; i < pair.target.mesh().vertices.rows(); ++i) box.add(Vec3(pair.target.mesh().vertices.row(i)));
-    return (box.high - box.low).norm();
-}
-
 // More than a bound is widened by. At each place a cover adds what its own rounding needs (search/cover_worker.h).
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
@@ -227,7 +219,11 @@ void Search::decide_all(std::size_t clusters_left) {
 Result Search::run() {
     measure_previous();
     measure_groups();
-    if (stop_ == Status::time_limit) return bounds_.result_without_bounds(pair_.source.triangles, pair_.points);
+    if (stop_ == Status::time_limit) {
+        Result result = bounds_.result_without_bounds(pair_.source.triangles, pair_.points);
+        result.why_no_certificate = "time was out before the solver had a proof for any of A; allow it more time";
+        return result;
+    }
     stages_.end("measure groups");
     const std::size_t first = std::min(first_clusters, clusters_.size());
     order_clusters(clusters_, first);
@@ -249,7 +245,11 @@ Result Search::run() {
     if (proofs_) {
         // Who checks it loses up to (14 cuts + 100) u of the diagonal (search/cover_certificate.h); a chain of 280 cuts fits in.
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
-        if (proof) result.certificates = {*proof};
+        if (proof)
+            result.certificates = {*proof};
+        else
+            result.why_no_certificate =
+                "the solver ended before it had covered all of A; allow it more time, or a larger tolerance";
     }
     result.reported = stages_.seconds();
     return result;

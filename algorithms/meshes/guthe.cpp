@@ -27,11 +27,15 @@
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
 // are as tight as the search needed them: what cannot attain the maximum is not looked into.
 //
+// Certificate: the search's own pieces and, of each, the triangle S whose bound it has (search/piece_proofs.h). The distances to S of the
+// corners show it, also where the search had the box of a group and one point of S, which are no nearer..
+//
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
 #include "search/bounds.h"
 #include "search/elements.h"
 #include "search/mesh_solver.h"
+#include "search/piece_proofs.h"
 #include "search/split_loop.h"
 #include "search/stages.h"
 #include "search/vertices.h"
@@ -51,6 +55,7 @@ struct Piece {
     Index source;  // triangle of A
     Index best;    // triangle of B whose bound was least
     int level;
+    PieceProofs::Node node;  // of its proof, where a certificate is wanted
 };
 
 struct Choices {
@@ -68,10 +73,14 @@ public:
           split_(choices.split),
           elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           stages_(query.wanted.stages),
+          proofs_(query.wanted.certificate && choices.certify && !choices.textbook
+                      ? std::make_optional<PieceProofs>(pair, choices.split)
+                      : std::nullopt),
           bounds_(query, target_, {pair.magnitude, choices.certify}, counters_, trace,
                   elements_ ? &*elements_ : nullptr),
           vertices_(a_, points_, target_, warm_start, most_levels(split_), bounds_, counters_) {
         if (pair.source_tree) vertices_.use_regions(*pair.source_tree, query.source_pose);
+        if (proofs_) vertices_.use_proofs(*proofs_);
     }
 
     Result run() {
@@ -82,6 +91,7 @@ public:
             result.fields = bounds_.fields();
         }
         result.reported = stages_.seconds();
+        if (proofs_) proofs_->finish(result);
         return result;
     }
 
@@ -102,6 +112,7 @@ private:
     Counters counters_;
     std::optional<ElementBounds> elements_;  // only where fields are wanted
     Stages stages_;
+    std::optional<PieceProofs> proofs_;  // only where a certificate is wanted
     SearchBounds bounds_;
     SourceVertices vertices_;
     PieceQueue<Piece> queue_;
@@ -117,7 +128,7 @@ void Search::push(const Piece& piece) {
 void Search::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
-        Piece piece{vertices_.corners(i), 0, i, 0, 0};
+        Piece piece{vertices_.corners(i), 0, i, 0, 0, static_cast<PieceProofs::Node>(i)};
         double least = std::numeric_limits<double>::infinity();
         for (const MeasuredPoint& corner : piece.corners) {
             const double most = squared_to_farthest(piece, corner.triangle);
@@ -127,6 +138,7 @@ void Search::push_triangles() {
             }
         }
         piece.upper = bounds_.at_most(least, 0);
+        if (proofs_) proofs_->one(piece.node, piece.upper, piece.best);
         push(piece);
     }
 }
@@ -164,6 +176,7 @@ void Search::split(const Piece& piece) {
     const auto cut = cut_triangle(piece.corners, split_, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
+    const PieceProofs::Node first = proofs_ ? proofs_->cut(piece.node, cut.pieces[0][0]) : 0;
     const PointBlock block = block_of(cut);
     std::array<Index, 7> near{piece.best};
     for (std::size_t v = 0; v < cut.vertex_count; ++v) near[v + 1] = cut.vertices[v].triangle;
@@ -187,15 +200,20 @@ void Search::split(const Piece& piece) {
         }
     }
     for (std::size_t c = 0; c < cut.piece_count; ++c) {
-        const double upper = std::min(piece.upper, bounds_.at_most(least[c], level));
-        push({cut.corners(c), upper, piece.source, best[c], level});
+        const double own = bounds_.at_most(least[c], level);
+        const PieceProofs::Node node = first + static_cast<PieceProofs::Node>(c);
+        if (proofs_) proofs_->one(node, own, best[c]);
+        push({cut.corners(c), std::min(piece.upper, own), piece.source, best[c], level, node});
     }
 }
 
 Result Search::search() {
     const bool measured = vertices_.measure();
     stages_.end("measure vertices");
-    if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
+    if (!measured) {
+        if (proofs_) proofs_->one_for_all(0);
+        return bounds_.result_without_bounds(a_.triangles, points_);
+    }
     push_triangles();
     stages_.end("first bounds");
     const Status status = split_until_done(
@@ -219,7 +237,12 @@ private:
           choices_{textbook, options.flag("certify"), split_of(options)} {}
 
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return Search(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
+        Result result = Search(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
+        if (query.wanted.certificate && !certified())
+            result.why_no_certificate =
+                "with kernel = textbook or certify = false its bounds account for no rounding, so there is nothing to "
+                "prove";
+        return result;
     }
 
     Choices choices_;
@@ -229,7 +252,7 @@ private:
 
 SolverEntry guthe_solver() {
     SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe 2005", "guthe2005");
-    info.warm = true;
+    info.warm = info.certificates = true;
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),

@@ -4,6 +4,7 @@
 #include "elements.h"
 #include "mesh_solver.h"
 #include "piece_bounds.h"
+#include "piece_proofs.h"
 #include "split_loop.h"
 #include "stages.h"
 #include "structures/bvh.h"
@@ -22,6 +23,7 @@ struct Piece {
     double upper;
     Index source;  // triangle of A
     int level;
+    PieceProofs::Node node;  // of its proof, where a certificate is wanted
 };
 
 // The subdivisions that max_factor leaves: A's triangles count, and every piece. At least none.
@@ -49,10 +51,12 @@ public:
           elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
           last_bound_(elements_ ? static_cast<std::size_t>(a_.triangles.rows()) : 0),
           stages_(query.wanted.stages),
+          proofs_(query.wanted.certificate ? std::make_optional<PieceProofs>(pair, cascade.split) : std::nullopt),
           bounds_(query_, pair.target, {pair.magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
           pieces_(pair.target, pair.magnitude, counters_),
           vertices_(a_, points_, pair.target, warm_start, most_levels_, bounds_, counters_) {
         if (pair.source_tree) vertices_.use_regions(*pair.source_tree, query.source_pose);
+        if (proofs_) vertices_.use_proofs(*proofs_);
     }
 
     Result run() {
@@ -66,6 +70,7 @@ public:
         if (result.status == Status::budget && counters_.subdivisions >= factor_budget_)
             result.note = "max_factor was spent";
         result.reported = stages_.seconds();
+        if (proofs_) proofs_->finish(result);
         return result;
     }
 
@@ -88,6 +93,7 @@ private:
     std::optional<ElementBounds> elements_;  // only where fields are wanted
     std::vector<double> last_bound_;  // likewise: of each triangle of A, the bound that was computed last, 0: exact
     Stages stages_;
+    std::optional<PieceProofs> proofs_;  // only where a certificate is wanted
     SearchBounds bounds_;
     PieceBounds pieces_;
     SourceVertices vertices_;
@@ -109,15 +115,21 @@ double Search::bound(PieceBound which, const Piece& piece) {
     }
     const double three = pieces_.nearest_triangles(piece.corners, piece.level);
     if (three <= bounds_.purged_at_most(piece.level)) return three;
+    const PieceArgument of_three = pieces_.argument();
     const MeasuredPoint centre = bounds_.measure(barycentre(piece.corners), piece.corners[0].triangle, piece.source,
                                                  piece.level + level_of_inner_point);
-    return std::min(three, pieces_.nearest_triangles(piece.corners, piece.level, centre.triangle));
+    const double fourth = pieces_.nearest_triangles(piece.corners, piece.level, centre.triangle);
+    if (fourth < three) return fourth;
+    pieces_.restore(of_three);
+    return three;
 }
 
 // Lowers its upper bound; true: it is settled.
 bool Search::bound(Piece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);
+        if (proofs_ && upper < proofs_->upper(piece.node))
+            proofs_->prove(piece.node, upper, pieces_.argument(), piece.corners);
         if (elements_) last_bound_[static_cast<std::size_t>(piece.source)] = which;
         return settle(piece);
     };
@@ -138,7 +150,9 @@ void Search::push(Piece piece) {
 
 void Search::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
-        if (!vertices_.settled(i)) push({vertices_.corners(i), std::numeric_limits<double>::infinity(), i, 0});
+        if (!vertices_.settled(i))
+            push({vertices_.corners(i), std::numeric_limits<double>::infinity(), i, 0,
+                  static_cast<PieceProofs::Node>(i)});
     }
 }
 
@@ -149,13 +163,18 @@ void Search::split(const Piece& piece) {
     const auto cut = cut_triangle(piece.corners, cascade_.split, [&](const Vec3& point, const MeasuredPoint& near) {
         return bounds_.measure(point, near.triangle, piece.source, level);
     });
-    for (std::size_t c = 0; c < cut.piece_count; ++c) push({cut.corners(c), piece.upper, piece.source, level});
+    const PieceProofs::Node first = proofs_ ? proofs_->cut(piece.node, cut.pieces[0][0]) : 0;
+    for (std::size_t c = 0; c < cut.piece_count; ++c)
+        push({cut.corners(c), piece.upper, piece.source, level, first + static_cast<PieceProofs::Node>(c)});
 }
 
 Result Search::search() {
     const bool measured = vertices_.measure();
     stages_.end("measure vertices");
-    if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
+    if (!measured) {
+        if (proofs_) proofs_->one_for_all(0);
+        return bounds_.result_without_bounds(a_.triangles, points_);
+    }
     push_triangles();
     stages_.end("first bounds");
     const Status status = split_until_done(
@@ -183,7 +202,7 @@ private:
 
 SolverInfo cascade_info(std::string name, std::string title, std::string paper, bool regions) {
     SolverInfo info = mesh_solver_info<TriangleBvh>(std::move(name), std::move(title), std::move(paper));
-    info.warm = true;
+    info.warm = info.certificates = true;
     info.parameters = {split_parameter(), regions_parameter(regions, regions ? "on" : "off")};
     info.may_need.push_back(need<TriangleBvh>(Side::source));
     return info;

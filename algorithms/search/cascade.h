@@ -7,6 +7,8 @@
 // common. Identical meshes need it: the triangle named for a vertex is any of those around it.
 //
 // Certified: piece_bounds.h and kernel/rounding.h say how the bounds are widened; the lower bound as in bounds.h.
+// Certificate: the search's own pieces, each with the argument of its least bound (search/piece_cells.h); where it was settled by that of
+// a larger piece, it is looked at once more when the search is over (search/piece_proofs.h).
 // Vertices that no triangle of A uses never count, and an empty queue is the end: what left it has kept its bound.
 #pragma once
 

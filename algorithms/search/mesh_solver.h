@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cut_options.h"
+#include "kernel/posed_box.h"
 #include "kernel/rounding.h"
 #include "solver.h"
 #include "structures/bvh.h"
@@ -23,6 +24,13 @@ struct MeshPair {
     double magnitude;
     const TriangleTree* source_tree;  // over A, unposed; null: none is asked for
 };
+
+// Of the box of both where they stand. O(n + m).
+inline double diagonal_of(const MeshPair& pair) {
+    Box box = box_of(pair.points);
+    box.add(box_of(pair.target.mesh().vertices));
+    return (box.high - box.low).norm();
+}
 
 // `Tree`: what a solver has over B, unless B is so small that a scan is as fast: a tree or a grid. A solver that needs more overrides needs() and
 // prepare(), and calls these.

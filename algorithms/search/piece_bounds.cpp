@@ -59,8 +59,8 @@ std::optional<Side> bisector(const Triangle& one, const Triangle& two) {
 }
 
 // h(T, {p, q})^2, T cut by the plane between the two points.
-double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q) {
-    std::array<double, 3> nearer;  // positive: q is
+double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q,
+                             std::array<double, 3>& nearer) {  // positive: q is
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         const double to_p = squared_length(v[i] - p), to_q = squared_length(v[i] - q);
@@ -102,8 +102,9 @@ double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     return std::sqrt(x) / (2 * std::sqrt(1 - square)) * (1 + 16 * unit_roundoff);
 }
 
-double PieceBounds::same_triangle(const PieceCorners& v, int level) const {
+double PieceBounds::same_triangle(const PieceCorners& v, int level) {
     const bool same = v[0].triangle == v[1].triangle && v[0].triangle == v[2].triangle;
+    by_one(v[0].triangle);
     return same ? at_most(largest_squared(v), level) : infinity;
 }
 
@@ -123,6 +124,7 @@ double PieceBounds::tied_triangle(const PieceCorners& v, int level) {
             all = std::sqrt(squared) <= std::sqrt(v[j].squared) + slack;
             most = std::max(most, squared);
         }
+        by_one(v[i].triangle);
         if (all) return at_most(std::max(most, largest_squared(v)), level);
     }
     return infinity;
@@ -134,13 +136,15 @@ double PieceBounds::u1(const PieceCorners& v, int level) {
     double least = infinity;
     for (std::size_t i = 0; i < 3; ++i) {
         const double edge = std::max(edges[(i + 1) % 3], edges[(i + 2) % 3]);
-        least = std::min(least, std::sqrt(edge) + std::sqrt(v[i].squared));
+        const double sum = std::sqrt(edge) + std::sqrt(v[i].squared);
+        if (sum < least) least = sum, by_one(v[i].triangle);
     }
     return surface_sum_at_most(least, magnitude_, level);
 }
 
 double PieceBounds::u2(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
+    argument_.kind = PieceArgument::Kind::nearest_corner;
     const double radius = covering_radius_at_most(points_of(v));
     return surface_sum_at_most(radius + std::sqrt(largest_squared(v)), magnitude_, level);
 }
@@ -165,17 +169,22 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
     if (!side) return infinity;
     const double s = side->of(one.point), s2 = side->of(two.point), s3 = side->of(three.point);
+    argument_.kind = PieceArgument::Kind::corner_cut_off;
+    argument_.alone = alone;
+    argument_.ends = {1, -1, -1};
     std::array<Vec3, 7> cuts{0.5 * (one.point + two.point), 0.5 * (one.point + three.point)};
-    if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity)
+    if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity) {
         cuts = {zero_on_edge(one.point, two.point, s, s2), zero_on_edge(one.point, three.point, s, s3)};
+        argument_.ends = {s, s2, s3};
+    }
     const BlockFeet to_one = distances(cuts, 2, one.triangle), to_two = distances(cuts, 2, two.triangle);
     return std::max({largest_squared(v), to_one.squared_distance[0], to_one.squared_distance[1],
                      to_two.squared_distance[0], to_two.squared_distance[1]});
 }
 
 // Squared, of T cut into three quadrilaterals, each with a corner, the midpoints beside it and the barycentre, against the
-// triangle nearest to that corner. `whole`: the least h(T, S_i)^2.
-double PieceBounds::in_three(const PieceCorners& v, double& whole) {
+// triangle nearest to that corner. `whole`: the least h(T, S_i)^2, of S_i `near`.
+double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) {
     std::array<Vec3, 7> points{v[0].point, v[1].point, v[2].point};
     for (std::size_t k = 0; k < 3; ++k) points[3 + k] = 0.5 * (v[(k + 1) % 3].point + v[(k + 2) % 3].point);
     points[6] = barycentre(v);
@@ -185,7 +194,8 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole) {
     for (std::size_t i = 0; i < 3; ++i) {
         if (i == 0 || v[i].triangle != v[i - 1].triangle) feet = distances(points, 7, v[i].triangle);
         const double* squared = feet.squared_distance;
-        whole = std::min(whole, std::max({squared[0], squared[1], squared[2]}));
+        const double of_whole = std::max({squared[0], squared[1], squared[2]});
+        if (of_whole < whole) whole = of_whole, near = v[i].triangle;
         most = std::max({most, squared[i], squared[3 + (i + 1) % 3], squared[3 + (i + 2) % 3], squared[6]});
     }
     return most;
@@ -202,8 +212,13 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
         if (two < infinity) return at_most(two, level + level_of_inner_point);
     }
     double whole = infinity;
-    const double three = in_three(v, whole);
-    return std::min(at_most(three, level + level_of_inner_point), at_most(whole, level));
+    Index near = -1;
+    const double three = at_most(in_three(v, whole, near), level + level_of_inner_point), one = at_most(whole, level);
+    if (one < three)
+        by_one(near);
+    else
+        argument_.kind = PieceArgument::Kind::three;
+    return std::min(three, one);
 }
 
 // A corner's closest point as computed is within 7uM of B, and the distance to it, computed like that to B, errs as that does.
@@ -216,9 +231,16 @@ double PieceBounds::u4(const PieceCorners& v, int level) {
     std::array<Vec3, 3> feet;
     counters_.point_triangle_distances += 3;
     for (std::size_t i = 0; i < 3; ++i) feet[i] = closest_point(points[i], target_.triangle(v[i].triangle)).point;
-    const Vec3& far = feet[shortest];
-    const double squared = std::min(squared_to_two_points(points, far, feet[(shortest + 1) % 3]),
-                                    squared_to_two_points(points, far, feet[(shortest + 2) % 3]));
+    argument_.kind = PieceArgument::Kind::nearest_foot;
+    double squared = infinity;
+    for (const std::size_t other : {(shortest + 1) % 3, (shortest + 2) % 3}) {
+        std::array<double, 3> nearer;
+        const double of_pair = squared_to_two_points(points, feet[shortest], feet[other], nearer);
+        if (!(of_pair < squared)) continue;
+        squared = of_pair;
+        argument_.nearer = nearer;
+        argument_.feet = {shortest, other};
+    }
     return at_most(squared, level + level_of_inner_point);
 }
 
@@ -229,9 +251,15 @@ double PieceBounds::squared_to_triangle(const PieceCorners& v, Index triangle) {
 
 double PieceBounds::nearest_triangles(const PieceCorners& v, int level, Index fourth) {
     ++counters_.bound_tests;
-    if (fourth >= 0) return at_most(squared_to_triangle(v, fourth), level);
+    if (fourth >= 0) {
+        by_one(fourth);
+        return at_most(squared_to_triangle(v, fourth), level);
+    }
     double least = infinity;
-    for (std::size_t i = 0; i < 3; ++i) least = std::min(least, squared_to_triangle(v, v[i].triangle));
+    for (const MeasuredPoint& corner : v) {
+        const double most = squared_to_triangle(v, corner.triangle);
+        if (most < least) least = most, by_one(corner.triangle);
+    }
     return at_most(least, level);
 }
 

@@ -26,6 +26,25 @@ double covering_radius_at_most(const std::array<Vec3, 3>& corners);
 // The barycentre, within level_of_inner_point of the piece.
 inline Vec3 barycentre(const PieceCorners& v) { return (v[0].point + v[1].point + v[2].point) / 3.0; }
 
+// Why a bound holds: the piece, cut into cells, each near one triangle of B.
+struct PieceArgument {
+    enum class Kind {
+        one,             // all of it is near triangle `near`
+        nearest_corner,  // a cell for each corner, of the points nearest to it, against its S
+        corner_cut_off,  // corner `alone` is cut off at `ends`, against its S, and the rest against the S of the two others
+        three,  // three quadrilaterals, each with a corner, the midpoints beside it and the barycentre, against its S
+        nearest_foot  // two cells, of the points nearest to one of the closest points of two corners, against the S of those
+    };
+    Kind kind = Kind::one;
+    Index near = -1;
+    std::size_t alone = 0;
+    // A function at corner `alone` and at the two after it, zero where the piece is cut: it is linear along the edges.
+    std::array<double, 3> ends{};
+    // At each corner, positive where the foot of the second of `feet` is nearer. It is linear too.
+    std::array<double, 3> nearer{};
+    std::array<std::size_t, 2> feet{};
+};
+
 class PieceBounds {
 public:
     // Both are kept; `magnitude` as in kernel/rounding.h. Distances to single triangles are counted, and every bound as a test.
@@ -33,7 +52,7 @@ public:
         : target_(target), magnitude_(magnitude), counters_(counters) {}
 
     // Exact where one triangle of B is named nearest to all three corners (Eq. 6); infinite otherwise.
-    double same_triangle(const PieceCorners& corners, int level) const;
+    double same_triangle(const PieceCorners& corners, int level);
 
     // The same where some S_i is as near to all three as any, but ties named others: at shared edges and vertices of B.
     double tied_triangle(const PieceCorners& corners, int level);
@@ -44,6 +63,10 @@ public:
               int level);  // Kang et al. 2018: cut in two or three, each against its S (Eqs. 14, 18)
     double u4(const PieceCorners& corners, int level);  // against pairs of the corners' closest points (Eq. 19)
 
+    // Of the bound that was computed last, unless that was infinite.
+    const PieceArgument& argument() const { return argument_; }
+    void restore(const PieceArgument& argument) { argument_ = argument; }
+
     // Zheng et al. 2022: the least of the h(T, S_i), and for `fourth` >= 0 of h(T, that triangle).
     double nearest_triangles(const PieceCorners& corners, int level, Index fourth = -1);
 
@@ -51,12 +74,14 @@ private:
     double at_most(double squared, int level) const { return surface_distance_at_most(squared, magnitude_, level); }
     double squared_to_triangle(const PieceCorners& corners, Index triangle);
     double in_two(const PieceCorners& corners, std::size_t alone);
-    double in_three(const PieceCorners& corners, double& whole);
+    double in_three(const PieceCorners& corners, double& whole, Index& near);
+    void by_one(Index near) { argument_.kind = PieceArgument::Kind::one, argument_.near = near; }
     BlockFeet distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle);
 
     const Target& target_;
     double magnitude_;
     Counters& counters_;
+    PieceArgument argument_;
 };
 
 }  // namespace hausbench

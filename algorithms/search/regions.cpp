@@ -11,6 +11,13 @@ double SourceRegions::upper_of(const Box& box, const Vec3& q) {
     return bounds_.at_most(squared_distance_at_most(q, box), 0);
 }
 
+void SourceRegions::lower(Region& region) {
+    const double upper = upper_of(region.box, region.q);
+    if (!(upper < region.upper)) return;
+    region.upper = upper;
+    region.shown = region.near;
+}
+
 // Whether its upper bound may have changed. Half of the diagonal is the least bound that any q can give.
 bool SourceRegions::improve(Region& region) {
     if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
@@ -19,7 +26,7 @@ bool SourceRegions::improve(Region& region) {
     region.own = true;
     region.q = nearest.point;
     region.near = nearest.triangle;
-    region.upper = std::min(region.upper, upper_of(region.box, region.q));
+    lower(region);
     return true;
 }
 
@@ -33,14 +40,14 @@ void SourceRegions::for_each_triangle(std::int32_t child, const std::function<vo
 }
 
 bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
-                         const std::function<void(Index, double)>& settle) {
+                         const std::function<void(Index, double, Index)>& settle) {
     PieceQueue<Region> queue;
-    queue.push({std::numeric_limits<double>::infinity(), all_, Vec3::Zero(), -1, 0, false});
+    queue.push({std::numeric_limits<double>::infinity(), all_, Vec3::Zero(), -1, -1, 0, false});
     for (std::size_t steps = 0; !queue.empty(); ++steps) {
         if (steps % 32 == 0 && bounds_.out_of_time()) return false;
         Region region = queue.pop();
         if (region.upper <= bounds_.purged_at_most(0)) {
-            for_each_triangle(region.child, [&](Index i) { settle(i, region.upper); });
+            for_each_triangle(region.child, [&](Index i) { settle(i, region.upper, region.shown); });
         } else if (improve(region)) {
             queue.push(region);
         } else if (region.child < 0) {
@@ -52,7 +59,7 @@ bool SourceRegions::walk(const std::function<void(Index, Index)>& look,
                 part.child = node.child[k];
                 part.own = false;
                 part.box = posed_box(node.boxes.box(k), pose_, all_);
-                if (region.near >= 0) part.upper = std::min(part.upper, upper_of(part.box, part.q));
+                if (region.near >= 0) lower(part);
                 queue.push(part);
             }
         }

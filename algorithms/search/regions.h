@@ -30,10 +30,10 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Calls one of the two for every triangle of A, once: `settle` with its upper bound, which is at most bounds.purged_at_most(0),
-    // or `look`, with a triangle of B that is near, or -1. `look` may offer points to the bounds. False: out of time.
+    // Calls one of the two for every triangle of A, once: `settle` with its upper bound, which is at most bounds.purged_at_most(0), and
+    // the triangle of B that all of it is so near to; or `look`, with a triangle of B that is near, or -1. `look` may offer points to the bounds. False: out of time.
     bool walk(const std::function<void(Index triangle, Index near)>& look,
-              const std::function<void(Index triangle, double upper)>& settle);
+              const std::function<void(Index triangle, double upper, Index shown)>& settle);
 
 private:
     struct Region {
@@ -41,12 +41,14 @@ private:
         Box box;             // posed
         Vec3 q;              // of B
         Index near;          // the triangle that q is on; -1: none is known
+        Index shown;         // the triangle of B that `upper` is a distance to, -1 while it is infinite
         std::int32_t child;  // as WideNode has it
         bool own;            // whether q is nearest to its own centre
     };
 
     bool improve(Region& region);
     double upper_of(const Box& box, const Vec3& q);
+    void lower(Region& region);
     void for_each_triangle(std::int32_t child, const std::function<void(Index)>& call) const;
 
     const WideTree& tree_;

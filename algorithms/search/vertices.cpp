@@ -33,7 +33,7 @@ bool SourceVertices::settle_by_last_pose(Index i) {
         for (const Index other : corners) most = std::max(most, target_.squared_distance(points_.row(other), near));
         counters_.point_triangle_distances += 3;
         ++counters_.bound_tests;
-        if (leave_out(i, bounds_.at_most(most, 0))) return true;
+        if (leave_out(i, bounds_.at_most(most, 0), nearest)) return true;
     }
     return false;
 }
@@ -57,8 +57,10 @@ bool SourceVertices::measure() {
     return done;
 }
 
-bool SourceVertices::leave_out(Index i, double upper) {
+// No point of the triangle is farther than `upper` from triangle `near` of B.
+bool SourceVertices::leave_out(Index i, double upper, Index near) {
     if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
+    if (proofs_) proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
     settled_[static_cast<std::size_t>(i)] = true;
     return true;
 }
@@ -84,7 +86,7 @@ Index SourceVertices::measure_triangle(Index i, Index near) {
 bool SourceVertices::measure_regions() {
     measure_triangle(0, -1);
     return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },
-                          [&](Index i, double upper) { leave_out(i, upper); });
+                          [&](Index i, double upper, Index shown) { leave_out(i, upper, shown); });
 }
 
 bool SourceVertices::measure_triangles() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bounds.h"
+#include "piece_proofs.h"
 #include "regions.h"
 #include "warm_start.h"
 
@@ -26,6 +27,9 @@ public:
     // Groups of triangles of A that cannot hold the farthest point are left out from now on. `tree` is over A, unposed.
     void use_regions(const TriangleTree& tree, const Pose& pose);
 
+    // The proofs of what is left out are told from now on.
+    void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
+
     // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
     // before. With a warm start: at the one that was nearest at the pose before; and triangles of A that this pose's distances to
     // those settle are left out, as those of regions are. Where the bounds of each triangle are kept, a vertex is offered to all its triangles. False: out of time.
@@ -48,7 +52,7 @@ private:
     bool measure_triangles();
     bool measure_regions();
     Index measure_triangle(Index i, Index near);
-    bool leave_out(Index i, double upper);
+    bool leave_out(Index i, double upper, Index near);
     void offer_to_all_triangles() const;
     bool settle_by_last_pose(Index i);
     Triangle posed_triangle(Index i) const;
@@ -63,6 +67,7 @@ private:
     std::vector<MeasuredPoint> vertices_;
     std::vector<bool> settled_;  // triangles of A; empty without a warm start and regions
     std::optional<SourceRegions> regions_;
+    PieceProofs* proofs_ = nullptr;  // only where a certificate is wanted
 };
 
 }  // namespace hausbench

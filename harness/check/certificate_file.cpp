@@ -2,6 +2,7 @@
 
 #include "check/verify.h"
 #include "error.h"
+#include "hash.h"
 #include "process/whole_file.h"
 #include "record/json.h"
 #include "record/row.h"
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 
 namespace hausbench {
 
@@ -22,10 +24,28 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
 
 // --- the file ---------------------------------------------------------------------------------------------------------
+
+constexpr std::string_view seal_begin = "\nsha256 ";
+constexpr std::size_t seal_length = seal_begin.size() + 64 + 1;
+
+// The last line, of all bytes before it.
+std::string seal_of(std::string_view bytes) {
+    return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
+}
+
+// What the seal is of. Whole or not at all, so that no byte of the file can change unseen.
+std::string_view unsealed(std::string_view file) {
+    const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
+    const std::string_view content = file.substr(0, length);
+    const std::string_view seal = file.substr(length);
+    if (!seal.starts_with(seal_begin)) throw std::runtime_error("it does not end in its SHA-256");
+    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 is not what it says");
+    return content;
+}
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
 CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), j.at("pose")}; }
@@ -66,9 +86,9 @@ json header(const CertificateFile& c) {
             {"certificates", std::move(certificates)}};
 }
 
-CertificateFile parse(const std::string& bytes) {
-    const std::size_t end = bytes.find('\n');
-    if (end == std::string::npos) throw std::runtime_error("it has no first line");
+CertificateFile parse(std::string_view bytes) {
+    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+    if (end == bytes.size()) throw std::runtime_error("it has no first line");
     const json j = json::parse(bytes.begin(), bytes.begin() + std::ptrdiff_t(end));
     if (j.at("hausbench_certificate") != format_version) throw std::runtime_error("another version");
     CertificateFile c;
@@ -86,8 +106,8 @@ CertificateFile parse(const std::string& bytes) {
     for (const json& one : j.at("certificates")) {
         const std::size_t size = one.at("bytes").get<std::uint64_t>();
         if (size > bytes.size() - at) throw std::runtime_error("it ends too early");
-        c.certificates.push_back(
-            {one.at("format"), direction_of(one.at("direction")), number(one.at("proven")), bytes.substr(at, size)});
+        c.certificates.push_back({one.at("format"), direction_of(one.at("direction")), number(one.at("proven")),
+                                  std::string(bytes.substr(at, size))});
         at += size;
     }
     if (at != bytes.size()) throw std::runtime_error("it goes on after its last certificate");
@@ -142,7 +162,7 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
 void write_certificate(const fs::path& file, const CertificateFile& content) {
     std::string bytes = header(content).dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
     for (const Certificate& one : content.certificates) bytes += one.bytes;
-    write_whole_file(file, bytes);
+    write_whole_file(file, bytes + seal_of(bytes));
 }
 
 CertificateFile read_certificate(const fs::path& file) {
@@ -153,7 +173,7 @@ CertificateFile read_certificate(const fs::path& file) {
             fmt::format("{}: cannot be read: name a file that `measure --certificate` wrote", file.string()));
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     try {
-        return parse(bytes);
+        return parse(unsealed(bytes));
     } catch (const std::exception& error) {
         throw InputError(one_line(
             fmt::format("{}: is no certificate file of version {} ({})", file.string(), format_version, error.what())));

@@ -1,5 +1,5 @@
 // An answer and its proof in a file of its own: `measure --certificate` writes it, `verify --certificate` checks it. One line of JSON, then
-// the bytes of the certificates one after the other; docs/certificate.md lists the keys.
+// the bytes of the certificates one after the other, and a last line with the SHA-256 of all before it; docs/certificate.md lists the keys.
 #pragma once
 
 #include "check/certificate_check.h"
@@ -30,7 +30,7 @@ struct CertificateFile {
 // Whole or not at all. Throws InputError where it cannot be written.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
 
-// Throws InputError, one line, where it cannot be read or is no certificate file.
+// Throws InputError, one line, where it cannot be read, is no certificate file, or is damaged: where any byte of it is not what was written.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
 struct CertificateVerdict {

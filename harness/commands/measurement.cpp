@@ -164,9 +164,8 @@ Measured measure(const MeasureRequest& asked) {
     warn_of_float32(request, measured);
     if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
         measured.warnings.push_back(
-            fmt::format("{} is not written: the solver ended before it had covered all of A; allow it more time, or a "
-                        "larger tolerance",
-                        request.certificate.string()));
+            fmt::format("{} is not written: {}", request.certificate.string(),
+                        measured.why_not_proven.empty() ? "the solver did not say why" : measured.why_not_proven));
     return measured;
 }
 

@@ -67,6 +67,7 @@ struct Measured {
     std::optional<NoAnswer> failed;
     std::optional<double>
         proven;  // what the certificate written says is an upper bound; none: no certificate was written
+    std::string why_not_proven = {};  // one line, from the solver: why not, where a certificate was asked for
     std::vector<std::string> warnings = {};
 };
 

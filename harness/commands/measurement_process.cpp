@@ -88,6 +88,8 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
             },
             [&] { send(answers_json(measured)); });
         if (measured.proven) send({{"event", "certificate"}, {"proven", number(*measured.proven)}});
+        if (!measured.why_not_proven.empty())
+            send({{"event", "no certificate"}, {"why", one_line(measured.why_not_proven)}});
         send({{"event", "end"}});
     } catch (const InputError& error) {
         trouble(Trouble::input, error.what());
@@ -165,6 +167,10 @@ private:
             }
             if (name == "certificate") {
                 measured_.proven = number(event.at("proven"));
+                return;
+            }
+            if (name == "no certificate") {
+                measured_.why_not_proven = event.at("why");
                 return;
             }
             if (name == "end") {

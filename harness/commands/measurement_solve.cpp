@@ -43,6 +43,8 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
     keep_larger(whole, backward);
     whole.outside_bytes = std::max(forward.outside_bytes, backward.outside_bytes);
     whole.certificates.clear();
+    whole.why_no_certificate =
+        forward.why_no_certificate.empty() ? backward.why_no_certificate : forward.why_no_certificate;
     if (!forward.certificates.empty() && !backward.certificates.empty()) {
         whole.certificates = forward.certificates;
         whole.certificates.insert(whole.certificates.end(), backward.certificates.begin(), backward.certificates.end());
@@ -122,7 +124,10 @@ public:
             const Result forward = ask(*forward_, query, ignored);
             result = larger_of(query, forward, turned(ask(*backward_, query, ignored)));
         }
-        if (result.certificates.empty()) return;
+        if (result.certificates.empty()) {
+            measured_.why_not_proven = result.why_no_certificate;
+            return;
+        }
         const MeasureRequest& request = work_.request;
         const auto model = [](const std::filesystem::path& file, const PreparedShape& prepared) {
             Shape shape = prepared.shape();

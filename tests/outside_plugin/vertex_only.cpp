@@ -52,6 +52,7 @@ public:
         for (std::size_t i = 0; i < elements.size(); ++i) {
             if (deadline.passed()) {
                 result.status = Status::time_limit;
+                result.why_no_certificate = "time was out before each triangle of A had a bound; allow it more time";
                 return result;  // what is known of some triangles bounds h from below only
             }
             lowers.values.push_back(0);

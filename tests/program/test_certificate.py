@@ -4,6 +4,7 @@ The files that no solver writes are written here from docs/certificate.md alone.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import struct
 from pathlib import Path
@@ -18,12 +19,18 @@ File = tuple[dict[str, Any], bytes]
 
 
 def read(file: Path) -> File:
-    line, rest = file.read_bytes().split(b"\n", 1)
+    content, seal = file.read_bytes().rsplit(b"\nsha256 ", 1)
+    assert seal.decode() == hashlib.sha256(content).hexdigest() + "\n"
+    line, rest = content.split(b"\n", 1)
     return json.loads(line), rest
 
 
 def write(file: Path, content: File) -> Path:
-    file.write_bytes(json.dumps(content[0]).encode() + b"\n" + content[1])
+    return sealed(file, json.dumps(content[0]).encode() + b"\n" + content[1])
+
+
+def sealed(file: Path, content: bytes) -> Path:
+    file.write_bytes(content + f"\nsha256 {hashlib.sha256(content).hexdigest()}\n".encode())
     return file
 
 
@@ -156,17 +163,28 @@ def test_files_that_are_no_certificates(hausbench: Program, proof: Path, tmp_pat
     elif change == "negative":
         size["bytes"] = -1
     elif change == "version":
-        header["hausbench_certificate"] = 2
+        header["hausbench_certificate"] = 1
     elif change == "types":
         header["witness"] = 3
     elif change == "quantity":
         header["quantity"] = "mean"
     write(bad, (header, rest))
     if change == "no header":
-        bad.write_bytes(b"{}\n" + rest)
+        sealed(bad, b"{}\n" + rest)
     elif change == "no line":
-        bad.write_bytes(b"\xff" * 100)
+        sealed(bad, b"\xff" * 100)
     assert "is no certificate file" in hausbench.fails("verify", "--certificate", bad)
+
+
+def test_a_changed_byte_is_damage(hausbench: Program, proof: Path, tmp_path: Path) -> None:
+    whole = proof.read_bytes()
+    bad = tmp_path / "bad"
+    for at in (0, whole.index(b"tolerance"), whole.index(b"\n") + 1, len(whole) - 80):
+        bad.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+        assert "damaged: its SHA-256 is not what it says" in hausbench.fails("verify", "--certificate", bad)
+    for content in (whole[:-1], whole[: whole.rindex(b"\n", 0, -1)], b""):
+        bad.write_bytes(content)
+        assert "it does not end in its SHA-256" in hausbench.fails("verify", "--certificate", bad)
 
 
 def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path) -> None:  # noqa: F811
@@ -174,7 +192,7 @@ def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Pa
     assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path)
     assert "A and B" in hausbench.fails("verify", "--certificate", proof, tetrahedron)
     assert "--certificate" in hausbench.fails("verify", proof, tetrahedron)
-    line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "guthe", "--plugin", plugin, "--certificate", tmp_path / "x")
+    line = hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "tang", "--plugin", plugin, "--certificate", tmp_path / "x")
     assert "writes no certificates" in line and "vertex_only" in line
     at = tmp_path / "no folder" / "x"
     assert "folder" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "vertex_only", "--plugin", plugin, "--certificate", at)
@@ -183,3 +201,21 @@ def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Pa
     done = hausbench("measure", tetrahedron, tetrahedron, "--solver", "vertex_only",
                      "--plugin", plugin, "--time-limit", "0", "--certificate", out)
     assert done.returncode == 1 and not out.exists()
+    assert f"{out} is not written: time was out before each triangle of A had a bound; allow it more time" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("solver", ["guthe", "sacht", "kang", "zheng", "cover"])
+def test_mesh_solvers_write_proofs(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, solver: str) -> None:
+    for asked in ((), ("--symmetric",)):
+        file = tmp_path / solver
+        done = hausbench("measure", tetrahedron, raised, "--solver", solver, *asked, "--certificate", file)
+        assert done.returncode == 0, done.stdout + done.stderr
+        done = hausbench("verify", "--certificate", file)
+        assert done.returncode == 0 and f"answer     of {solver}: " in done.stdout and "\naccepted " in done.stdout
+
+
+def test_bounds_that_prove_nothing_are_said(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    out = tmp_path / "none"
+    done = hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--set", "kernel=textbook", "--certificate", out)
+    assert done.returncode == 1 and not out.exists()
+    assert "kernel = textbook or certify = false" in done.stdout + done.stderr

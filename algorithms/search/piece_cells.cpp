@@ -1,0 +1,137 @@
+#include "piece_cells.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+using Kind = PieceArgument::Kind;
+using Polygon = std::vector<Vec3>;
+
+// Of the way from an end where a function is `from` to one where it is `to`, of another sign: where it is 0. Never -0, which is no place.
+double zero_between(double from, double to) { return std::abs(from) / (std::abs(from) + std::abs(to)); }
+
+struct Chord {
+    std::size_t into, out_of;  // edges, where the function becomes positive, and where it ceases to be
+    double into_at, out_of_at;
+};
+
+// Where a function with these values at the corners changes its sign; none where it does not.
+std::optional<Chord> chord_of(const std::vector<double>& values) {
+    std::optional<std::size_t> into, out_of;
+    const auto next = [&](std::size_t i) { return (i + 1) % values.size(); };
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const bool here = values[i] > 0, there = values[next(i)] > 0;
+        if (!here && there && !into) into = i;
+        if (here && !there && !out_of) out_of = i;
+    }
+    if (!into || !out_of) return std::nullopt;
+    return Chord{*into, *out_of, zero_between(values[*into], values[next(*into)]),
+                 zero_between(values[*out_of], values[next(*out_of)])};
+}
+
+// The first child is where the function is positive.
+void write(CertificateTree& tree, const Chord& chord) {
+    tree.cut(CutPoint::along(chord.into, chord.into_at), CutPoint::along(chord.out_of, chord.out_of_at));
+}
+
+// --- a cell for each corner (u2) -------------------------------------------------------------------------------------
+
+struct Halves {
+    Polygon positive, other;
+};
+
+Halves cut(const Polygon& whole, const Chord& chord) {
+    const std::size_t n = whole.size();
+    const auto at = [&](std::size_t edge, double t) { return Vec3((1 - t) * whole[edge] + t * whole[(edge + 1) % n]); };
+    const Vec3 p = at(chord.into, chord.into_at), q = at(chord.out_of, chord.out_of_at);
+    const auto part = [&](const Vec3& first, std::size_t from, std::size_t to, const Vec3& last) {
+        Polygon polygon = {first};
+        for (std::size_t i = from; i != to; i = (i + 1) % n) polygon.push_back(whole[(i + 1) % n]);
+        polygon.push_back(last);
+        return polygon;
+    };
+    return {part(p, chord.into, chord.out_of, q), part(q, chord.out_of, chord.into, p)};
+}
+
+struct Site {
+    Vec3 point;  // a corner of the piece
+    Index triangle;
+};
+
+// `sites`: those that may be nearest to a point of the polygon.
+void write_nearest(CertificateTree& tree, const Polygon& polygon, const std::vector<Site>& sites) {
+    if (sites.size() == 1) return tree.one(sites[0].triangle);
+    const Vec3 &a = sites[0].point, &b = sites[1].point, way = b - a;
+    std::vector<double> nearer;  // positive: a is
+    for (const Vec3& x : polygon) nearer.push_back(0.5 * dot(way, way) - dot(x - a, way));
+    std::vector<Site> without_a(sites.begin() + 1, sites.end()), without_b = sites;
+    without_b.erase(without_b.begin() + 1);
+    const auto chord = chord_of(nearer);
+    if (!chord) return write_nearest(tree, polygon, nearer[0] > 0 ? without_b : without_a);
+    write(tree, *chord);
+    const Halves halves = cut(polygon, *chord);
+    write_nearest(tree, halves.positive, without_b);
+    write_nearest(tree, halves.other, without_a);
+}
+
+void write_nearest_corner(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
+    Polygon polygon(3);
+    std::vector<Site> sites;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 place = v[i].point - v[0].point;
+        polygon[turn.place(i)] = place;
+        sites.push_back({place, v[i].triangle});
+    }
+    write_nearest(tree, polygon, sites);
+}
+
+// --- the others ------------------------------------------------------------------------------------------------------
+
+void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& v, PieceTurn turn) {
+    const auto& [at_corner, at_next, at_last] = argument.ends;
+    tree.cut(CutPoint::along(turn.place(argument.alone), zero_between(at_corner, at_next)),
+             CutPoint::back(turn.place(argument.alone + 2), zero_between(at_corner, at_last)));
+    tree.one(v[(argument.alone + 1) % 3].triangle);
+    tree.one(v[argument.alone].triangle);
+}
+
+// First along the median from the middle of the edge 01 to corner 2, which the barycentre is a third of the way along.
+void write_three(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
+    constexpr double third = 1.0 / 3;
+    tree.cut(CutPoint::along(turn.place(0), 0.5), CutPoint::corner(turn.place(2)));
+    // The middle of 01, 1, 2.
+    tree.cut(CutPoint::along(1, 0.5), CutPoint::back(2, third));
+    tree.one(v[2].triangle);
+    tree.one(v[1].triangle);
+    // 2, 0, the middle of 01.
+    tree.cut(CutPoint::along(0, 0.5), CutPoint::along(2, third));
+    tree.one(v[0].triangle);
+    tree.one(v[2].triangle);
+}
+
+void write_nearest_foot(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& v, PieceTurn turn) {
+    std::vector<double> nearer(3);
+    for (std::size_t i = 0; i < 3; ++i) nearer[turn.place(i)] = argument.nearer[i];
+    const Index first = v[argument.feet[0]].triangle, second = v[argument.feet[1]].triangle;
+    const auto chord = chord_of(nearer);
+    if (!chord) return tree.one(nearer[0] > 0 ? second : first);
+    write(tree, *chord);
+    tree.one(second);
+    tree.one(first);
+}
+
+}  // namespace
+
+void write_cells(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& corners, PieceTurn turn) {
+    if (argument.kind == Kind::one) tree.one(argument.near);
+    if (argument.kind == Kind::nearest_corner) write_nearest_corner(tree, corners, turn);
+    if (argument.kind == Kind::corner_cut_off) write_corner_cut_off(tree, argument, corners, turn);
+    if (argument.kind == Kind::three) write_three(tree, corners, turn);
+    if (argument.kind == Kind::nearest_foot) write_nearest_foot(tree, argument, corners, turn);
+}
+
+}  // namespace hausbench
