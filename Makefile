@@ -20,6 +20,8 @@ RUN_ARGS ?=
 BENCH_ARGS ?=
 VERSIONS_ARGS ?=
 MUTANTS ?=
+FUZZ_SECONDS ?= 60
+TARGET ?=
 SKIP_DEPS ?=
 
 export MPLBACKEND := Agg
@@ -37,7 +39,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short instructions bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -54,6 +56,8 @@ help:
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
 	@echo 'make asan-kernels the kernel and contract tests alone, the same way; .ci/run runs them too'
 	@echo 'make tsan         the session and contract tests under the thread sanitizer, which must find a planted race'
+	@echo 'make fuzz         fuzz targets, FUZZ_SECONDS each; what they find accumulates in build/fuzz (python3 tests/fuzz/report.py)'
+	@echo 'make fuzz-short   the kept inputs of all fuzz targets, then a few seconds each; .ci/run runs it too'
 	@echo 'make instructions count the instructions of a few solves under valgrind, against tests/instructions_baseline.toml'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
@@ -63,6 +67,7 @@ help:
 	@echo
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
 	@echo '           MUTANTS= (only those whose name or file contains it)'
+	@echo '           FUZZ_SECONDS=60  TARGET= (for make fuzz: one of tests/fuzz/*.cpp, default all)'
 	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench/versions.py)'
 	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
 	@echo
@@ -200,6 +205,7 @@ types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py tests/rooms.py tests/test_rooms.py
+	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}
@@ -223,6 +229,21 @@ tsan: build/tsan/build.ninja
 	$(call compile,tsan,$(TSAN_TESTS))
 	GTEST_FILTER='-*RandomPairs*:*RandomScenes*:*ReferenceIsRight*' \
 	    ctest --preset tsan -j $(JOBS) --no-tests=error -R '^($(subst $(eval ) ,|,$(TSAN_TESTS)))$$'
+
+# On Debian `make deps` installs clang; elsewhere its absence is no failure.
+define fuzzing
+@if echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, decltype(sizeof 0)) { return 0; }' \
+    | clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - 2>/dev/null; \
+then $(MAKE) --no-print-directory build/fuzz/build.ninja && \
+    cmake --build --preset fuzz -j $(JOBS) --target $(1) && $(PYTHON) tests/fuzz/fuzz.py $(2); \
+else echo '$@: skipped: there is no clang++ with libFuzzer (on Debian: clang and libclang-rt-14-dev)'; fi
+endef
+
+fuzz: $(DEPS)
+	$(call fuzzing,$(if $(TARGET),$(addprefix fuzz_,$(TARGET)),fuzz_targets),--seconds $(FUZZ_SECONDS) $(TARGET))
+
+fuzz-short: $(DEPS)
+	$(call fuzzing,fuzz_targets,--short)
 
 # Where the baseline does not know this compiler and these libraries, nothing is measured (5), which is no failure.
 instructions: build

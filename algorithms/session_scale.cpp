@@ -117,7 +117,7 @@ Query Session::scaled(const Query& query) const {
 void Session::scale_back(Result& result, Trace& trace, double wider) const {
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
-        if (exponent_ != 0) lower = scaled_back(lower, exponent_, next_down);
+        if (exponent_ != 0) lower = std::max(scaled_back(lower, exponent_, next_down), 0.0);
     };
     const auto up = [&](double& upper) {
         if (wider > 0) upper = next_up(upper + wider);

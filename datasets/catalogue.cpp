@@ -60,8 +60,9 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
             continue;
         }
         if (has(model.name))
-            throw InputError(fmt::format("{}: model '{}' is one of datasets/manifest.toml too: give it another name",
-                                         file.string(), model.name));
+            throw InputError(
+                one_line(fmt::format("{}: model '{}' is one of datasets/manifest.toml too: give it another name",
+                                     file.string(), model.name)));
         index_[model.name] = models_.size();
         models_.push_back(std::move(model));
     }
@@ -69,12 +70,13 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
         std::set<std::string> seen;
         for (const ModelInfo* at = &model; at->source == "derived";) {
             if (!seen.insert(at->name).second)
-                throw InputError(fmt::format("{}: model '{}' is derived from itself", file.string(), at->name));
+                throw InputError(
+                    one_line(fmt::format("{}: model '{}' is derived from itself", file.string(), at->name)));
             const auto origin = index_.find(at->from);
             if (origin == index_.end())
-                throw InputError(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}",
-                                             file.string(), at->name, at->from,
-                                             nearest_hint(at->from, names_of(models_))));
+                throw InputError(
+                    one_line(fmt::format("{}: model '{}' is derived from '{}', which does not exist{}", file.string(),
+                                         at->name, at->from, nearest_hint(at->from, names_of(models_)))));
             at = &models_[origin->second];
         }
     }

@@ -35,9 +35,10 @@ std::string_view next_word(std::string_view& line) {
 }
 
 std::string_view next_line(std::string_view& bytes) {
-    std::string_view line = bytes.substr(0, bytes.find('\n'));
-    bytes.remove_prefix(std::min(line.size() + 1, bytes.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    const auto end = std::find_if(bytes.begin(), bytes.end(), [](char c) { return c == '\n' || c == '\r'; });
+    const std::string_view line(bytes.begin(), end);
+    bytes.remove_prefix(line.size());
+    bytes.remove_prefix(bytes.starts_with("\r\n") ? 2 : bytes.empty() ? 0 : 1);
     return line;
 }
 

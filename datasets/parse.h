@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text);
 // Removes the next word from `line` and returns it; empty at the end.
 std::string_view next_word(std::string_view& line);
 
-// Removes the first line, up to \n, from `bytes` and returns it, without a \r before its end.
+// Removes the first line, up to \n, \r\n or \r (old Macs), from `bytes` and returns it without these.
 std::string_view next_line(std::string_view& bytes);
 
 // The nearest number of this precision to a decimal one; infinite beyond the largest. None where the text is no number.

@@ -48,16 +48,7 @@ PointLines::PointLines(std::string name, std::array<std::size_t, 3> columns, std
     : name_(std::move(name)), columns_(columns), announced_(announced), counted_(true), begun_(true) {}
 
 void PointLines::add_lines(std::string_view bytes, std::uint32_t first) {
-    while (!bytes.empty()) {
-        std::string_view line = next_line(bytes);
-        for (;; ++first) {  // old Macs wrote only \r
-            const std::size_t end = line.find('\r');
-            add(line.substr(0, end), first);
-            if (end == std::string_view::npos) break;
-            line.remove_prefix(end + 1);
-        }
-        ++first;
-    }
+    while (!bytes.empty()) add(next_line(bytes), first++);
 }
 
 void PointLines::add(std::string_view line, std::uint32_t number) {

@@ -13,7 +13,8 @@ toml::table parse_toml(const std::filesystem::path& file) {
     try {
         return toml::parse_file(file.string());
     } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}: line {}: {}", file.string(), error.source().begin.line, error.description()));
+        throw InputError(
+            one_line(fmt::format("{}: line {}: {}", file.string(), error.source().begin.line, error.description())));
     }
 }
 
@@ -25,7 +26,7 @@ std::string TomlReader::where(const toml::node& node) const {
 }
 
 void TomlReader::fail(const toml::node& node, const std::string& what) const {
-    throw InputError(where(node) + ": " + what);
+    throw InputError(one_line(where(node) + ": " + what));  // it may quote a key or a text with line breaks
 }
 
 const toml::node* TomlReader::find(std::string_view key) const {

@@ -165,6 +165,26 @@ TEST_F(Files, ObjTraps) {
     EXPECT_EQ(mesh_of(load("wide.obj", wide)).triangles.rows(), 1);
 }
 
+// As old Macs wrote them: until now an OBJ file of this kind was one line, and so one point.
+TEST_F(Files, LinesMayEndWithACarriageReturnAlone) {
+    const std::vector<std::pair<std::string, std::string>> files = {
+        {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 # corner\nv 0 0 1\nf 1 2 3\nf 1 \\\n2 4\n"},
+        {"a.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0 # corner\n0 0 1\n3 0 1 2\n3 0 1 3\n"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+         "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n"}};
+    for (const auto& [name, text] : files) {
+        std::string old = text;
+        std::replace(old.begin(), old.end(), '\n', '\r');
+        const LoadedShape loaded = load_file(write(name, old)), same = load_file(write(name, text));
+        EXPECT_EQ(points_of(loaded.shape).rows(), 4) << name;
+        EXPECT_EQ(element_count(loaded.shape), 2) << name;
+        EXPECT_EQ(content_hash(loaded.shape), content_hash(same.shape)) << name;
+    }
+    refused("b.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 x\r", {"line 4", "'x'"});
+}
+
 TEST_F(Files, OffTraps) {
     const std::string body = "0 0 0\n\n1 0 0 # why\n1 1 0\n# between\n0 1 0\n5 5 5\n4 0 1 2 3\n\n3 0 1 2 255 0 0\n";
     for (const std::string head :

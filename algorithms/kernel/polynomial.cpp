@@ -20,6 +20,14 @@ using Sum = std::map<Powers, Interval>;
 
 bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 
+// The text may hold line breaks, and a message is one line; with blanks in their place the columns stay.
+[[noreturn]] void refuse(std::string_view text, const std::string& what) {
+    std::string message = fmt::format("polynomial '{}': {}", text, what);
+    std::replace_if(
+        message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    throw InputError(message);
+}
+
 Sum product(const Sum& a, const Sum& b) {
     Sum out;
     for (const auto& [p, x] : a) {
@@ -46,7 +54,7 @@ public:
 private:
     [[noreturn]] void fail(const std::string& what) const { fail_at(at_, what); }
     [[noreturn]] void fail_at(std::size_t at, const std::string& what) const {
-        throw InputError(fmt::format("polynomial '{}': column {}: {}", text_, at + 1, what));
+        refuse(text_, fmt::format("column {}: {}", at + 1, what));
     }
 
     bool more() {
@@ -214,14 +222,12 @@ Polynomial::Polynomial(std::string_view text) {
     const UpwardRounding upward;
     for (const auto& [powers, x] : Reader(text).read()) {
         if (!std::isfinite(x.inf()) || !std::isfinite(x.sup()))
-            throw InputError(fmt::format("polynomial '{}': a coefficient is beyond double precision", text));
+            refuse(text, "a coefficient is beyond double precision");
         if (!is_zero(x)) terms_.push_back({powers, x});
     }
     finish();
-    if (degrees_[0] + degrees_[1] + degrees_[2] == 0) {
-        throw InputError(
-            fmt::format("polynomial '{}': is a constant, which has no surface: write one in x, y and z", text));
-    }
+    if (degrees_[0] + degrees_[1] + degrees_[2] == 0)
+        refuse(text, "is a constant, which has no surface: write one in x, y and z");
 }
 
 void Polynomial::finish() {

@@ -101,8 +101,8 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
     try {
         return with_profile(file, toml::parse(text, file.string()), profile);
     } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
-                                     error.source().begin.column, error.description()));
+        throw InputError(one_line(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
+                                              error.source().begin.column, error.description())));
     }
 }
 

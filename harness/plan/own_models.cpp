@@ -23,8 +23,8 @@ ModelInfo file_model(const std::string& path, const fs::path& folder) {
 }
 
 [[noreturn]] void refuse(const fs::path& file, int line, const std::string& why) {
-    throw InputError(line > 0 ? fmt::format("{}:{}: {}", file.string(), line, why)
-                              : fmt::format("{}: {}", file.string(), why));
+    throw InputError(one_line(line > 0 ? fmt::format("{}:{}: {}", file.string(), line, why)
+                                       : fmt::format("{}: {}", file.string(), why)));
 }
 
 // "cow" of "cow_half": what a rule of the corpus would derive it from; empty: none would.

@@ -43,7 +43,7 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}:{}: {}", file_.string(), line_, what));
+        throw InputError(one_line(fmt::format("{}:{}: {}", file_.string(), line_, what)));
     }
 
     void take(const std::string& kind, std::istringstream& words) {

@@ -59,13 +59,13 @@ std::string shown(const Case& asked) {
 
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept) {
     std::string text;
-    for (const auto& [name, value] : one) {
+    for (const auto& parameter : one) {
         const bool same = std::all_of(swept.begin(), swept.end(), [&](const ParameterMap& other) {
-            const auto at = other.find(name);
-            return at != other.end() && at->second == value;
+            const auto at = other.find(parameter.first);
+            return at != other.end() && at->second == parameter.second;
         });
         if (same) continue;
-        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", name, to_string(value));
+        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", parameter.first, to_string(parameter.second));
     }
     return text;
 }

@@ -131,7 +131,11 @@ bool Journal::take(int number, std::string_view text) {
         }
         started_ = record.at("started");
         return true;
+    } catch (const InputError&) {
+        throw;
     } catch (const json::exception&) {
+        return false;
+    } catch (const std::runtime_error&) {  // a value that its column does not have, such as an unknown status
         return false;
     }
 }

@@ -1,0 +1,46 @@
+// The journal of a run: each line of the bytes gets the checksum that a run would have written. What is read back is written again, and
+// must then be the same.
+#include "hash.h"
+#include "memory_file.h"
+#include "run/journal.h"
+#include "target.h"
+
+#include <vector>
+
+namespace hausbench::fuzz {
+namespace {
+
+std::string with_checksums(std::string_view bytes) {
+    std::string journal;
+    while (!bytes.empty()) {
+        const std::string_view line = bytes.substr(0, bytes.find('\n'));
+        const bool whole = line.size() < bytes.size();
+        journal += Sha256().add(line.data(), line.size()).hex().substr(0, 16) + " " + std::string(line);
+        if (whole) journal += '\n';  // else its write did not finish
+        bytes.remove_prefix(line.size() + (whole ? 1 : 0));
+    }
+    return journal;
+}
+
+void journals(std::string_view bytes) {
+    const bool as_it_is = !bytes.empty() && bytes[0] == '!';  // checksums that do not fit
+    const MemoryFile file(as_it_is ? std::string(bytes.substr(1)) : with_checksums(bytes));
+    try {
+        std::size_t known = 0;
+        {
+            Journal journal(file.path());
+            known = journal.outcomes().size();
+            if (known > 0) journal.append({"again", 0}, Outcome(journal.outcomes().begin()->second));
+            known = journal.outcomes().size();
+        }
+        const Journal again(file.path());
+        expect(again.outcomes().size() == known, "the journal has lost an outcome");
+    } catch (const InputError& error) {
+        expect_one_line(error);
+    }
+}
+
+}  // namespace
+}  // namespace hausbench::fuzz
+
+HAUSBENCH_FUZZ_TARGET(journals)

@@ -1,0 +1,40 @@
+"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`, default build/fuzz/totals.jsonl."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def table(records: list[dict[str, str | int | float]]) -> list[str]:
+    lines = ["| target | runs | seeds | CPU time, s | executions | corpus, files | edges | features | runs that ended with a failure |",
+             "|---|---|---|---|---|---|---|---|---|"]
+    for target in sorted({str(record["target"]) for record in records}):
+        of = [record for record in records if record["target"] == target]
+        seeds = ", ".join(str(record["seed"]) for record in of)
+
+        def total(key: str) -> float:
+            return sum(float(record[key]) for record in of)
+
+        def most(key: str) -> int:
+            return max(int(record[key]) for record in of)
+
+        lines.append(f"| {target} | {len(of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {most('corpus'):,} | "
+                     f"{most('coverage'):,} | {most('features'):,} | {int(total('failed'))} |")
+    return lines
+
+
+def main(files: list[str]) -> int:
+    paths = [Path(file) for file in files] or [ROOT / "build" / "fuzz" / "totals.jsonl"]
+    if missing := [path for path in paths if not path.is_file()]:
+        print(f"report: {missing[0]} is missing: run `make fuzz`", file=sys.stderr)
+        return 2
+    print("\n".join(table([json.loads(line) for path in paths for line in path.read_text().splitlines()])))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
