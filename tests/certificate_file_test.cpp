@@ -3,6 +3,7 @@
 
 #include "certificates.h"
 #include "error.h"
+#include "hash.h"
 #include "scenes.h"
 #include "shape_file.h"
 #include "temporary_folder.h"
@@ -97,6 +98,21 @@ std::string problem_of(const std::filesystem::path& file, const std::string& byt
         return error.what();
     }
     return "";
+}
+
+// Its last line says so, but there is a byte that belongs to no certificate, or one too few.
+TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "proof";
+    write_certificate(file, proof_of(Quantity::directed));
+    const std::string good = bytes_of(file), content = good.substr(0, good.size() - 73);
+    const auto sealed = [](const std::string& bytes) {
+        return bytes + "\nsha256 " + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
+    };
+    EXPECT_EQ(sealed(content), good);
+    EXPECT_NE(problem_of(file, sealed(content + "x")).find("it goes on after its last certificate"), std::string::npos);
+    EXPECT_NE(problem_of(file, sealed(content.substr(0, content.size() - 1))).find("it ends too early"),
+              std::string::npos);
 }
 
 // Every byte of a small file, and one here and there of a large one; ends that are cut off; and bytes that are added or exchanged.

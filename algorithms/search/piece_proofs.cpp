@@ -208,9 +208,9 @@ void PieceProofs::finish(Result& result) const {
         tree.clear();
         if (!writing.triangle(i, tree)) {
             result.why_no_certificate =
-                "the proof of a piece that was settled by the bound of a larger one takes too many cuts; ask for "
-                "another "
-                "tolerance or another solver";
+                "a piece that was settled by the bound of a larger one has no bound of its own that is small enough "
+                "after "
+                "as many cuts as are tried; ask for a larger tolerance, or another solver";
             return;
         }
         builder.set(i, tree);
