@@ -54,7 +54,7 @@ struct Case {
     // search the cutoff comes from the targets before, and `chain` is the identity of the last of them.
     bool warm = false;
     std::string chain;
-    double exact = unknown;  // the true distance, where the experiment gives it
+    double exact = unknown;     // the true distance, where the experiment gives it
     std::string family;         // of a case that is swept over its severity; else empty
     double severity = unknown;  // where it is in that sweep
     int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
