@@ -235,7 +235,7 @@ define fuzzing
 @if echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, decltype(sizeof 0)) { return 0; }' \
     | clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - 2>/dev/null; \
 then $(MAKE) --no-print-directory build/fuzz/build.ninja && \
-    cmake --build --preset fuzz -j $(JOBS) --target $(1) && $(PYTHON) tests/fuzz/fuzz.py $(2); \
+    CCACHE_SLOPPINESS=pch_defines,time_macros cmake --build --preset fuzz -j $(JOBS) --target $(1) && $(PYTHON) tests/fuzz/fuzz.py $(2); \
 else echo '$@: skipped: there is no clang++ with libFuzzer (on Debian: clang and libclang-rt-14-dev)'; fi
 endef
 

@@ -73,16 +73,26 @@ json to_json(const Outcome& o) {
     return out;
 }
 
+namespace {
+
+// To convert another number may overflow, which is undefined.
+const json& whole(const json& value) {
+    if (!value.is_number_integer()) throw std::runtime_error("a count is no whole number");
+    return value;
+}
+
+}  // namespace
+
 Outcome outcome_from_json(const json& j) {
     Outcome o;
     j.at("status");  // whatever has none is no outcome
     read_row(outcome_columns(), j, o);
     for (const CounterField& field : counter_fields)
-        o.counters.*field.member = j.at("counters").at(std::string(field.name));
+        o.counters.*field.member = whole(j.at("counters").at(std::string(field.name)));
     o.answers = rows_of(answer_columns(), j.at("answers"));
     o.preparation = rows_of(preparation_columns(), j.at("preparation"));
     o.repeats = rows_of(repeat_columns(), j.at("repeats"));
-    o.repeats_asked = j.at("repeats_asked");
+    o.repeats_asked = whole(j.at("repeats_asked"));
     o.stages_asked = j.value("stages_asked", false);
     o.trace = rows_of(trace_columns(), j.at("trace"));
     return o;

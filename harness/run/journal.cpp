@@ -121,10 +121,11 @@ bool Journal::take(int number, std::string_view text) {
             return true;
         }
         if (number > 1) {
+            if (!record.at("round").is_number_integer()) return false;
             outcomes_[{record.at("identity"), record.at("round")}] = outcome_from_json(record.at("outcome"));
             return true;
         }
-        if (record.value("hausbench_journal", 0) != journal_schema) {
+        if (record.value("hausbench_journal", json()) != journal_schema) {
             throw InputError(fmt::format(
                 "{}: written by another version of hausbench: finish with that version, or start over with --fresh",
                 file_.string()));

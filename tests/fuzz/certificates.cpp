@@ -1,5 +1,5 @@
 // Bytes as a certificate of small fixed scenes. Whatever they are, the bound that the checker finds must hold: it is held against the exact
-// distances of points of A. The first byte chooses the scene, the second `proven`.
+// distances of points of A. The first byte chooses the scene, the next two `proven`.
 #include "check/certificate_check.h"
 #include "check/certificate_file.h"
 #include "exact.h"
@@ -85,7 +85,8 @@ void certificates(std::string_view bytes) {
         return;
     }
     const Known& one = scenes()[choice % scenes().size()];
-    const double proven = std::ldexp(1 + in.byte() / 64.0, static_cast<int>(in.below(16)) - 12);
+    const double mantissa = 1 + in.byte() / 64.0;
+    const double proven = std::ldexp(mantissa, static_cast<int>(in.below(16)) - 12);
     const Certificate certificate{"hausbench cover 1", Witness::Direction::source_to_target, proven,
                                   std::string(in.rest())};
     const CertificateCheck check = check_certificate(one.scene.source, {}, one.scene.target, {}, certificate);

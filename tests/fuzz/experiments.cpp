@@ -14,7 +14,8 @@ void read(std::uint32_t kind, const std::filesystem::path& file) {
         expect(!experiment.scenes.empty() && !experiment.solvers.empty(), "an experiment without a scene or a solver");
         for (const SolverPlan& solver : experiment.solvers) expect(!solver.options.empty(), "a solver without options");
         for (const double tolerance : experiment.tolerances) expect(tolerance > 0, "a tolerance that is not positive");
-        expect(experiment.repeats >= 1 && experiment.rounds >= 1 && experiment.threads >= 1, "a count below 1");
+        expect(experiment.repeats >= 0 && experiment.rounds >= 1 && experiment.threads >= 1,
+               "a count that is too small");
     } else if (kind == 2) {
         const Catalogue catalogue(file, "/nowhere", "/nowhere");
         for (const ModelInfo& model : catalogue.models())
