@@ -240,7 +240,18 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
         solve("surface_meshes", ball, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3, {{"cells", std::int64_t(8)}});
     EXPECT_EQ(coarse.status, Status::stalled);
     EXPECT_NE(coarse.note.find("cells"), std::string::npos) << coarse.note;
-    EXPECT_THROW(solve("surface_meshes", ball, square, 1e-3), InputError);
+    // Without a mesh: of a source that may be empty the distance is no larger than the boxes allow, of a target it may be infinite.
+    const Result from = solve("surface_meshes", square, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3);
+    EXPECT_EQ(from.bounds.lower, 0);
+    EXPECT_GE(from.bounds.upper, std::sqrt(48.0));
+    EXPECT_LE(from.bounds.upper, std::sqrt(48.0) * (1 + 1e-12));
+    const Result to = solve("surface_meshes", ball, square, 1e-3);
+    EXPECT_EQ(to.bounds.lower, 0);
+    EXPECT_EQ(to.bounds.upper, std::numeric_limits<double>::infinity());
+    for (const Result& result : {from, to}) {
+        EXPECT_EQ(result.status, Status::stalled);
+        EXPECT_NE(result.note.find("change of sign"), std::string::npos) << result.note;
+    }
 }
 
 TEST(MeshBridge, DeviatesByTheSquareOfACell) {
