@@ -61,7 +61,9 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
         }
         if (has(model.name))
             throw InputError(
-                one_line(fmt::format("{}: model '{}' is one of datasets/manifest.toml too: give it another name",
+                one_line(fmt::format("{}: model '{}' is one of datasets/manifest.toml too, or of another scene (a "
+                                     "shape described in a scene has the "
+                                     "scene's name, with '_' for what is no letter or digit): give it another name",
                                      file.string(), model.name)));
         index_[model.name] = models_.size();
         models_.push_back(std::move(model));

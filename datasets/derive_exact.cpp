@@ -1,7 +1,10 @@
 // Operations for cases whose distance is known: of short coordinates the results are exact.
 #include "derive.h"
 
+#include "error.h"
 #include "random.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +40,11 @@ Shape repeated(const Given& g) {
     const Points& points = g.points();
     const Index count = g.whole("count");
     const bool vertices = g.whole("vertices") == 1;
+    constexpr double most = 1e8;
+    if (const double elements = double(count) * double(element_count(*g.origin)); elements > most)
+        throw InputError(
+            fmt::format("repeat: {:.0f} copies have {:.3g} elements, and at most {:.0e} are made: lower 'count'",
+                        double(count), elements, most));
     Points all(vertices ? points.rows() * count : points.rows(), 3);
     for (Index i = 0; i < (vertices ? count : 1); ++i)
         all.middleRows(i * points.rows(), points.rows()) =

@@ -21,11 +21,13 @@ member, as shipped: a gzipped mesh stays gzipped.
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 import tomllib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +111,20 @@ def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
 
 def _named(side: Any) -> str:
     """What a scene's source or target names; of a shape that it describes in place, the model that this is derived from."""
-    first = side[0] if isinstance(side, list) else side
+    first = (side[0] if side else "") if isinstance(side, list) else side
     return str(first.get("from", "")) if isinstance(first, dict) else str(first)
+
+
+def severity_text(value: object) -> str:
+    """What the program puts in the place of {} (harness/plan/severity.cpp); of what is no number, nothing that it would take."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return ""
+    number = Decimal(repr(float(value))).normalize()
+    sign, digits, exponent = number.as_tuple()
+    text = "".join(map(str, digits))
+    power = f"{'-' * sign}{text[0]}{'.' * (len(text) > 1)}{text[1:]}e{int(exponent) + len(text) - 1}"
+    plain = f"{number:f}"
+    return power if len(power) + 2 <= len(plain) else plain
 
 
 def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
@@ -124,7 +138,8 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
         raise ManifestError(f"{file}: {error.strerror}: name an experiment file") from error
     found: dict[str, None] = {}
     for scene in scenes_of(experiment, profile):
-        each = scene.get("each", [""])
+        severity = scene.get("severity")
+        each = [severity_text(value) for value in severity] if isinstance(severity, list) else scene.get("each", [""])
         sides = [_named(scene.get(key, "")) for key in ("source", "target")]
         names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
         for one in catalogue.corpus if each == "corpus" else each:

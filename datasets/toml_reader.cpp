@@ -93,6 +93,8 @@ double TomlReader::number(const toml::node& node, std::string_view key) const {
         if (text == "{}") return filling_->number;
         if (text == "-{}") return -filling_->number;
     }
+    if (!filling_ && (node.value_exact<std::string>() == "{}" || node.value_exact<std::string>() == "-{}"))
+        fail(node, fmt::format("'{}' must be a number: {{}} stands for one in a scene with a list of severities", key));
     if (!node.is_number()) fail(node, fmt::format("'{}' must be a number", key));
     const auto value = node.value<double>();  // none for a whole number that a double does not hold
     if (!value || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));

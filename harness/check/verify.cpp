@@ -123,7 +123,7 @@ private:
         if (verdict == Verdict::unsound && slack(row) > 0 && lower - slack(row) <= shown) {
             double less = 0;
             proven = std::max(0.0, lower - slack(row));
-            verdict = by_witness(m, proven, less);
+            verdict = proven > 0 ? by_witness(m, proven, less) : Verdict::holds;
         }
         row.check.lower = verdict;
         if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);

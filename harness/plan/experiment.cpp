@@ -120,9 +120,11 @@ std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::pa
     return tables;
 }
 
-std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table, const ExperimentTable& root) {
+std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table, const ExperimentTable& root,
+                                  const std::string& profile) {
     std::vector<ModelInfo> models = read_models(file, table, ModelsOf::experiment);
     for (const ExperimentTable& scene : tables_of(root, file, "scene", scene_keys)) {
+        if (!wanted(scene, profile, profiles_of(table))) continue;
         for (const ExperimentTable& one : by_severity(scene)) {
             std::vector<ModelInfo> of_scene = models_in(one);
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(models));
@@ -133,7 +135,7 @@ std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table
 
 // All but the scenes and the solvers.
 void read_top(const fs::path& file, const toml::table& table, const ExperimentTable& root, Experiment& experiment) {
-    experiment.models = own_models(file, table, root);
+    experiment.models = own_models(file, table, root, experiment.profile);
     experiment.title = root.text("title");
     experiment.paper = root.text("paper", "");
     experiment.tolerances = root.tolerances("tolerances");
@@ -219,7 +221,7 @@ std::vector<std::string> read_solvers(const fs::path& file, const ExperimentTabl
 
 std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
     const toml::table table = parsed(file, toml, profile);
-    return own_models(file, table, ExperimentTable(file, table, "", root_keys));
+    return own_models(file, table, ExperimentTable(file, table, "", root_keys), profile);
 }
 
 Experiment read_experiment(const fs::path& file, const std::string& profile) {

@@ -22,6 +22,7 @@ struct ScenePlan {
     bool search = false;  // of a matrix: the targets of each source are one chain, see Case::chain
     std::string each;  // of which it is one: the name of the [[scene]] with `each` (and {}) or `recording`; else empty
     std::string note;
+    std::vector<double> tolerances;                              // its own; else those of the solver
     std::string family;                                          // of a case in a sweep over `severity`; else empty
     double severity = std::numeric_limits<double>::quiet_NaN();  // where it is in that sweep
     double exact = std::numeric_limits<double>::quiet_NaN();     // the experiment's quantity, where it is known

@@ -145,7 +145,7 @@ private:
         // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
         const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
         decide(RowStatus::skipped, files.missing);
-        one.tolerances = solver.tolerances;
+        one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
         std::sort(one.tolerances.begin(), one.tolerances.end());  // the finest first
         one.common = without_pose(scene, models, solver, one.entry, given);
         one.common.program_sha256 = files.sha256;

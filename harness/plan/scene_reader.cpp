@@ -15,13 +15,18 @@ Motion read_motion(const std::filesystem::path& file, const ExperimentTable& sce
                    std::string_view key) {
     const toml::table* motion = node.as_table();
     if (!motion) scene.fail(node, fmt::format("'{}' must be a table such as {{ kind = \"static\" }}", key));
+    const auto read = [&](const std::vector<std::string>& keys) {
+        ExperimentTable reader(file, *motion, "the motion", keys);
+        if (scene.filling()) reader.fill(*scene.filling());
+        return reader;
+    };
     const auto kind = (*motion)["kind"].value_or<std::string>("");
     if (kind == "static") {
-        const ExperimentTable checked(file, *motion, "the motion", {"kind"});
+        (void)read({"kind"});
         return Static{};
     }
     if (kind == "translation") {
-        const ExperimentTable reader(file, *motion, "the motion", {"kind", "from", "to", "steps", "of"});
+        const ExperimentTable reader = read({"kind", "from", "to", "steps", "of"});
         const auto of = reader.text("of", "diagonal");
         if (of != "diagonal" && of != "longest" && of != "absolute")
             reader.fail("'of' must be \"diagonal\", \"longest\" or \"absolute\"");
@@ -32,13 +37,13 @@ Motion read_motion(const std::filesystem::path& file, const ExperimentTable& sce
                                              : Of::absolute};
     }
     if (kind == "rotation") {
-        const ExperimentTable reader(file, *motion, "the motion", {"kind", "axis", "degrees", "steps"});
+        const ExperimentTable reader = read({"kind", "axis", "degrees", "steps"});
         const Vec3 axis = reader.vector("axis");
         if (axis.isZero(0)) reader.fail("'axis' must not be zero");
         return Rotation{axis, reader.number(reader.required("degrees"), "degrees"), reader.count("steps", 1, 10)};
     }
     if (kind == "poses") {
-        const ExperimentTable reader(file, *motion, "the motion", {"kind", "file"});
+        const ExperimentTable reader = read({"kind", "file"});
         return PoseFile{file.parent_path() / reader.text("file")};
     }
     scene.fail(node, fmt::format("unknown motion '{}'{}", kind,
@@ -69,6 +74,7 @@ ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& t
         scene.target_line = line_of(*table.find("target"));
     }
     scene.note = table.text("note", "");
+    scene.tolerances = table.tolerances("tolerances");
     scene.family = family_of(table);
     scene.severity = severity_of(table);
     if (const toml::node* node = table.find("motion")) scene.motion = read_motion(file, table, *node, "motion");

@@ -10,8 +10,8 @@
 namespace hausbench {
 
 inline const std::vector<std::string> scene_keys = {
-    "name",   "source",        "target",    "sources", "targets", "search",   "each",     "note",  "exact",
-    "motion", "target_motion", "recording", "every",   "frames",  "profiles", "severity", "family"};
+    "name",   "source",        "target",    "sources", "targets", "search",   "each",     "note",   "exact",
+    "motion", "target_motion", "recording", "every",   "frames",  "profiles", "severity", "family", "tolerances"};
 
 ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& table);
 

@@ -101,6 +101,8 @@ std::vector<ModelInfo> models_in(const ExperimentTable& scene) {
     for (const char* key : {"source", "target"}) {
         const toml::node* node = scene.find(key);
         if (!node || node->is_string()) continue;
+        if (const toml::node* each = scene.find("each"))
+            scene.fail(*each, fmt::format("'each' takes names of models, and '{}' describes a shape: name one", key));
         const std::string name = model_name(scene, key);
         const toml::array* steps = node->as_array();
         if (!steps) {

@@ -15,8 +15,10 @@ double unit_of(const std::string& of, double diagonal, double longest_side) {
 
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
-    // A may be one point, or so small that the product is rounded to 0: then the answer is to be as tight as doubles allow.
-    return {Tolerance::Of::absolute, std::max(tolerance * unit(), std::numeric_limits<double>::denorm_min())};
+    // A may be one point, or so small that the product is rounded to 0: then the answer is to be as tight as doubles allow. Its diagonal may
+    // also be above all doubles.
+    using Limit = std::numeric_limits<double>;
+    return {Tolerance::Of::absolute, std::clamp(tolerance * unit(), Limit::denorm_min(), Limit::max())};
 }
 
 std::string identify(const Case& asked) {
