@@ -383,6 +383,22 @@ protected:
     }
 };
 
+// What is nearly 0 is 0 by its slack, and that needs no witness: one whose coordinates are rounded lies a little off A and B.
+TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
+    const TriangleMesh mesh{(Points(3, 3) << 0.1, 0.2, 0.3, 0.7, 0.4, 0.1, 0.2, 0.9, 0.6).finished(),
+                            (Triangles(1, 3) << 0, 1, 2).finished()};
+    Row row;
+    row.asked.source = "a", row.asked.target = "b";
+    row.asked.certified = 0;
+    row.outcome.bounds = {1e-16, 1e-16};
+    row.outcome.witness.source_point = row.outcome.witness.target_point = Vec3(0.1, 0.2, 0.3) + Vec3(1e-16, -1e-16, 1e-16);
+    row.outcome.witness.source_element = row.outcome.witness.target_element = 0;
+    std::vector<Row> rows{row};
+    const Shape a = mesh, b = mesh;
+    verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
+    EXPECT_EQ(rows[0].check.lower, Verdict::holds) << rows[0].check.reason;
+}
+
 // One shape is at the origin and far smaller than it is away, by where it is or by its pose, so that the other's size counts alone.
 TEST_F(VerifyUncertified, HonestBoundsHoldWhicheverShapeIsLarge) {
     for (int kind = 0; kind < 6; ++kind) {

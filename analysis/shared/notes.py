@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 
 from analysis.shared import style
@@ -10,11 +12,15 @@ from analysis.shared.results import Results
 
 def unchecked_line(results: Results) -> str:
     """For a table or figure: whose lower bounds the harness could not check; empty where it checked all that there are."""
-    cases, found = results.cases, dict[str, set[str]]()
+    cases, found = results.cases, dict[str, list[str]]()
     for case in range(len(cases)):
         if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
-            found.setdefault(results.check_of(case), set()).add(cases.label[case])
-    return "; ".join(f"Lower bounds {check}: {', '.join(sorted(labels))}" for check, labels in sorted(found.items()))
+            found.setdefault(results.check_of(case), []).append(cases.label[case])
+    def counted(labels: list[str]) -> str:
+        return ", ".join(f"{label} (in {count} of {int((cases.label == label).sum())} rows)" if count < (cases.label == label).sum() else label
+                         for label, count in sorted(Counter(labels).items()))
+
+    return "; ".join(f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items()))
 
 
 def machine_line(results: Results) -> str:

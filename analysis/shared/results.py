@@ -181,7 +181,7 @@ class Results:
                     and np.isfinite(self.cases.upper[case]))
 
     @cached_property
-    def _references(self) -> dict[tuple[str, str, str, bytes], Interval]:
+    def _proven(self) -> dict[tuple[str, str, str, bytes], Interval]:
         found: dict[tuple[str, str, str, bytes], Interval] = {}
         for case in range(len(self.cases)):
             if self.cases.certified[case] != 1 or not self.is_bounded(case):
@@ -190,7 +190,7 @@ class Results:
             old = found.get(key, old)
             found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
                                   min(old.upper, float(self.cases.upper[case])))
-        return {key: Interval(min(interval), max(interval)) for key, interval in found.items()}
+        return found
 
     def _asked(self, case: int) -> tuple[str, str, str, bytes]:
         poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # -0 and 0 are the same pose
@@ -201,7 +201,12 @@ class Results:
         least upper] of all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
         (which `verify` reports) give the interval between the two.
         """
-        return self._references.get(self._asked(case), Interval(np.nan, np.nan))
+        proven = self.proven_of(case)
+        return Interval(min(proven), max(proven))
+
+    def proven_of(self, case: int) -> Interval:
+        """The same, but bounds that contradict each other cross: [greatest lower, least upper]."""
+        return self._proven.get(self._asked(case), Interval(np.nan, np.nan))
 
     def reference(self, scene: str, pose_index: int = 0) -> Interval:
         rows = self.rows(scene=scene, pose_index=pose_index)

@@ -22,14 +22,14 @@ def make(results: Results) -> Report:
     families = [family for family in swept(suite) if has_exact(suite, family)]
     table = tables.Table("The largest true error of each solver on families whose distance is known in closed form, relative to the diagonal of A, "
                          "and the gap that it claims there.",
-                         ["family", "solver", "error", "at severity", "gap", "10 u M", "wrong", "without bounds"], left=2)
+                         ["family", "solver", "error", "at severity", "gap", "40 u M", "wrong", "without bounds"], left=2)
     for family in families:
         table.rules.add(len(table.rows))
         for pair in suite.labels_of(family.kind):
             if own := family.asked(pair[1]):
                 table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
     table.notes = ["Error: the larger of |lower - h| and |upper - h|; of CGAL, which gives one number, |answer - h|. u = 2^-53, M: the largest "
-                   "coordinate; a tolerance below 10 u M is below the precision of doubles. All severities and tolerances.",
+                   "coordinate; a tolerance below 40 u M is below the precision of doubles. All severities and tolerances.",
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
@@ -79,14 +79,14 @@ def record(suite: Suite, family: Family, answer: Answer) -> tables.Record:
     cases, row = suite.results.cases, answer.row
     return {"family": family.name, "kind": family.kind, "severity": answer.severity, "tolerance": answer.tolerance, "solver": cases.solver[row],
             "label": answer.label, "certified": int(answer.certified), "verdict": answer.outcome.words, "relative_error": error(suite, answer),
-            "relative_gap": gap(suite, answer), "relative_10uM": floor(suite, answer), "exact": float(cases.exact[row])}
+            "relative_gap": gap(suite, answer), "relative_40uM": floor(suite, answer), "exact": float(cases.exact[row])}
 
 
 def draw(suite: Suite, families: list[Family]) -> Any:
     measures = (Measure("gap / diagonal", lambda answer: gap(suite, answer), lambda answer: floor(suite, answer)),
                 Measure("error / diagonal", lambda answer: error(suite, answer), lambda answer: floor(suite, answer)))
     tolerances = sorted({answer.tolerance for answer in suite.answers})
-    notes = ["Red crosses: wrong. Open markers: stopped or loose. Dotted: 10 u M, the precision of doubles. "
+    notes = ["Red boxes: wrong. Open markers: stopped or loose. Dotted: 40 u M, the precision of doubles. "
              "Zeros stand in the grey band."
              + (f" Tolerance: {tolerances[0]:g}, the finest." if len(tolerances) > 1 else ""),
              "Letters: no bounds (H hung, C crashed, R refused, X no numbers; ∞ no upper bound)."]

@@ -85,6 +85,8 @@ class Suite:
         rows: dict[tuple[str, str], list[int]] = {}
         for row, kind in enumerate(self._kinds()):
             rows.setdefault((str(results.cases.family[row] or results.cases.scene[row]), kind), []).append(row)
+        self._takes = {(str(results.names[row]), kind) for row, kind in enumerate(self._kinds())
+                       if self.judge.ending(row).legal and judge(self.judge.ending(row)) != Outcome.NOT_APPLICABLE}
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
 
     def _kinds(self) -> list[str]:
@@ -104,13 +106,15 @@ class Suite:
         answers: dict[str, dict[tuple[Step, float], Answer]] = {}
         for row in rows:
             step = (str(cases.scene[row]), int(cases.pose_index[row]))
-            answers.setdefault(str(self.results.names[row]), {})[step, float(cases.tolerance[row])] = self._answer(row)
+            answers.setdefault(str(self.results.names[row]), {})[step, float(cases.tolerance[row])] = self._answer(row, kind)
         return Family(name, kind, steps, [float(cases.severity[first[step]]) for step in steps], answers)
 
-    def _answer(self, row: int) -> Answer:
+    def _answer(self, row: int, kind: str) -> Answer:
         cases, ending = self.results.cases, self.judge.ending(row)
+        # Input that cannot be read is refused for all solvers alike, also for those that take no such shapes.
+        asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
-                      judge(ending), self.judge.can_be_met(row), ending.legal)
+                      judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal)
 
     @cached_property
     def labels(self) -> list[Label]:
@@ -131,9 +135,9 @@ class Suite:
         return [family for family in self.families if family.kind == kind]
 
     def labels_of(self, kind: str) -> list[Label]:
-        """Those that take such shapes: not every row of theirs is `not applicable`. Input that cannot be read is refused before that shows."""
+        """Those that take such shapes: not every row of theirs is `not applicable`."""
         return [pair for pair in self.labels
-                if any(answer.legal and answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
+                if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
 
     def is_certified(self, label: str) -> bool:
         """Of a solver that was run nowhere nobody knows: it promises nothing here."""

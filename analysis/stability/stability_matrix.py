@@ -12,7 +12,7 @@ from analysis.shared import tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, never
+from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, never
 from analysis.stability import stability_picture
 from analysis.stability.stability_families import KINDS, Answer, Family, Suite, look, percent, severity_text
 from analysis.stability.stability_outcomes import ILL, MEETABLE, SLACK, U, Outcome
@@ -49,10 +49,11 @@ def was_run(answer: Answer) -> bool:
 
 
 def claim_certified(suite: Suite) -> Verdict:
-    asked = [answer for answer in suite.answers if answer.certified and was_run(answer)]
+    asked = [answer for answer in suite.answers if answer.certified and was_run(answer) and answer.outcome != Outcome.RIGHTLY_REFUSED]
     ill = [answer for answer in asked if answer.outcome in ILL]
-    # The tolerances of a scene are one trial: they share their arithmetic.
-    trials = len({(answer.label, suite.results.cases.scene[answer.row]) for answer in asked})
+    # The tolerances of a scene are one trial, for they share their arithmetic; so are scenes of the same shapes.
+    cases = suite.results.cases
+    trials = len({(answer.label, cases.identity[answer.row] if len(cases.identity[answer.row]) else cases.scene[answer.row]) for answer in asked})
     found = never("no certified solver is wrong, refuses legal input, crashes or hangs", len(ill), len(asked), "answers", independent=trials)
     if not ill:
         return found
@@ -101,7 +102,7 @@ def claims_can_fail(suite: Suite) -> list[Verdict]:
         wrong = [answer for answer in asked if answer.outcome == Outcome.WRONG]
         where = named([place(suite, answer).removeprefix(f"{label} on ") for answer in wrong])
         evidence = f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}" if asked else "no answers"
-        found.append(Verdict(f"the suite can fail: {label} is wrong somewhere", HOLDS if wrong else OPEN if asked else UNTESTED, evidence))
+        found.append(Verdict(f"the suite can fail: {label} is wrong somewhere", HOLDS if wrong else FAILS if asked else UNTESTED, evidence))
     return found
 
 
@@ -158,9 +159,14 @@ def seconds_text(results: Results) -> str:
 
 
 def note_of(suite: Suite, family: Family) -> str:
-    """What the experiment says of the family: of its first scene that it says anything of."""
-    notes = (str(suite.results.cases.scene_note[answer.row]) for own in family.answers.values() for answer in own.values())
-    return next(filter(None, notes), "")
+    """What the experiment says of the family; of each of its scenes where it says different things of them."""
+    cases, notes = suite.results.cases, dict[str, str]()
+    for own in family.answers.values():
+        for answer in own.values():
+            notes.setdefault(str(cases.scene_note[answer.row]).removeprefix("not legal: "), str(cases.scene[answer.row]))
+    if len(notes) == 1 or family.has_severities:
+        return next(iter(notes), "")
+    return "; ".join(f"{scene}: {note}" for note, scene in notes.items() if note)
 
 
 def record(suite: Suite, answer: Answer) -> tables.Record:

@@ -64,7 +64,7 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
                 ax.set_ylabel(measure.name)
                 ax.yaxis.set_label_coords(-0.3, 0.5)
             if bottom > floor:
-                ax.set_title(f"{family.title} ({family.kind})", pad=3)
+                ax.set_title(family.title if family.title.startswith(family.kind) else f"{family.title} ({family.kind})", pad=3)
                 ax.tick_params(labelbottom=False)
             else:
                 ax.set_xlabel("severity", labelpad=1)
@@ -109,7 +109,8 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
         kind = style.open_marker if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE) else style.filled_marker
         ax.plot([x], axis.place([y]), zorder=4, clip_on=False, **kind(looks) | {"markersize": 0.7 * looks.size})
         if answer.outcome == Outcome.WRONG:
-            ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="x", markersize=6, markeredgewidth=1.1, color=MARK)
+            ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="s", markersize=7, markerfacecolor="none", markeredgewidth=1.1,
+                    markeredgecolor=MARK)
     for answer in own:
         letter = answer.outcome.letter or "?"
         if math.isfinite(measure.of(answer)) or answer.outcome in (Outcome.NOT_RUN, Outcome.NOT_APPLICABLE):

@@ -22,6 +22,31 @@ sys.path.insert(0, str(DATASETS))
 import fetch  # noqa: E402
 import packages  # noqa: E402
 
+
+
+@pytest.mark.parametrize(("value", "text"), [(1e8, "1e8"), (1000, "1000"), (0.25, "0.25"), (0.0001, "1e-4"), (1.5e-7, "1.5e-7"), (-2, "-2"), (0, "0"),
+                                             ("x", ""), (True, ""), (float("nan"), "")])
+def test_severities_are_written_as_the_program_writes_them(value: object, text: str) -> None:
+    assert fetch.severity_text(value) == text
+
+
+def test_shapes_described_in_place_bring_the_model_that_they_are_derived_from(tmp_path: Path) -> None:
+    file = tmp_path / "e.toml"
+    file.write_text("""
+[[scene]]
+name = "a {}"
+severity = [1, 2]
+source = "man{}"
+target = [{ from = "bunny", operation = "weld" }, { operation = "vertices" }]
+[[scene]]
+name = "b"
+source = []
+target = { points = [[0, 0, 0]] }
+""")
+    catalogue = fetch.Catalogue({name: {"source": "generated"} for name in ("man1", "man2", "bunny", "other")}, [], [])
+    assert fetch.asked_by(file, "quick", catalogue) == ["man1", "bunny", "man2"]
+
+
 # Stand-ins for the programs: packages are plain tar archives in the folder `shelf`, every call is written down.
 APT = """#!/bin/sh
 echo "apt-get $*" >> "$CALLS"
