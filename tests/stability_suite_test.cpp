@@ -19,16 +19,17 @@ namespace {
 
 const std::filesystem::path root = HAUSBENCH_SOURCE;
 
-// The double next to the true distance is what a scene may state.
+// The double next to the true distance is what a scene may state. That of points is exact; that of meshes is attained at a vertex of A in all
+// families but one, so that it is exact from below, and from above good to 1e-4 of the extent.
 void expect_stated(double stated, const Truth& truth, const std::string& scene) {
     const double infinite = std::numeric_limits<double>::infinity();
     const double low = std::nextafter(stated, 0.0), high = std::nextafter(stated, infinite);
     const auto square = [](double x) -> exact::Rational { return exact::Rational(x) * exact::Rational(x); };
     EXPECT_LE(truth.squared, square(high)) << scene;  // of points the distance, of meshes that of a vertex
-    if (truth.points) {
+    if (!scene.starts_with("farthest point inside a face")) {
         EXPECT_GE(truth.squared, square(low)) << scene;
-        return;
     }
+    if (truth.points) return;
     EXPECT_LE(truth.low, Real(high)) << scene;
     EXPECT_GE(truth.high, Real(low)) << scene;
 }
@@ -39,14 +40,17 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
         read_experiment(root / "experiments" / "stability" / "stability_matrix.toml", "quick");
     Catalogue catalogue(root / "datasets" / "manifest.toml", folder.path(), {});
     add_own_models(catalogue, experiment);
-    int checked = 0, too_large = 0;
+    int checked = 0, too_large = 0, surfaces = 0;
     for (const ScenePlan& scene : experiment.scenes) {
         if (std::isnan(scene.exact)) continue;
         const auto shape = [&](const std::string& name) {
             return read_shape(std::get<ResolvedModel>(catalogue.resolve(name)).shape_file).shape;
         };
         const Scene shapes{shape(scene.source), shape(scene.target)};
-        if (kind_of(shapes.source) == ShapeKind::surface) continue;
+        if (kind_of(shapes.source) == ShapeKind::surface) {  // spheres, planes and the like: their distances are simple
+            ++surfaces;
+            continue;
+        }
         // What makes these hard is their number, and the smaller ones of the same family are checked.
         if (double(element_count(shapes.source)) * double(element_count(shapes.target)) > 4e4) {
             ++too_large;
@@ -57,6 +61,7 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
     }
     EXPECT_GT(checked, 170);
     EXPECT_LT(too_large, 40);
+    EXPECT_LT(surfaces, 25);
 }
 
 }  // namespace

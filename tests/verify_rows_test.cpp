@@ -391,7 +391,8 @@ TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     row.asked.source = "a", row.asked.target = "b";
     row.asked.certified = 0;
     row.outcome.bounds = {1e-16, 1e-16};
-    row.outcome.witness.source_point = row.outcome.witness.target_point = Vec3(0.1, 0.2, 0.3) + Vec3(1e-16, -1e-16, 1e-16);
+    row.outcome.witness.source_point = row.outcome.witness.target_point =
+        Vec3(0.1, 0.2, 0.3) + Vec3(1e-16, -1e-16, 1e-16);
     row.outcome.witness.source_element = row.outcome.witness.target_element = 0;
     std::vector<Row> rows{row};
     const Shape a = mesh, b = mesh;

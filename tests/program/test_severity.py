@@ -76,6 +76,31 @@ def test_a_sweep_is_chosen_as_a_whole_or_one_by_one(hausbench: Program) -> None:
             assert len(content["cases"]["scene"]) == rows
 
 
+def test_a_scene_may_have_tolerances_of_its_own_and_motions_are_filled(hausbench: Program) -> None:
+    file = write(hausbench, """
+[[scene]]
+name = "turned {}"
+severity = [90, 180]
+tolerances = [1e-9, 1e-5]
+source = "cube1"
+target = "sphere1"
+motion = { kind = "rotation", axis = [0, 0, 1], degrees = "{}", steps = 2 }
+""")
+    done = hausbench("run", file, "--results", hausbench.folder / "results")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(hausbench.folder / "results" / "sweep.h5") as content:
+        cases = content["cases"]
+        assert sorted(set(cases["tolerance"][()])) == [1e-9, 1e-5]
+        last = {scene: pose for scene, index, pose in zip(cases["scene"].asstr()[()], cases["pose_index"][()], cases["pose"][()]) if index == 1}
+        assert abs(last["turned 90"][0]) < 1e-9 and abs(last["turned 180"][0] + 1) < 1e-9
+
+
+def test_a_scene_of_another_profile_may_describe_a_shape_under_the_same_name(hausbench: Program) -> None:
+    one = '\n[[scene]]\nname = "a"\nprofiles = ["{}"]\nsource = {{ recipe = "cube", subdivisions = 1 }}\ntarget = "sphere1"\n'
+    done = hausbench("run", write(hausbench, one.format("quick") + one.format("paper")), "--results", hausbench.folder / "results")
+    assert done.returncode == 0, done.stderr
+
+
 def test_scenes_without_severity_have_neither(hausbench: Program) -> None:
     file = write(hausbench, '[[scene]]\nname = "one"\nsource = { recipe = "cube", subdivisions = 1 }\ntarget = "sphere1"\n')
     done = hausbench("run", file, "--results", hausbench.folder / "results")
@@ -97,6 +122,8 @@ def test_scenes_without_severity_have_neither(hausbench: Program) -> None:
     ("[[0, 1, 2]]", "[[0, 1]]", ("'triangles' must be a list of three numbers of vertices",)),
     ("[[0, 1, 2]]", "[[0, 1, 0.5]]", ("'triangles' must be a list of three numbers of vertices",)),
     ("[9, 9, 9]", '[9, 9, "x"]', ("'vertices' must be a number",)),
+    ("severity = [0.25, 1e8]", 'severity = 1\nfamily = "f"', ("'z' must be a number: {} stands for one in a scene with a list of severities",)),
+    ("n = 4", 'n = 4, tolerances = "x"', ("unknown key 'tolerances'",)),
     ('exact = "{}"', 'exact = "{}"\neach = ["cow"]', ("'each' does not go with a list of severities",)),
 ])
 def test_mistakes_name_the_place(hausbench: Program, before: str, after: str, said: tuple[str, ...]) -> None:
