@@ -15,6 +15,17 @@ double scaled_back(double value, int exponent, double (*outward)(double)) {
     return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
 }
 
+// True where a coordinate of the point is rounded: by at most half of the least double, 2^-1075.
+bool scaled_back(Vec3& point, int exponent) {
+    bool rounded = false;
+    for (double& value : point) {
+        const double original = std::ldexp(value, -exponent);
+        rounded |= std::isfinite(value) && std::ldexp(original, exponent) != value;
+        value = original;
+    }
+    return rounded;
+}
+
 // A length that must stay positive and finite.
 double scaled_tolerance(double value, int exponent) {
     return std::clamp(std::ldexp(value, exponent), std::numeric_limits<double>::denorm_min(),
@@ -115,9 +126,15 @@ Query Session::scaled(const Query& query) const {
 }
 
 void Session::scale_back(Result& result, Trace& trace, double wider) const {
+    const bool source_rounded = scaled_back(result.witness.source_point, exponent_);
+    const bool target_rounded = scaled_back(result.witness.target_point, exponent_);
+    const bool forward = result.witness.direction == Witness::Direction::source_to_target;
+    const bool point_rounded = forward ? source_rounded : target_rounded;
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
         if (exponent_ != 0) lower = std::max(scaled_back(lower, exponent_, next_down), 0.0);
+        // The bound is to hold with the point as it is shown, which is off by less than 2^-1074: next_down() takes off as much or more.
+        if (point_rounded) lower = std::max(next_down(lower), 0.0);
     };
     const auto up = [&](double& upper) {
         if (wider > 0) upper = next_up(upper + wider);
@@ -125,8 +142,6 @@ void Session::scale_back(Result& result, Trace& trace, double wider) const {
     };
     for_each_bound(result, trace, down, up);
     for (Certificate& one : result.certificates) up(one.proven);
-    for (double& value : result.witness.source_point) value = std::ldexp(value, -exponent_);
-    for (double& value : result.witness.target_point) value = std::ldexp(value, -exponent_);
     for (auto& [name, value] : result.reported) {
         auto* length = std::get_if<double>(&value);
         if (length && name.starts_with(length_prefix)) *length = std::ldexp(*length, -exponent_);

@@ -115,6 +115,77 @@ TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
               std::string::npos);
 }
 
+// A file whose last line fits what it holds, with this changed for that in its first line.
+TEST(CertificateFile, WhatAKeyMayHold) {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "proof";
+    write_certificate(file, proof_of(Quantity::directed));
+    const std::string good = bytes_of(file), content = good.substr(0, good.size() - 73);
+    const auto after = [&](const std::string& text, const std::string& other) {
+        std::string changed = content;
+        const std::size_t at = changed.find(text);
+        EXPECT_NE(at, std::string::npos) << text;
+        changed.replace(at, text.size(), other);
+        return problem_of(file, changed + "\nsha256 " + Sha256().add(changed.data(), changed.size()).hex() + '\n');
+    };
+    EXPECT_EQ(after("\"tolerance\":0.001", "\"tolerance\":1"), "");
+    const char* refused[][2] = {{"\"bytes\":1", "\"bytes\":1.0"},
+                                {"\"bytes\":1", "\"bytes\":1e300"},
+                                {"\"bytes\":1", "\"bytes\":-1"},
+                                {"\"bytes\":1", "\"bytes\":9223372036854775808"},
+                                {"_certificate\":2", "_certificate\":2.0"},
+                                {"source_element\":0", "source_element\":1e300"},
+                                {"target_element\":0", "target_element\":0.5"},
+                                {"source_element\":0", "source_element\":-2"},
+                                {"source_element\":0", "source_element\":4294967296"},
+                                {"\"tolerance\":0.001", "\"tolerance\":\"nan\""},
+                                {"\"tolerance\":0.001", "\"tolerance\":null"},
+                                {"\"upper\":", "\"upper\":7,\"upper\":"},
+                                {"\"pose\":[", "\"pose\":[0,"},
+                                {"\"source_point\":[", "\"source_point\":[0,"}};
+    for (const auto& [text, other] : refused) EXPECT_NE(after(text, other), "") << other;
+    const std::string said = after("\"solver\":\"a", "\"solver\":\"\x1b[31m\xff");
+    EXPECT_NE(said, "");
+    EXPECT_EQ(said.find_first_of("\x1b\xff\n"), std::string::npos) << said;
+}
+
+TEST(CertificateFile, APoseTurnsAndMovesAndIsSaid) {
+    CertificateFile c = proof_of(Quantity::directed);
+    EXPECT_NE(describe(c, {}).find("\npose of B  [1.0,0.0,0.0,0.0,1.0,"), std::string::npos) << describe(c, {});
+    EXPECT_EQ(describe(c, {}).find("\npose of A"), std::string::npos);
+    for (CertificateFile::Model* model : {&c.source, &c.target}) {
+        const Pose kept = model->pose;
+        model->pose.rotation(0, 0) = 1 + 0.4e-9;
+        EXPECT_EQ(refusal(c).find("no rotation"), std::string::npos);
+        for (const double entry : {1 + 0.6e-9, 0.0, std::nan("")}) {
+            model->pose.rotation(0, 0) = entry;
+            EXPECT_NE(refusal(c).find("is no rotation"), std::string::npos) << entry;
+        }
+        model->pose = kept;
+    }
+}
+
+TEST(CertificateFile, NoTextOfAFileMovesTheCursor) {
+    CertificateFile c = proof_of(Quantity::directed);
+    c.solver =
+        "kang\naccepted   \x1b[8m\xc2\x9b"
+        "8m\xff";
+    const std::string text = describe(c, {});
+    EXPECT_EQ(text.find("\naccepted"), std::string::npos);
+    EXPECT_EQ(text.find_first_of("\x1b\xff\x9b"), std::string::npos);
+    EXPECT_NE(text.find("of kang accepted"), std::string::npos) << text;
+}
+
+TEST(CertificateFile, AWitnessNamesAnElementThatIsThere) {
+    for (Index Witness::*element : {&Witness::source_element, &Witness::target_element}) {
+        CertificateFile c = proof_of(Quantity::directed);
+        for (const Index named : {-1, 0, 1}) {
+            c.witness.*element = named;
+            EXPECT_EQ(refusal(c) == "", named < 1) << refusal(c);
+        }
+    }
+}
+
 // Every byte of a small file, and one here and there of a large one; ends that are cut off; and bytes that are added or exchanged.
 TEST(CertificateFile, NoChangedByteIsRead) {
     const TemporaryFolder folder;

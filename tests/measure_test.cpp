@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 namespace hausbench {
 namespace {
@@ -117,6 +121,64 @@ TEST(Measure, AQuestionEndsWithTheFirstDirectionThatAnswersIt) {
     EXPECT_EQ(to_string(late.result.status), to_string(Status::above_cutoff));
     EXPECT_GT(late.result.bounds.lower, 4);
     EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).result.status), to_string(Status::below_floor));
+}
+
+// Answers [0, 1] at once; where a proof is wanted, it does not end, or, with much time, ends its process.
+class NoProof final : public Solver {
+public:
+    explicit NoProof(const Options&) {}
+    void prepare(const Scene&, const Prepared&) override {}
+    Result solve(const Query& query, State*, Trace&) const override {
+        if (query.wanted.certificate && query.time_limit > 1) ::_exit(7);
+        while (query.wanted.certificate) std::this_thread::sleep_for(std::chrono::seconds(1));
+        Result result;
+        result.status = Status::converged;
+        result.bounds = {0, 1};
+        return result;
+    }
+};
+
+TEST(Measure, AnAnswerOutlivesItsProof) {
+    for (const bool hangs : {false, true}) {
+        SolverEntry entry;
+        entry.info.name = "no proof";
+        entry.info.source.points = entry.info.target.points = entry.info.certificates = true;
+        entry.info.original_coordinates = true;
+        entry.make = [](const Options& options) -> std::unique_ptr<Solver> {
+            return std::make_unique<NoProof>(options);
+        };
+        MeasureRequest request;
+        request.time_limit = hangs ? 0.1 : 10;
+        request.certificate = "never written";
+        Measured m;
+        m.tolerance_of = request.of;
+        solve_outside({entry, request, {Tolerance::Of::absolute, 2}}, PointSet{first()}, PointSet{second()}, m);
+        ASSERT_FALSE(m.failed) << m.failed->reason;
+        EXPECT_EQ(m.result.bounds.upper, 1);
+        EXPECT_FALSE(m.proven);
+        EXPECT_NE(m.why_not_proven.find(hangs ? "its certificate were not written within" : "exit code 7"),
+                  std::string::npos)
+            << m.why_not_proven;
+        EXPECT_EQ(exit_code(m, request), 1);
+        EXPECT_NE(describe(m, request).find("h(A,B) in [0, 1]"), std::string::npos);
+        EXPECT_TRUE(to_json(m, request).at("proven").is_null());
+    }
+}
+
+TEST(Measure, AProofOfALargerBoundIsSaid) {
+    MeasureRequest request;
+    request.certificate = "a proof";
+    Measured m;
+    m.tolerance_of = request.of;
+    m.result.bounds = {0, 1};
+    m.extent = 100;
+    for (const auto& [proven, larger] : {std::pair{1 + 0.9e-10, false}, std::pair{1 + 1.1e-10, true}}) {
+        m.proven = proven;
+        EXPECT_EQ(describe(m, request).find("larger than the upper bound above") != std::string::npos, larger);
+        EXPECT_EQ(to_json(m, request).at("proves_less"), larger);
+    }
+    m.proven.reset();
+    EXPECT_TRUE(to_json(m, request).at("proves_less").is_null());
 }
 
 }  // namespace

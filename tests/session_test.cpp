@@ -178,6 +178,24 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
               "precision_floor");
 }
 
+// In units of the least double: the point is shown where it is rounded to, up to half of one from where the bound was found.
+TEST(SessionStatus, ALowerBoundHoldsWithThePointThatIsShown) {
+    const double least = std::numeric_limits<double>::denorm_min();
+    const auto lower = [&](double bound, double source, double target) {
+        said = {};
+        said.bounds = {bound, 0.5};
+        said.witness.source_point = Vec3(source, 0, 0);
+        said.witness.target_point = Vec3(target, 0, 0);
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, least};
+        return answer(claims(), rows({{16 * least, 0, 0}}), rows({{0, 0, 0}}), query).bounds.lower / least;
+    };
+    EXPECT_EQ(lower(0.5, 0.5, 0), 16);
+    EXPECT_EQ(lower(0.5, 0.5 + 0x1p-10, 0), 15);
+    EXPECT_EQ(lower(0.5, 0.5, 0x1p-10), 16);
+    EXPECT_EQ(lower(0, 0.5 + 0x1p-10, 0), 0);
+}
+
 // --- poses that leave the range ---------------------------------------------------------------------------------------
 
 TEST(SessionRange, APoseWhoseShapeIsNotFiniteIsRefused) {

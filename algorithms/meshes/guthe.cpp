@@ -28,7 +28,7 @@
 // are as tight as the search needed them: what cannot attain the maximum is not looked into.
 //
 // Certificate: the search's own pieces and, of each, the triangle S whose bound it has (search/piece_proofs.h). The distances to S of the
-// corners show it, also where the search had the box of a group and one point of S, which are no nearer..
+// corners show it, also where the search had the box of a group and one point of S, which are no nearer.
 //
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.

@@ -15,7 +15,10 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <set>
 #include <string_view>
+#include <utility>
 
 namespace hausbench {
 
@@ -26,6 +29,7 @@ namespace {
 
 constexpr int format_version = 2;
 constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
+constexpr double most_off_rotation = 1e-9;  // an entry of R^T R, from 1 or 0
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
@@ -48,7 +52,36 @@ std::string_view unsealed(std::string_view file) {
 }
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
-CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), j.at("pose")}; }
+
+// Of so many numbers and no other.
+const json& numbers(const json& j, std::size_t count) {
+    if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
+    return j;
+}
+
+CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), numbers(j.at("pose"), 12)}; }
+
+// To convert another number may overflow, which is undefined.
+template <class T> T whole(const json& j, T least) {
+    const bool unsigned_one = j.is_number_unsigned();
+    const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
+                                   : j.is_number_integer() && std::in_range<T>(j.get<std::int64_t>());
+    if (!fits || j.get<T>() < least)
+        throw std::runtime_error(fmt::format("not a whole number of at least {} that fits", least));
+    return j.get<T>();
+}
+
+// A key that stands twice would let two readers see two files.
+json parse_header(std::string_view line) {
+    std::vector<std::set<std::string>> keys;  // of the objects that are open
+    return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
+        if (event == json::parse_event_t::object_start) keys.emplace_back();
+        if (event == json::parse_event_t::object_end) keys.pop_back();
+        if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+            throw std::runtime_error("a key stands twice");
+        return true;
+    });
+}
 
 template <class E> E named(const json& name, std::initializer_list<E> all) {
     for (E one : all) {
@@ -89,22 +122,23 @@ json header(const CertificateFile& c) {
 CertificateFile parse(std::string_view bytes) {
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
     if (end == bytes.size()) throw std::runtime_error("it has no first line");
-    const json j = json::parse(bytes.begin(), bytes.begin() + std::ptrdiff_t(end));
-    if (j.at("hausbench_certificate") != format_version) throw std::runtime_error("another version");
+    const json j = parse_header(bytes.substr(0, end));
+    if (whole<int>(j.at("hausbench_certificate"), 0) != format_version) throw std::runtime_error("another version");
     CertificateFile c;
     c.source = model_of(j.at("source"));
     c.target = model_of(j.at("target"));
     c.quantity = named(j.at("quantity"), {Quantity::directed, Quantity::symmetric});
     c.solver = j.at("solver");
-    c.tolerance = number(j.at("tolerance"));
+    c.tolerance = j.at("tolerance").is_number() ? number(j.at("tolerance")) : throw std::runtime_error("no tolerance");
     c.tolerance_of = j.at("tolerance_of");
     c.bounds = {number(j.at("lower")), number(j.at("upper"))};
     const json& w = j.at("witness");
-    c.witness = {w.at("source_point"), w.at("target_point"), w.at("source_element"), w.at("target_element"),
+    c.witness = {numbers(w.at("source_point"), 3), numbers(w.at("target_point"), 3),
+                 whole<Index>(w.at("source_element"), -1), whole<Index>(w.at("target_element"), -1),
                  direction_of(w.at("direction"))};
     std::size_t at = end + 1;
     for (const json& one : j.at("certificates")) {
-        const std::size_t size = one.at("bytes").get<std::uint64_t>();
+        const std::size_t size = whole<std::size_t>(one.at("bytes"), 0);
         if (size > bytes.size() - at) throw std::runtime_error("it ends too early");
         c.certificates.push_back({one.at("format"), direction_of(one.at("direction")), number(one.at("proven")),
                                   std::string(bytes.substr(at, size))});
@@ -125,6 +159,12 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
                     model.file, hash, model.sha256, name));
 }
 
+// A pose may turn and move a shape; one that flattened it would make any bound true.
+bool keeps_distances(const Pose& pose) {
+    const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
+    return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
+}
+
 // Of H both directions, of h its own.
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
@@ -134,12 +174,6 @@ bool proves_its_quantity(const CertificateFile& c) {
                       [](const Certificate& one, Direction direction) { return one.direction == direction; });
 }
 
-double diagonal_of_both(const Points& a, const Points& b) {
-    Points corners(4, 3);
-    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
-    return diagonal(corners);
-}
-
 std::string check_lower(const CertificateFile& c, const Shape& source, const Shape& target, bool& wrong) {
     const double lower = c.bounds.lower;
     const Vec3& p =
@@ -147,6 +181,8 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
     wrong = !(lower >= 0 && std::isfinite(lower)) ||
             (c.quantity == Quantity::directed && c.witness.direction == Witness::Direction::target_to_source);
     if (wrong) return "it is no lower bound of this distance";
+    wrong = c.witness.source_element >= element_count(source) || c.witness.target_element >= element_count(target);
+    if (wrong) return "its witness names an element that the shape does not have";
     if (lower == 0) return "holds: no distance is below 0";
     if (!p.allFinite()) return "not checked: the answer has no witness";
     double shown = 0;
@@ -158,6 +194,19 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
 }
 
 }  // namespace
+
+std::string printable(const std::string& text) {
+    // As JSON and back: what is no UTF-8 is replaced.
+    std::string valid = json::parse(json(one_line(text)).dump(-1, ' ', false, json::error_handler_t::replace));
+    for (std::size_t i = 0; i + 1 < valid.size(); ++i) {  // U+0080 to U+009F are control characters too
+        if (valid[i] == '\xc2' && static_cast<unsigned char>(valid[i + 1]) < 0xa0) valid.replace(i, 2, "  ");
+    }
+    return valid;
+}
+
+bool proves_the_bound(double proven, double upper, double extent) {
+    return proven - upper <= most_above_upper * extent;
+}
 
 void write_certificate(const fs::path& file, const CertificateFile& content) {
     std::string bytes = header(content).dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
@@ -175,7 +224,7 @@ CertificateFile read_certificate(const fs::path& file) {
     try {
         return parse(unsealed(bytes));
     } catch (const std::exception& error) {
-        throw InputError(one_line(
+        throw InputError(printable(
             fmt::format("{}: is no certificate file of version {} ({})", file.string(), format_version, error.what())));
     }
 }
@@ -187,6 +236,10 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     const auto refuse = [&](const std::string& why) {
         if (verdict.refusal.empty()) verdict.refusal = why;
     };
+    for (const CertificateFile::Model* model : {&content.source, &content.target}) {
+        if (!keeps_distances(model->pose))
+            refuse(fmt::format("the pose of {} is no rotation and translation", model == &content.source ? "A" : "B"));
+    }
     if (!proves_its_quantity(content))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
@@ -197,7 +250,7 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     }
     const double extent =
         diagonal_of_both(posed(points_of(source), content.source.pose), posed(points_of(target), content.target.pose));
-    if (!(verdict.proven - content.bounds.upper <= most_above_upper * extent))
+    if (!proves_the_bound(verdict.proven, content.bounds.upper, extent))
         refuse(
             fmt::format("it proves {:.17g}, which is above the upper bound {:.17g} by more than 1e-12 of the diagonal "
                         "of both shapes",
@@ -210,9 +263,13 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
 }
 
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict) {
-    std::string text = fmt::format("answer     of {}: {} in [{:.17g}, {:.17g}]\n", content.solver,
+    std::string text = fmt::format("answer     of {}: {} in [{:.17g}, {:.17g}]\n", printable(content.solver),
                                    content.quantity == Quantity::symmetric ? "H(A,B)" : "h(A,B)", content.bounds.lower,
                                    content.bounds.upper);
+    for (const auto& [name, model] : {std::pair{'A', &content.source}, std::pair{'B', &content.target}}) {
+        if (model->pose.is_identity()) continue;
+        text += fmt::format("pose of {}  {} (rotation row by row, translation)\n", name, json(model->pose).dump());
+    }
     for (std::size_t i = 0; i < verdict.checks.size(); ++i) {
         const CertificateCheck& check = verdict.checks[i];
         const Certificate& one = content.certificates[i];

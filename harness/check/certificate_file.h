@@ -33,6 +33,9 @@ void write_certificate(const std::filesystem::path& file, const CertificateFile&
 // Throws InputError, one line, where it cannot be read, is no certificate file, or is damaged: where any byte of it is not what was written.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
+// Whether what is proven is above the upper bound by at most 1e-12 of `extent`, the diagonal of the box of both shapes where they stand.
+bool proves_the_bound(double proven, double upper, double extent);
+
 struct CertificateVerdict {
     bool accepted = false;
     double proven = 0;                     // of the quantity
@@ -44,6 +47,9 @@ struct CertificateVerdict {
 // Checks each certificate; that what they prove is above the upper bound of the answer by at most 1e-12 of the diagonal of the box of both
 // shapes where they stand; and the lower bound by its witness. Throws InputError where the shapes are others than those of the file.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
+
+// Text of a file as a terminal may get it: one line of UTF-8 without control characters.
+std::string printable(const std::string& text);
 
 // For a person; ends in a newline.
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict);

@@ -1,5 +1,6 @@
 #include "commands/measurement.h"
 
+#include "check/certificate_file.h"
 #include "commands/measurement_solve.h"
 #include "error.h"
 #include "isolated.h"
@@ -72,14 +73,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             std::ldexp(1.0, exponent - 23)};
 }
 
-double diagonal_of_both(const Points& a, const Points& b) {
-    Points corners(4, 3);
-    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
-    return diagonal(corners);
-}
-
 // As a length, or as a fraction of the lower bound. A tolerance that nobody gave has to mean something for every legal input.
-Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, const Points& b, Measured& measured) {
+Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
     measured.tolerance_of = request.of;
     if (request.of == "lower") {
         measured.tolerance_absolute = std::numeric_limits<double>::quiet_NaN();
@@ -93,18 +88,14 @@ Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, cons
             request.source.string(), name_of_unit(request.of)));
     if (unit == 0) {
         measured.tolerance_of = "diagonal of both";
-        unit = diagonal_of_both(a, b);
+        unit = measured.extent;
     }
     if (unit == 0) {
         measured.tolerance_of = "absolute";
         unit = 1;
     }
-    double length = request.tolerance * unit;
-    if (!request.tolerance_given) {  // shapes of nearly the largest or the smallest doubles
-        length = std::clamp(length, std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max());
-    }
-    measured.tolerance_absolute = length;
-    return {Tolerance::Of::absolute, length};
+    measured.tolerance_absolute = tolerance_as_length(request.tolerance, unit);
+    return {Tolerance::Of::absolute, measured.tolerance_absolute};
 }
 
 std::string default_solver(ShapeKind source, ShapeKind target) {
@@ -154,7 +145,8 @@ Measured measure(const MeasureRequest& asked) {
         throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
                                      request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
     measured.certified = promises(entry, request.options);
-    const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), points_of(target.shape), measured);
+    measured.extent = diagonal_of_both(points_of(source.shape), points_of(target.shape));
+    const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), measured);
     const MeasureWork work{entry, request, tolerance};
     if (request.in_process)
         prepare_and_solve(
@@ -167,6 +159,10 @@ Measured measure(const MeasureRequest& asked) {
             fmt::format("{} is not written: {}", request.certificate.string(),
                         measured.why_not_proven.empty() ? "the solver did not say why" : measured.why_not_proven));
     return measured;
+}
+
+bool proves_less(const Measured& measured) {
+    return measured.proven && !proves_the_bound(*measured.proven, measured.result.bounds.upper, measured.extent);
 }
 
 std::string no_answer(const Measured& measured) {

@@ -57,8 +57,9 @@ struct Measured {
     MeasuredShape source, target;
     double tolerance_absolute = 0;  // NaN: a fraction of the lower bound
     std::string
-        tolerance_of;  // as asked; or what stands in where the default means nothing: `diagonal of both`, `absolute`
-    double unit = 1;   // the length of which the tolerance is a fraction
+        tolerance_of;   // as asked; or what stands in where the default means nothing: `diagonal of both`, `absolute`
+    double unit = 1;    // the length of which the tolerance is a fraction
+    double extent = 0;  // the diagonal of the box of both shapes
     Result result;
     std::optional<Result> forward, backward;  // of H: h(A,B), h(B,A); witnesses as in the result; none: not asked
     double forward_seconds = 0, backward_seconds = 0;
@@ -67,14 +68,17 @@ struct Measured {
     std::optional<NoAnswer> failed;
     std::optional<double>
         proven;  // what the certificate written says is an upper bound; none: no certificate was written
-    std::string why_not_proven = {};  // one line, from the solver: why not, where a certificate was asked for
+    std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
     std::vector<std::string> warnings = {};
 };
 
 // Loads the files, solves in a process of its own and waits for it, no longer than the time limit and a grace for preparing, and as
-// long again for solving. A solver that crashes, hangs, ends the process or throws is an answer too: `failed`. Throws InputError for
+// long again for solving, and again for writing what was asked for beside the answer. A solver that crashes, hangs, ends the process or throws is an answer too: `failed`. Throws InputError for
 // anything wrong with the files, the solver, its parameters or the tolerance.
 Measured measure(const MeasureRequest& request);
+
+// Whether the proof, of a second run, is of a larger upper bound than that of the answer: by more than proves_the_bound() allows.
+bool proves_less(const Measured& measured);
 
 // How long past a time limit the process is waited for.
 double grace_of(double time_limit);

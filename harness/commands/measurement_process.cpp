@@ -107,7 +107,10 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
 class Waiting {
 public:
     Waiting(const MeasureWork& work, Child& child, Measured& measured)
-        : limit_(work.request.time_limit), child_(child), measured_(measured) {
+        : limit_(work.request.time_limit),
+          proof_wanted_(!work.request.certificate.empty()),
+          child_(child),
+          measured_(measured) {
         allow("it was not prepared");
     }
 
@@ -134,11 +137,17 @@ private:
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
+    // An answer that was given stays one, whatever becomes of its proof.
     void fail(RowStatus status, const std::string& reason) {
         child_.kill();
-        measured_.failed = NoAnswer{status, reason};
         ended_ = true;
+        if (!only_the_proof_is_missing())
+            measured_.failed = NoAnswer{status, reason};
+        else if (!measured_.proven)
+            measured_.why_not_proven = reason;
     }
+
+    bool only_the_proof_is_missing() const { return answered_ && proof_wanted_; }
 
     void late() {
         fail(RowStatus::timeout, fmt::format("killed: {} within the time limit of {:g} s and {:g} s of grace", phase_,
@@ -150,7 +159,8 @@ private:
             return fail(RowStatus::failed, "its process closed its pipe");
         const std::string how = child_.how_it_ended();
         fail(child_.signal() ? RowStatus::signal : RowStatus::failed,
-             fmt::format("its process ended with {} before it answered", how.empty() ? "exit code 0" : how));
+             fmt::format("its process ended with {} before it {}", how.empty() ? "exit code 0" : how,
+                         answered_ ? "wrote all that was asked for" : "answered"));
     }
 
     // A solver may have written it: nothing in it is taken for granted.
@@ -163,6 +173,7 @@ private:
             if (name == "prepared") return allow("it did not answer");
             if (name == "answer") {
                 take_answers(event, measured_);
+                answered_ = true;
                 return allow("its fields or its certificate were not written");
             }
             if (name == "certificate") {
@@ -183,12 +194,13 @@ private:
         } catch (const std::exception&) {
             return fail(RowStatus::failed, "its process wrote something that is no answer");
         }
-        if (kind == Trouble::input) throw InputError(what);
+        if (kind == Trouble::input && !only_the_proof_is_missing()) throw InputError(what);
         fail(kind == Trouble::memory ? RowStatus::out_of_memory : RowStatus::failed,
              kind == Trouble::memory ? "it was refused memory that it asked for" : what);
     }
 
     double limit_;
+    bool proof_wanted_, answered_ = false;
     Child& child_;
     Measured& measured_;
     const char* phase_ = "";

@@ -126,6 +126,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"cutoff", asked ? json(*request.cutoff) : json()},
                 {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
                 {"proven", m.proven ? number(*m.proven) : json()},
+                {"proves_less", m.proven ? json(proves_less(m)) : json()},
                 {"warnings", m.warnings},
                 {"prepare_seconds", m.prepare_seconds},
                 {"solve_seconds", m.solve_seconds},
@@ -157,9 +158,11 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};
         text += fmt::format("above {:.9g}? {}\n", *request.cutoff, answers[exit_code(m, request)]);
     }
+    constexpr const char* larger =
+        ", which is larger than the upper bound above, for the run that proves it came less far; allow it more time";
     if (m.proven)
-        text += fmt::format("proof      {}: at most {:.17g}; check it with `hausbench verify --certificate`\n",
-                            request.certificate.string(), *m.proven);
+        text += fmt::format("proof      {}: at most {:.17g}{}; check it with `hausbench verify --certificate`\n",
+                            request.certificate.string(), *m.proven, proves_less(m) ? larger : "");
     for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
     return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
                               m.solve_seconds,

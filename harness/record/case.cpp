@@ -13,12 +13,22 @@ double unit_of(const std::string& of, double diagonal, double longest_side) {
     return of == "diagonal" ? diagonal : of == "longest" ? longest_side : 1;
 }
 
+double diagonal_of_both(const Points& a, const Points& b) {
+    Points corners(4, 3);
+    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
+    return diagonal(corners);
+}
+
+// A may be one point, or so small that the product is rounded to 0: then the answer is to be as tight as doubles allow. Its diagonal may
+// also be above all doubles.
+double tolerance_as_length(double tolerance, double unit) {
+    using Limit = std::numeric_limits<double>;
+    return std::clamp(tolerance * unit, Limit::denorm_min(), Limit::max());
+}
+
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
-    // A may be one point, or so small that the product is rounded to 0: then the answer is to be as tight as doubles allow. Its diagonal may
-    // also be above all doubles.
-    using Limit = std::numeric_limits<double>;
-    return {Tolerance::Of::absolute, std::clamp(tolerance * unit(), Limit::denorm_min(), Limit::max())};
+    return {Tolerance::Of::absolute, tolerance_as_length(tolerance, unit())};
 }
 
 std::string identify(const Case& asked) {

@@ -28,6 +28,12 @@ inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", 
 // every pose and for both directions of H.
 double unit_of(const std::string& of, double diagonal, double longest_side);
 
+// Of the box that holds both.
+double diagonal_of_both(const Points& a, const Points& b);
+
+// This fraction of a unit, as a length that is above 0 and finite.
+double tolerance_as_length(double tolerance, double unit);
+
 // What was asked for. Everything that can change the answer goes into `identity`.
 struct Case {
     std::string identity;  // SHA-256, see identify()

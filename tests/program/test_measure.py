@@ -7,6 +7,7 @@ import os
 import signal
 import struct
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -158,6 +159,10 @@ def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Pat
     # One that was given has to mean what it says.
     for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
         assert "its box has no" in hausbench.fails("measure", point, other, *given)
+    # Where the product leaves the range of doubles, the tolerance is the nearest one that is above 0 and finite.
+    for extreme, length in ((huge, sys.float_info.max), (tiny, 5e-324)):
+        for of in ("diagonal", "longest"):
+            assert measured(hausbench, extreme, extreme, "--tolerance", "0.4" if extreme == tiny else "2", "--of", of)["tolerance_absolute"] == length
 
 
 def stl(x: float) -> bytes:
