@@ -21,13 +21,6 @@ const TriangleMesh& mesh_of(const Given& g, const std::string& operation) {
     throw InputError(operation + " takes a mesh, but its origin is a point set");
 }
 
-// What an operation gives where it only moves points.
-Shape with_points(const Given& g, const Points& points) {
-    Shape shape = *g.origin;
-    points_of(shape) = points;
-    return shape;
-}
-
 Points rows_of(const Points& points, const std::vector<Index>& rows) {
     Points chosen(static_cast<Eigen::Index>(rows.size()), 3);
     for (std::size_t i = 0; i < rows.size(); ++i) chosen.row(static_cast<Eigen::Index>(i)) = points.row(rows[i]);
@@ -37,12 +30,8 @@ Points rows_of(const Points& points, const std::vector<Index>& rows) {
 PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
     if (count > points.rows())
         throw InputError(fmt::format("sample: cannot choose {1} points of a point set of {0}", points.rows(), count));
-    const Random random(seed);
-    std::vector<std::pair<std::uint64_t, Index>> lots;
-    for (Index i = 0; i < points.rows(); ++i) lots.emplace_back(random.bits(static_cast<std::uint64_t>(i)), i);
-    std::sort(lots.begin(), lots.end());
-    std::vector<Index> rows;
-    for (Index i = 0; i < count; ++i) rows.push_back(lots[static_cast<std::size_t>(i)].second);
+    std::vector<Index> rows = random_order(points.rows(), Random(seed), 0);
+    rows.resize(static_cast<std::size_t>(count));
     std::sort(rows.begin(), rows.end());
     return {rows_of(points, rows)};
 }
@@ -181,6 +170,21 @@ Shape with_outlier(const Given& g) {
 }
 
 }  // namespace
+
+Shape with_points(const Given& g, const Points& points) {
+    Shape shape = *g.origin;
+    points_of(shape) = points;
+    return shape;
+}
+
+std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first) {
+    std::vector<std::pair<std::uint64_t, Index>> lots;
+    for (Index i = 0; i < count; ++i) lots.emplace_back(random.bits(first + static_cast<std::uint64_t>(i)), i);
+    std::sort(lots.begin(), lots.end());
+    std::vector<Index> order;
+    for (const auto& [lot, i] : lots) order.push_back(i);
+    return order;
+}
 
 std::vector<Index> first_equal(const Points& points) {
     using Coordinates = std::array<double, 3>;

@@ -6,6 +6,8 @@
 
 namespace hausbench {
 
+class Random;  // random.h
+
 // vertices   a mesh becomes the set of its vertices
 // weld       vertices (or points) with equal coordinates become one
 // sample     count, seed: random points on the surface, uniform in area; of a point set, `count` of its points
@@ -37,6 +39,12 @@ std::vector<Recipe> exact_operations();
 
 // As check_numbers(); also checks that simplify has exactly one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);
+
+// What an operation gives where it only moves points.
+Shape with_points(const Given& g, const Points& points);
+
+// 0 .. count - 1 in a random order, by the numbers from `first` on.
+std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first);
 
 // Whether the operation is CGAL's, which may crash on a mesh that it cannot process, or take very long: see isolated.h.
 bool made_in_a_process(const std::string& operation);

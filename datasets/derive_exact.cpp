@@ -6,20 +6,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <utility>
+#include <vector>
 
 namespace hausbench {
 namespace {
-
-Shape with_points(const Given& g, const Points& points) {
-    Shape shape = *g.origin;
-    points_of(shape) = points;
-    return shape;
-}
 
 Shape stretched(const Given& g) {
     Points points = g.points();
@@ -58,16 +50,6 @@ Shape repeated(const Given& g) {
             (mesh->triangles.array() + shift).matrix();
     }
     return TriangleMesh{all, triangles};
-}
-
-// A random order of 0 .. count - 1.
-std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first) {
-    std::vector<std::pair<std::uint64_t, Index>> lots;
-    for (Index i = 0; i < count; ++i) lots.emplace_back(random.bits(first + static_cast<std::uint64_t>(i)), i);
-    std::sort(lots.begin(), lots.end());
-    std::vector<Index> order;
-    for (const auto& [lot, i] : lots) order.push_back(i);
-    return order;
 }
 
 Shape shuffled(const Given& g) {

@@ -11,7 +11,7 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.stability import stability_panels
 from analysis.stability.stability_families import Answer, Family, Suite, look, severity_text
-from analysis.stability.stability_outcomes import MEETABLE, Outcome
+from analysis.stability.stability_outcomes import Outcome
 from analysis.stability.stability_panels import Measure, choose, largest, relative, swept
 
 RESULTS_OF: Final = "stability_matrix"
@@ -60,7 +60,7 @@ def gap(suite: Suite, answer: Answer) -> float:
 
 
 def floor(suite: Suite, answer: Answer) -> float:
-    return relative(MEETABLE * suite.judge.magnitude(answer.row), float(suite.results.cases.source_diagonal[answer.row]))
+    return relative(suite.judge.floor(answer.row), float(suite.results.cases.source_diagonal[answer.row]))
 
 
 def cells(suite: Suite, own: list[Answer]) -> list[str]:

@@ -144,8 +144,13 @@ class Judge:
 
     def can_be_met(self, row: int) -> bool | None:
         """The tolerance is not below the precision of doubles; None where a shape is not in the cache."""
+        floor = self.floor(row)
+        return None if math.isnan(floor) else bool(self.results.cases.tolerance_absolute[row] >= floor)
+
+    def floor(self, row: int) -> float:
+        """The least tolerance that doubles can meet; NaN: unknown."""
         largest = self.magnitude(row)
-        return None if math.isnan(largest) else bool(self.results.cases.tolerance_absolute[row] >= max(MEETABLE * largest, LEAST))
+        return math.nan if math.isnan(largest) else max(MEETABLE * largest, LEAST)
 
     def magnitude(self, row: int) -> float:
         """The largest |coordinate| of both shapes where they stand, as harness/check/verify.cpp bounds it; NaN: unknown."""

@@ -3,6 +3,7 @@
 #include "check/certificate_check.h"
 #include "check/certificate_file.h"
 #include "exact.h"
+#include "exact_distance.h"
 #include "kernel/triangle.h"
 #include "memory_file.h"
 #include "scenes.h"
@@ -35,21 +36,6 @@ std::vector<exact::RVec3> samples(const Shape& shape) {
         all.insert(all.end(), {a, b, c, mean(a, b, c), mean(a, a, b), mean(b, b, c), mean(c, c, a)});
     }
     return all;
-}
-
-Rational squared_to(const exact::RVec3& p, const Shape& shape) {
-    Rational least = -1;
-    const auto take = [&](const Rational& squared) { least = least < 0 || squared < least ? squared : least; };
-    if (kind_of(shape) == ShapeKind::points) {
-        for (Index i = 0; i < points_of(shape).rows(); ++i)
-            take(exact::squared_distance(p, exact::vector(points_of(shape).row(i))));
-        return least;
-    }
-    for (Index t = 0; t < mesh_of(shape).triangles.rows(); ++t) {
-        const Triangle v = triangle_of(mesh_of(shape), t);
-        take(exact::squared_distance_to_triangle(p, exact::vector(v.a), exact::vector(v.b), exact::vector(v.c)));
-    }
-    return least;
 }
 
 Known known(Shape a, Shape b) {

@@ -2,6 +2,7 @@
 // the exact distances of A's vertices, of points of a grid on its triangles, and of all of A where both shapes are point sets.
 #include "coordinates.h"
 #include "exact.h"
+#include "exact_distance.h"
 #include "kernel/triangle.h"
 #include "quick_options.h"
 #include "registry.h"
@@ -52,21 +53,6 @@ Case decode(Bytes& in) {
         query.source_pose = turned(0.6, 0.8, scale / 8 * moves.point());
     }
     return {{std::move(a), std::move(b)}, query, variant};
-}
-
-Rational squared_to(const exact::RVec3& p, const Shape& shape) {
-    Rational least = -1;
-    const auto take = [&](const Rational& squared) { least = least < 0 || squared < least ? squared : least; };
-    if (kind_of(shape) == ShapeKind::points) {
-        for (Index i = 0; i < points_of(shape).rows(); ++i)
-            take(exact::squared_distance(p, exact::vector(points_of(shape).row(i))));
-        return least;
-    }
-    for (Index t = 0; t < mesh_of(shape).triangles.rows(); ++t) {
-        const Triangle v = triangle_of(mesh_of(shape), t);
-        take(exact::squared_distance_to_triangle(p, exact::vector(v.a), exact::vector(v.b), exact::vector(v.c)));
-    }
-    return least;
 }
 
 // The largest squared distance of a vertex, or of the middle of a triangle, of `a`.
