@@ -242,6 +242,23 @@ TEST(IntervalForms, HighDegreesAreEnclosed) {
     EXPECT_GE(even.linear(around).rest.inf(), 0.25 - 1e-12);
 }
 
+// Sums of infinities have no middle: their range is everything, not an interval of NaN, which would hold no value at all.
+TEST(IntervalForms, OverflowSaysNothing) {
+    const UpwardRounding upward;
+    Box box;
+    box.add({-9, -7, -8});
+    box.add({7, 9, 8});
+    for (const char* text : {"y + 7e300*y^40*z^26", "7e300*x^40*y + z", "1e300*x^6*y^6*z^6 + 1e300*y^2"}) {
+        FormEvaluator evaluator{Polynomial(text)};
+        for (const Form form : {Form::affine, Form::modified_affine}) {
+            const Interval range = evaluator.range(form, box);
+            EXPECT_TRUE(range.inf() <= 0 && range.sup() >= 1e300) << text << " by form " << int(form);
+        }
+        const LinearForm linear = evaluator.linear(box);
+        EXPECT_TRUE(linear.slope.allFinite() && std::isinf(linear.rest.sup())) << text;
+    }
+}
+
 // The dense expansion took (degree + 1)^3 places and as many products for each axis and degree: 1331 and 68921 places.
 TEST(IntervalForms, WorkGrowsWithTermsAndDegree) {
     const auto products = [](const std::string& text) {

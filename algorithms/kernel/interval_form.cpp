@@ -1,5 +1,8 @@
 #include "interval_form.h"
 
+#include <cmath>
+#include <limits>
+
 namespace hausbench {
 namespace {
 
@@ -9,6 +12,14 @@ void centre(const Box& box, Vec3& middle, Vec3& half) {
         middle[k] = 0.5 * box.low[k] + 0.5 * box.high[k];
         half[k] = std::max(box.high[k] - middle[k], middle[k] - box.low[k]);
     }
+}
+
+// What overflows says nothing: its range is everything. An interval of NaN would hold nothing.
+bool finite(const Interval& x) { return std::isfinite(x.inf()) && std::isfinite(x.sup()); }
+
+Interval unbounded() {
+    constexpr double most = std::numeric_limits<double>::infinity();
+    return {-most, most};
 }
 
 // m + s.u + e v, |v| <= 1, e >= 0.
@@ -112,6 +123,10 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
     };
     const double everything = beyond(all[0], all[1], all[2], all_from, n);
     const Interval squares = beyond(even[0], even[1], even[2], even_from, half);
+    if (!finite(squares)) {
+        others_ = std::numeric_limits<double>::infinity();
+        return;
+    }
     rest_ += Interval(std::min(squares.inf(), 0.0), std::max(squares.sup(), 0.0));
     const double least = std::max(std::max(squares.inf(), -squares.sup()), 0.0);  // of |squares|
     others_ += everything - least;
@@ -137,7 +152,9 @@ LinearForm FormEvaluator::linear(const Box& box) {
     form.slope.setZero();
     each([&](int i, int j, int k) {
         const Interval& x = sum_of(i, j, k);
-        if (i + j + k == 0) {
+        if (!finite(x)) {
+            others_ = std::numeric_limits<double>::infinity();
+        } else if (i + j + k == 0) {
             rest_ += x;
         } else if (i + j + k == 1) {
             const double middle = 0.5 * x.inf() + 0.5 * x.sup();
@@ -149,7 +166,7 @@ LinearForm FormEvaluator::linear(const Box& box) {
             others_ += magnitude(x);
         }
     });
-    form.rest = rest_ + Interval(-others_, others_);
+    form.rest = std::isfinite(others_) && finite(rest_) ? rest_ + Interval(-others_, others_) : unbounded();
     return form;
 }
 
@@ -167,7 +184,7 @@ Interval FormEvaluator::affine(const Vec3& middle, const Vec3& half) const {
         sum.e += product.e;
     }
     const double r = radius(sum);
-    return sum.m + Interval(-r, r);
+    return std::isfinite(r) && finite(sum.m) ? sum.m + Interval(-r, r) : unbounded();
 }
 
 Interval FormEvaluator::range(Form form, const Box& box) {
