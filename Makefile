@@ -22,6 +22,12 @@ VERSIONS_ARGS ?=
 MUTANTS ?=
 FUZZ_SECONDS ?= 60
 TARGET ?=
+BASE ?= HEAD
+TRACK_ARGS ?=
+REVS ?=
+CASE ?=
+GOOD ?=
+BAD ?= HEAD
 SKIP_DEPS ?=
 
 export MPLBACKEND := Agg
@@ -33,13 +39,14 @@ LAUNCHER := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache
 
 PACKAGES := $(filter-out $(if $(shell command -v npm),npm),$(shell sed 's/\#.*//' packages.txt))
 DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
-STEMS := $(sort $(basename $(notdir $(shell find experiments -name '*.toml'))))
+# Not tracking.toml: `make track` measures its cases, and has its own ways to do that.
+STEMS := $(filter-out tracking,$(sort $(basename $(notdir $(shell find experiments -name '*.toml')))))
 # zhang2017_table3 belongs to the group zhang2017, and so does all else in experiments/zhang2017.
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short instructions bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -58,7 +65,10 @@ help:
 	@echo 'make tsan         the session and contract tests under the thread sanitizer, which must find a planted race'
 	@echo 'make fuzz         fuzz targets, FUZZ_SECONDS each; what they find accumulates in build/fuzz (python3 tests/fuzz/report.py)'
 	@echo 'make fuzz-short   the kept inputs of all fuzz targets, then a few seconds each; .ci/run runs it too'
-	@echo 'make instructions count the instructions of a few solves under valgrind, against tests/instructions_baseline.toml'
+	@echo 'make track        has anything become slower? work counters, instructions, then times beside the commit BASE (default: HEAD)'
+	@echo 'make track-counts the tiers of it that need no clock; .ci/run runs them too'
+	@echo 'make history      draw how times and counts have changed (results/history.csv); REVS="v1 v2" measures these commits first'
+	@echo 'make bisect       CASE="guthe on mesh to its half" GOOD=v1 BAD=v2: the commit that changed its counters or instructions'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
 	@echo 'make bench        time the kernels, one by one and against Embree and CGAL'
 	@echo 'make bench-reference   the same against Embree, CGAL and an older guthe, into results/reference/kernels.md'
@@ -68,7 +78,8 @@ help:
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
 	@echo '           MUTANTS= (only those whose name or file contains it)'
 	@echo '           FUZZ_SECONDS=60  TARGET= (for make fuzz: one of tests/fuzz/*.cpp, default all)'
-	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench/versions.py)'
+	@echo '           BASE=HEAD  TRACK_ARGS= (for make track: --tiers time ...)  REVS= (for make history)  CASE= GOOD= BAD=HEAD (for make bisect)'
+	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench.tracking.versions)'
 	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
 	@echo
 	@echo 'Groups: $(GROUPS)'
@@ -202,9 +213,9 @@ certificates: build
 	$(PYTHON) tests/certificates.py --solver sacht --pairs 8
 
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile
+	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py tests/analysis tests/datasets_py tests/hostile tests/tracking
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/instructions.py tests/test_instructions.py tests/rooms.py tests/test_rooms.py
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
 	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
 
 mutants: $(DEPS)
@@ -245,9 +256,26 @@ fuzz: $(DEPS)
 fuzz-short: $(DEPS)
 	$(call fuzzing,fuzz_targets,--short)
 
-# Where the baseline does not know this compiler and these libraries, nothing is measured (5), which is no failure.
-instructions: build
-	@code=0; $(PYTHON) tests/instructions.py || code=$$?; [ $$code = 5 ] || exit $$code
+# --- has anything become slower? -------------------------------------------------------------------------------------
+
+# make can only say 2 where the program says 3, 4 or 5: what it printed last is the verdict.
+track: build/release/build.ninja
+	$(call compile,release,hausbench hausbench_commit kernel_bench)
+	$(call fetch_for,tracking)
+	"$(HAUSBENCH_PROGRAM)" track --base "$(BASE)" $(TRACK_ARGS)
+
+# The tiers that need no clock. Where the baseline does not know this compiler and these libraries, instructions are not measured.
+track-counts: build/release/build.ninja
+	$(call compile,release,hausbench hausbench_commit kernel_bench)
+	$(call fetch_for,tracking)
+	"$(HAUSBENCH_PROGRAM)" track --tiers counters,instructions
+
+# REVS: commits that are measured first, in turn.
+history: $(DEPS)
+	$(PYTHON) -m bench.tracking.history $(if $(REVS),--measure $(REVS))
+
+bisect: $(DEPS)
+	$(PYTHON) -m bench.tracking.bisect --case "$(CASE)" --good "$(GOOD)" --bad "$(BAD)"
 
 # clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own, and the
 # recorder is not a part of that build.
@@ -282,7 +310,7 @@ bench: build/release/build.ninja
 bench-reference: build/release/build.ninja
 	$(build_bench)
 	build/release/kernel_compare > build/release/kernels.csv
-	$(PYTHON) -m bench.versions $(VERSIONS_ARGS) > build/release/kernels_versions.csv
+	$(PYTHON) -m bench.tracking.versions $(VERSIONS_ARGS) > build/release/kernels_versions.csv
 	$(PYTHON) -m bench.report build/release/kernels.csv build/release/kernels_versions.csv > build/release/kernels.md
 	cp build/release/kernels.csv build/release/kernels_versions.csv build/release/kernels.md results/reference/
 

@@ -17,6 +17,8 @@
 #include "structures/point_octree.h"
 #include "structures/rtree.h"
 #include "structures/swept_sphere.h"
+#include "structures/triangle_blocks.h"
+#include "structures/triangle_grid.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -157,9 +159,14 @@ std::unique_ptr<Subject> subject(const std::string& name) {
     return made;
 }
 
+// Not inlined: `hausbench track` counts its instructions by its name.
+template <class Built, class Input> [[gnu::noinline]] std::unique_ptr<Built> make_structure(const Input& input) {
+    return std::make_unique<Built>(input);
+}
+
 template <class Built, class Input> void build(benchmark::State& state, const Input& input, std::size_t items) {
     for (auto _ : state) {
-        auto built = std::make_unique<Built>(input);
+        auto built = make_structure<Built>(input);
         benchmark::DoNotOptimize(built);
         state.PauseTiming();
         state.counters["bytes"] = static_cast<double>(built->bytes());
@@ -213,6 +220,17 @@ void nearest_points(benchmark::State& state, Subject& subject) {
     count(state, static_cast<std::size_t>(subject.queries.rows()));
 }
 
+// Of a structure that knows no hints of its own.
+template <class Built> void closest_cold(benchmark::State& state, const Subject& subject) {
+    const Built built(subject.mesh);
+    Counters counters;
+    for (auto _ : state) {
+        for (Index i = 0; i < subject.queries.rows(); ++i)
+            benchmark::DoNotOptimize(built.closest(subject.queries.row(i), {}, counters));
+    }
+    count(state, static_cast<std::size_t>(subject.queries.rows()));
+}
+
 // Both bounds of the distance to each volume, from one point.
 void swept_bounds(benchmark::State& state, Subject& subject) {
     const SweptSphereBvh& tree = subject.tree(subject.swept);
@@ -251,6 +269,10 @@ void register_subject(Subject& s) {
     }
     if (s.name.find('+') != std::string::npos) return;  // the stray triangle is for the trees over triangles
     add("build/swept_bvh", [&s, triangles](auto& state) { build<SweptSphereBvh>(state, s.mesh, triangles); });
+    add("build/triangle_blocks", [&s, triangles](auto& state) { build<TriangleBlocks>(state, s.mesh, triangles); });
+    add("build/triangle_grid", [&s, triangles](auto& state) { build<TriangleGrid>(state, s.mesh, triangles); });
+    add("closest/triangle_blocks/cold", [&s](auto& state) { closest_cold<TriangleBlocks>(state, s); });
+    add("closest/triangle_grid/cold", [&s](auto& state) { closest_cold<TriangleGrid>(state, s); });
     add("build/adjacency", [&s, triangles](auto& state) { build<Adjacency>(state, s.mesh, triangles); });
     add("build/point_bvh", [&s, vertices](auto& state) { build<PointBvh>(state, s.mesh.vertices, vertices); });
     add("build/point_octree", [&s, vertices](auto& state) { build<PointOctree>(state, s.mesh.vertices, vertices); });

@@ -1,4 +1,4 @@
-"""The table of the kernels' comparisons, from the CSV of kernel_compare and of bench/versions.py.
+"""The table of the kernels' comparisons, from the CSV of kernel_compare and of bench/tracking/versions.py.
 
     python3 -m bench.report FILE.csv ... > results/reference/kernels.md
 """
@@ -30,7 +30,7 @@ PARTS = {
 HEAD = """# Kernels, measured
 
 Made by `make bench-reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
-time is CPU time (wall time of one thread where versions are compared), the median of the rounds. A ratio is that
+time is CPU time (where versions are compared, preparing is wall time), the median of the rounds. A ratio is that
 contender's time over the first one's, the median over rounds with a 95 % order-statistic interval: above 1, the first
 is faster. Only ratios within one table mean anything.
 

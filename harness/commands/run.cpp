@@ -20,6 +20,7 @@ int run(const RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
     take_shard(plan, shard);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
+    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // no times of a solver: never among other results
     if (!shard.whole()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
     const RunSummary summary =
         run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
@@ -54,6 +55,10 @@ void add_run(CLI::App& app, int& code) {
     verb->add_flag(
         "--leave-nothing-out", arguments.choice.leave_nothing_out,
         "run every tolerance and build every structure, into STEM.everything.h5: to check that no answer changes");
+    verb->add_option("--planted-slowdown", arguments.choice.planted_slowdown,
+                     "make each repeat slower by this share, into STEM.planted.h5: `track` tests itself with it")
+        ->check(CLI::Range(0.0, 10.0))
+        ->group("");
     verb->add_flag("--quiet", arguments.quiet, "show no progress");
     take_plugins(verb);
     verb->callback([&code] { code = run(arguments); });

@@ -61,6 +61,8 @@ struct Plan {
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
+    double planted_slowdown =
+        0;              // share of each repeat's CPU time that is burned after it, on the clock: to test who measures
     bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
     Shard shard = {};
 
@@ -84,6 +86,7 @@ struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
     bool leave_nothing_out =
         false;  // run every tolerance, build every structure: to test that leaving out changes nothing
+    double planted_slowdown = 0;
 };
 
 // Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for

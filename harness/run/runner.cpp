@@ -125,6 +125,7 @@ private:
         order.limits = first.limits;
         order.round = round;
         order.repeats = plan_.experiment.repeats;
+        order.slowdown = plan_.planted_slowdown;
         order.leave = plan_.leave_nothing_out ? Leave::nothing_out : Leave::out_what_is_not_needed;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;

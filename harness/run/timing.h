@@ -39,6 +39,12 @@ struct Timing {
     double wall_seconds, cpu_seconds;  // per solve
 };
 
-Timing time_once(const Session& session, const Query& query, std::int64_t iterations);
+// `slowdown`: see Plan::planted_slowdown.
+Timing time_once(const Session& session, const Query& query, std::int64_t iterations, double slowdown = 0);
+
+double cpu_seconds_of_thread();
+
+// Spends that much CPU time of this thread.
+void burn(double cpu_seconds);
 
 }  // namespace hausbench

@@ -18,7 +18,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Pair, source_file, target_file, qu
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quantity, source_pose, target_pose,
                                    tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, search)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
-                                   leave, items, plugins)
+                                   leave, slowdown, items, plugins)
 
 void WorkOrder::Item::narrow(double least_upper) {
     if (cutoff <= floor || !(least_upper < cutoff)) return;

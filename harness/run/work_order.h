@@ -26,6 +26,7 @@ struct WorkOrder {
     Limits limits;
     int round = 0, repeats = 0;
     Leave leave = Leave::out_what_is_not_needed;
+    double slowdown = 0;  // Plan::planted_slowdown
     struct Item {
         std::size_t row;
         std::size_t pair;   // items of one pair stand together

@@ -1,0 +1,13 @@
+"""Has anything become slower? `hausbench track`, and the history of timings. CONTRIBUTING.md says what to do when it is red.
+
+cases.py      what is tracked: the cases of experiments/tracking.toml, and kernels
+blocks.py     one fresh process that measures one of them
+builds.py     the program of an older commit, built beside this one
+counted.py    tiers 1 and 2: work counters and instructions against baseline.toml
+gate.py       tier 3, its arithmetic: what blocks of base and candidate say; pure functions
+timed.py      tier 3, its measuring: blocks in turn
+track.py      the three tiers, the verdict and the exit code
+history.py    results/history.csv: commits measured in turn; steps.py finds steps in it, picture.py draws it
+bisect.py     the commit at which a count changed
+versions.py   preparing and solving now and at an older commit, for the table of the kernels
+"""

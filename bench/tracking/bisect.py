@@ -1,0 +1,254 @@
+"""Finds the commit at which the counted work of a case changed, unattended: git bisect does the search.
+
+    python3 -m bench.tracking.bisect --case NAME --good REV --bad REV [--by auto|counters|instructions]
+
+GOOD is the older one; whether BAD does more or less does not matter. Both are measured first. By default work counters decide where they differ,
+else instructions of the solve. Each commit in between is built in build/versions/bisect, and belongs to the side whose counts are nearer to its own;
+one that does not build, or does not know the case or its shapes, is skipped. No clock decides, so what else runs does not matter.
+
+Exit code 0: the commit is found; 1: one of several, since what lies between them could only be skipped; 2: a mistake, or nothing differs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from bench.tracking import blocks, builds
+from bench.tracking.blocks import NotMeasured
+from bench.tracking.builds import NotBuilt
+from bench.tracking.cases import EXPERIMENT, ROOT, Case, cases, chosen
+
+WAYS = ("auto", "counters", "instructions")
+SAME = 1e-4  # instructions that differ by less are the same: a count depends a little on the length of paths
+GOOD, BAD, SKIP, ABORT = 0, 1, 125, 255  # what `git bisect run` makes of an exit code
+Counts = dict[str, int]
+
+
+class Unclear(Exception):
+    """There is nothing to search for; the message says why."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    counters: Counts
+    shapes: str
+    instructions: int | None = None
+
+    def counts(self, by: str) -> Counts:
+        return self.counters if by == "counters" else {} if self.instructions is None else {"instructions": self.instructions}
+
+
+@dataclass(frozen=True)
+class Question:
+    """What each step asks: is this commit nearer to `good` or to `bad`?"""
+
+    case: str
+    experiment: str  # the file with the cases, which is this tree's, whatever is checked out
+    by: str
+    good: Counts
+    bad: Counts
+    shapes: str
+    log: str  # a line of JSON for each commit that was measured
+
+
+def git_in(tree: Path, *words: str) -> str:
+    done = subprocess.run(["git", "-C", str(tree), *words], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise NotBuilt(f"git {' '.join(words)}: {done.stderr.strip()}")
+    return done.stdout.strip()
+
+
+def case_named(name: str, experiment: Path) -> Case:
+    """ValueError unless the name chooses exactly one."""
+    found = chosen([name], cases(experiment))
+    exact = [case for case in found if case.name == name]
+    if len(exact or found) != 1:
+        raise ValueError(f"{name!r} is more than one case: {', '.join(case.name for case in found)}")
+    return (exact or found)[0]
+
+
+def measure(tree: Path, case: Case, by: str) -> Measured:
+    """What the worktree has checked out: built, and counted. NotBuilt or NotMeasured."""
+    commit = git_in(tree, "rev-parse", "--short=10", "HEAD")
+    build = builds.build_in(tree, commit, os.cpu_count() or 1)
+    builds.fetch(tree, case.models)
+    with tempfile.TemporaryDirectory(dir=tree / "build", prefix="bisect-") as folder:
+        block = blocks.measure(build.program, case, Path(folder))
+        if by == "counters":
+            return Measured(block.counters, block.shapes)
+        from bench.tracking.counted import instructions_of
+
+        return Measured(block.counters, block.shapes, instructions_of(build.program, case, Path(folder)))
+
+
+def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
+    """Names of both whose counts differ. A counter that one of them lacks was not counted there, which is no change of work."""
+    return [name for name in sorted(good.keys() & bad.keys()) if abs(math.log(good[name] / bad[name])) > least]
+
+
+def decided_by(good: Measured, bad: Measured, by: str) -> str:
+    """Counters or instructions. Unclear where neither differs, or not what was asked for."""
+    if good.shapes != bad.shapes:
+        raise Unclear("good and bad have other shapes in this case, so their work says nothing about the code")
+    found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
+    if not found:
+        what = "neither work counters nor instructions" if by == "auto" else by
+        raise Unclear(f"{what} differ{'' if what == by else ' or could be counted'} between good and bad: there is no commit to search for; "
+                      "if the time differs all the same, look at libraries, the compiler and the layout of the program")
+    return found[0]
+
+
+def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
+    """Nearer to bad, in the sum of the logarithms over what differs between good and bad. NotMeasured where none of it was counted."""
+    names = [name for name in differing(good, bad) if name in counts]
+    if not names:
+        raise NotMeasured("nothing of what differs is counted at this commit")
+    to_good, to_bad = (sum(abs(math.log(counts[name] / side[name])) for name in names) for side in (good, bad))
+    return to_bad < to_good
+
+
+def step(tree: Path, question: Question) -> int:
+    """For `git bisect run`: the exit code."""
+    commit = git_in(tree, "rev-parse", "HEAD")
+    try:
+        found = measure(tree, case_named(question.case, Path(question.experiment)), question.by)
+        if found.shapes != question.shapes:
+            raise NotMeasured("the shapes are others")
+        counts = found.counts(question.by)
+        bad = is_bad(counts, question.good, question.bad)
+    except (NotBuilt, NotMeasured) as why:
+        say(f"{commit[:10]} is skipped: {why}")
+        return SKIP
+    with open(question.log, "a", encoding="utf-8") as log:
+        log.write(json.dumps({"commit": commit, "counts": counts}) + "\n")
+    say(f"{commit[:10]} is {'bad' if bad else 'good'}: {text_of(counts, differing(question.good, question.bad))}")
+    return BAD if bad else GOOD
+
+
+def say(text: str) -> None:
+    print(f"bisect: {text}", file=sys.stderr, flush=True)
+
+
+def text_of(counts: Mapping[str, int], names: list[str]) -> str:
+    return ", ".join(f"{name} {counts[name]:,}" for name in names if name in counts)
+
+
+def checked_out(tree: Path, commit: str) -> None:
+    """A worktree of its own; what an interrupted search left in it is reset."""
+    if not (tree / ".git").exists():
+        builds.git("worktree", "prune")
+        builds.git("worktree", "add", "--detach", "--force", str(tree), commit)
+    git_in(tree, "bisect", "reset")
+    git_in(tree, "checkout", "--quiet", "--force", "--detach", commit)
+
+
+def in_order(good: str, bad: str) -> None:
+    """ValueError unless good comes before bad."""
+    if good == bad:
+        raise ValueError(f"good and bad are the same commit, {good}")
+    base = builds.git("merge-base", good, bad)
+    if base.startswith(bad):
+        raise ValueError(f"good ({good}) is newer than bad ({bad}): exchange them; good is the older one, even if it does more work")
+    if not base.startswith(good):
+        raise ValueError(f"good ({good}) is no ancestor of bad ({bad}): take {base[:10]}, where they part, as good")
+
+
+def search(tree: Path, good: str, bad: str, question: Path, command: list[str]) -> list[str]:
+    """The first bad commit; several, where skipped ones hide which of them it is. `command` is the step, without the question."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    git_in(tree, "bisect", "start", bad, good)
+    try:
+        done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env=environment, check=False,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
+        last = git_in(tree, "rev-parse", "refs/bisect/bad")
+        goods = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/good-*").split()
+        left = git_in(tree, "rev-list", last, "--not", *goods).split()
+        skipped = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/skip-*").split()
+        if done.returncode != 0 and not all(commit == last or commit in skipped for commit in left):
+            raise NotBuilt(f"git bisect run ended with {done.returncode}: {done.stdout.strip()[-300:]}")
+        return [last] if done.returncode == 0 else left
+    finally:
+        git_in(tree, "bisect", "reset")
+
+
+def report(found: list[str], question: Question) -> None:
+    """The commit, and the counts on both sides of it."""
+    names = differing(question.good, question.bad)
+    log = [json.loads(line) for line in Path(question.log).read_text(encoding="utf-8").splitlines()]
+    known = {line["commit"]: line["counts"] for line in log}
+    print("first bad commit:" if len(found) == 1 else "the first bad commit is one of these; the others could not be measured:")
+    for commit in found:
+        print(f"  {builds.git('show', '--no-patch', '--format=%h %cs %s', commit)}")
+    parents = builds.git("rev-list", "--parents", "-n", "1", found[-1]).split()[1:]
+    for word, commits in (("before", parents), ("after", found[:1])):
+        for commit in commits:
+            counts = text_of(known[commit], names) if commit in known else "not measured"
+            print(f"  {word}: {commit[:10]}: {counts}")
+
+
+def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, command: list[str]) -> int:
+    tree = builds.VERSIONS / "bisect"
+    ends = [builds.commit_of(revision) for revision in revisions]
+    in_order(ends[0], ends[1])
+    sides = []
+    for commit in ends:
+        checked_out(tree, commit)
+        try:
+            sides.append(measure(tree, case, by))
+        except NotMeasured as why:
+            raise Unclear(f"{commit} does not measure {case.name}: {why}") from None
+    way = decided_by(sides[0], sides[1], by)
+    counts = [side.counts(way) for side in sides]
+    for word, commit, one in zip(("good", "bad"), ends, counts):
+        say(f"{word}: {commit}: {text_of(one, differing(counts[0], counts[1]))}")
+    with tempfile.TemporaryDirectory() as folder:
+        log, file = Path(folder) / "log", Path(folder) / "question.json"
+        whole = [builds.git("rev-parse", commit) for commit in ends]
+        log.write_text("".join(json.dumps({"commit": commit, "counts": one}) + "\n" for commit, one in zip(whole, counts)), encoding="utf-8")
+        question = Question(case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log))
+        file.write_text(json.dumps(asdict(question)), encoding="utf-8")
+        found = search(tree, ends[0], ends[1], file, command)
+        report(found, question)
+    return 0 if len(found) == 1 else 1
+
+
+# -P: the folder at hand, in which git runs it, has another version of this package.
+STEP = [sys.executable, "-P", "-m", "bench.tracking.bisect", "--step"]
+
+
+def main(arguments: list[str], command: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--case", help="of experiments/tracking.toml; the beginning of a name is enough")
+    parser.add_argument("--good", metavar="REV", help="the older commit")
+    parser.add_argument("--bad", metavar="REV", help="the newer commit")
+    parser.add_argument("--by", choices=WAYS, default="auto")
+    parser.add_argument("--experiment", type=Path, default=EXPERIMENT)
+    parser.add_argument("--step", type=Path, metavar="QUESTION", help="for git bisect run: one commit, in the folder at hand")
+    options = parser.parse_args(arguments)
+    if options.step:
+        try:
+            return step(Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8"))))
+        except BaseException as problem:  # 1, Python's own exit code for what nobody caught, would call the commit bad
+            say(f"stopped: {type(problem).__name__}: {problem}")
+            return ABORT
+    if not (options.case and options.good and options.bad):
+        parser.error("--case, --good and --bad are needed")
+    try:
+        experiment = options.experiment.resolve()
+        return find(case_named(options.case, experiment), (options.good, options.bad), options.by, experiment, command or STEP)
+    except (NotBuilt, Unclear, ValueError) as problem:
+        say(str(problem))
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,127 @@
+"""One block: a fresh process that measures one case a few times, or every kernel; the least of the times stands for the block.
+
+The least, because what else runs on a machine only ever adds time. CPU time for one thread, as everywhere in the project.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+import numpy.typing as npt
+
+from bench.tracking.cases import MESH, Case
+
+LIMIT = 120.0  # seconds of one block
+
+
+class NotMeasured(Exception):
+    """The program does not know the case, or gave no answer to it; the message says which."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Of one process: the least of its repeats, each of which is the sum over the poses of the scene."""
+
+    cpu: float
+    wall: float
+    prepare: float  # wall seconds of all that was built
+    shapes: str  # a hash of both shapes: other shapes make other times
+    lower: float = 0.0  # the largest lower bound
+    counters: dict[str, int] = field(default_factory=dict)
+
+
+def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> str:
+    """Standard output. NotMeasured where it ends with another exit code than the good ones."""
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, timeout=LIMIT)
+    except FileNotFoundError:
+        raise NotMeasured(f"{command[0]} is missing") from None
+    except subprocess.TimeoutExpired:
+        raise NotMeasured(f"no end within {LIMIT:.0f} s: {' '.join(command)}") from None
+    if done.returncode not in good:
+        words = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        raise NotMeasured(f"exit code {done.returncode}: {words[-1] if words else 'it said nothing'}")
+    return done.stdout
+
+
+def write_case(case: Case, folder: Path) -> Path:
+    """The experiment of this case, under a name that is new in the folder: earlier results are in nobody's way."""
+    handle, name = tempfile.mkstemp(suffix=".toml", prefix="case", dir=folder)
+    with open(handle, "w", encoding="utf-8") as out:
+        out.write(case.text())
+    return Path(name)
+
+
+def run_words(program: Path, file: Path) -> list[str]:
+    """All commits know these options."""
+    return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet"]
+
+
+def measure(program: Path, case: Case, folder: Path, slowdown: float = 0) -> Block:
+    """Runs the case in `folder`. NotMeasured where it has no answer. An unsound row (exit code 1) has a time all the same."""
+    file = write_case(case, folder)
+    planted = ["--planted-slowdown", str(slowdown)] if slowdown else []
+    try:
+        run(run_words(program, file) + planted, folder, (0, 1))
+        return read(file.with_suffix(".planted.h5" if slowdown else ".h5"))
+    finally:
+        for left in folder.glob(f"{file.stem}*"):
+            left.unlink()
+
+
+def texts(values: object) -> list[str]:
+    return [value.decode() if isinstance(value, bytes) else str(value) for value in np.asarray(values)]
+
+
+def read(file: Path) -> Block:
+    """Of a result file of one solver on one scene, of any commit so far. NotMeasured where it has no answer, or cannot be read."""
+    try:
+        with h5py.File(file) as result:
+            return block_of(result)
+    except (LookupError, OSError, ValueError) as problem:
+        raise NotMeasured(f"its result cannot be read: {problem}") from None
+
+
+def block_of(result: h5py.File) -> Block:
+    rows = result["cases"]
+    statuses = texts(rows["status"][()])
+    if any(status != "ok" for status in statuses):
+        bad = next(i for i, status in enumerate(statuses) if status != "ok")
+        raise NotMeasured(f"{statuses[bad]}: {texts(rows['reason'][()])[bad]}")
+    repeats = result["repeats"]
+    if len(repeats["case"]) == 0:
+        raise NotMeasured("no repeat was timed")
+    cpu, wall = (least_of_passes(repeats["case"][()], repeats[name][()]) for name in ("cpu_seconds", "wall_seconds"))
+    counters = {name.removeprefix("counter_"): int(values[()].sum()) for name, values in rows.items() if name.startswith("counter_")}
+    shapes = hashlib.sha256(" ".join(sorted(texts(result["models/sha256"][()]))).encode()).hexdigest()[:12]
+    prepare, lower = float(rows["prepare_seconds"][0]), float(rows["lower"][()].max())
+    return Block(cpu, wall, prepare, shapes, lower, {name: count for name, count in counters.items() if count})
+
+
+def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64]) -> float:
+    """Repeat k of all poses is one pass; the seconds of each are in order of the repeats."""
+    passes = np.vstack([seconds[rows == row] for row in np.unique(rows)])
+    return float(passes.sum(axis=0).min())
+
+
+def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:
+    """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
+    pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
+    out = run([str(program), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", "--benchmark_repetitions=8",
+               "--benchmark_min_time=0.002"], folder)
+    units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
+    least: dict[str, float] = {}
+    for one in json.loads(out)["benchmarks"]:
+        if one.get("run_type") != "iteration":
+            continue
+        name, seconds = one["run_name"].removesuffix(f"/{MESH}"), one["cpu_time"] * units[one["time_unit"]]
+        least[name] = min(seconds, least.get(name, seconds))
+    return least

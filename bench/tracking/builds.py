@@ -1,0 +1,105 @@
+"""The program of any commit, built in a worktree of its own (build/versions/COMMIT) as this one is built."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.tracking.cases import ROOT
+
+VERSIONS = ROOT / "build" / "versions"
+
+
+class NotBuilt(Exception):
+    """There is no such commit, or it does not build; the message says which, and where the output is."""
+
+
+@dataclass(frozen=True)
+class Build:
+    commit: str  # ten digits; "+" behind them: and what is not committed
+    program: Path
+    kernels: Path | None  # kernel_bench; the first commits have none
+    tree: Path = ROOT
+
+
+def git(*words: str) -> str:
+    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise NotBuilt(f"git {' '.join(words)}: {done.stderr.strip()}")
+    return done.stdout.strip()
+
+
+def commit_of(revision: str) -> str:
+    return git("rev-parse", "--verify", "--short=10", f"{revision}^{{commit}}")
+
+
+def here(program: Path) -> Build:
+    """The program at hand, built from the working tree."""
+    if not program.is_file():
+        raise NotBuilt(f"{program} is missing: make build")
+    kernels = program.parent / "kernel_bench"
+    changed = git("status", "--porcelain", "--untracked-files=no")
+    return Build(commit_of("HEAD") + ("+" if changed else ""), program, kernels if kernels.is_file() else None)
+
+
+def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
+    """Built once: later calls find it. NotBuilt where that fails."""
+    commit = commit_of(revision)
+    tree = VERSIONS / commit
+    if not (tree / "CMakeLists.txt").exists():
+        git("worktree", "prune")
+        git("worktree", "add", "--detach", "--force", str(tree), commit)
+    return build_in(tree, commit, jobs)
+
+
+def build_in(tree: Path, commit: str, jobs: int) -> Build:
+    """What the worktree has checked out."""
+    build = tree / "build" / "release"
+    log = tree / "build.log"
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    # Two worktrees share what ccache holds only if their own paths are left out of it.
+    environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}
+    commands = [["cmake", "-S", str(tree), "-B", str(build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DHAUSBENCH_WITH_TESTS=OFF", *launcher],
+                ["cmake", "--build", str(build), "-j", str(jobs), "--target", "hausbench", "hausbench_commit"]]
+    with log.open("w") as out:
+        print(f"building {commit} in {tree.relative_to(ROOT)}, which may take some minutes", file=sys.stderr, flush=True)
+        for command in commands:
+            if subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False, env=environment).returncode != 0:
+                raise NotBuilt(f"{commit} does not build: its output is in {log}")
+        bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
+        found = subprocess.run(bench, stdout=out, stderr=subprocess.STDOUT, check=False, env=environment).returncode == 0
+    kernels = build / "kernel_bench"
+    return Build(commit, build / "hausbench", kernels if found and kernels.is_file() else None, tree)
+
+
+def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
+    """What has to be fetched for these models: the ends of their `from`, as far as the manifest knows them and they come from a package."""
+    found: set[str] = set()
+    for name in names:
+        chain = [name]
+        while (origin := models.get(chain[-1], {}).get("from")) and origin not in chain:
+            chain.append(origin)
+        if models.get(chain[-1], {}).get("source") in ("debian", "npm"):
+            found.add(chain[-1])
+    return sorted(found)
+
+
+def fetch(tree: Path, names: Iterable[str]) -> None:
+    """By the commit's own datasets/fetch.py. What cannot be fetched leaves cases empty, and stops nothing."""
+    manifest = tree / "datasets" / "manifest.toml"
+    models = tomllib.loads(manifest.read_text(encoding="utf-8")).get("model", {}) if manifest.is_file() else {}
+    if not (origins := fetched_origins(models, names)):
+        return
+    done = subprocess.run([sys.executable, "datasets/fetch.py", *origins], cwd=tree, capture_output=True, text=True, check=False,
+                          stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        words = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        print(f"{tree.name}: datasets/fetch.py {' '.join(origins)} ended with {done.returncode}: {words[-1] if words else ''}",
+              file=sys.stderr, flush=True)

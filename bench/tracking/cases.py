@@ -1,0 +1,73 @@
+"""What is tracked: cases, each a solver on a scene of experiments/tracking.toml, and kernels, each a benchmark of kernel_bench."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+ROOT = Path(__file__).resolve().parents[2]
+EXPERIMENT = ROOT / "experiments" / "tracking.toml"
+MESH = "torus:60"  # of the kernels: 7,200 triangles, made on the spot
+MOST_CASES = 16
+
+
+@dataclass(frozen=True)
+class Case:
+    """A solver on a scene: an experiment of its own, which any commit can run that knows its keys and models."""
+
+    name: str  # "guthe on mesh to its half"
+    experiment: dict[str, Any]
+
+    def text(self) -> str:
+        return tomli_w.dumps(self.experiment)
+
+    @property
+    def models(self) -> list[str]:
+        scene = self.experiment["scene"][0]
+        return [scene["source"], scene["target"]]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A benchmark of kernel_bench: a structure is built, or asked from each vertex of a mesh."""
+
+    name: str  # "build/bvh"
+    function: str  # whose instructions are counted, as callgrind's --toggle-collect takes it
+
+
+KERNELS = tuple(Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*") for name, structure in (
+    ("bvh", "TriangleBvh"), ("octree", "TriangleOctree"), ("swept_bvh", "SweptSphereBvh"), ("triangle_blocks", "TriangleBlocks"),
+    ("triangle_grid", "TriangleGrid"), ("adjacency", "Adjacency"), ("point_bvh", "PointBvh"), ("point_octree", "PointOctree"),
+    ("point_blocks", "PointBlocks"), ("rtree", "RTree"))) + tuple(Kernel(name, f"hausbench::{function}(*") for name, function in (
+        ("closest/bvh/cold", "TriangleTree::closest"), ("closest/octree/cold", "TriangleTree::closest"),
+        ("closest/triangle_blocks/cold", "TriangleBlocks::closest"), ("closest/triangle_grid/cold", "TriangleGrid::closest"),
+        ("nearest/point_bvh", "PointBvh::nearest")))
+
+
+def cases(file: Path = EXPERIMENT) -> list[Case]:
+    """In the order of the file's solvers. ValueError where the file has more than MOST_CASES, or a solver names no scene of it."""
+    table = tomllib.loads(file.read_text())
+    common = {key: value for key, value in table.items() if key not in ("scene", "solver", "profile")}
+    scenes = {scene["name"]: scene for scene in table["scene"]}
+    found = []
+    for solver in table["solver"]:
+        for name in solver.get("scenes", scenes):
+            if name not in scenes:
+                raise ValueError(f"{file}: solver {solver['name']}: there is no scene {name!r}")
+            alone = {key: value for key, value in solver.items() if key != "scenes"}
+            found.append(Case(f"{solver.get('label', solver['name'])} on {name}", {**common, "scene": [scenes[name]], "solver": [alone]}))
+    if len(found) > MOST_CASES:
+        raise ValueError(f"{file}: {len(found)} cases; a run of track has time for {MOST_CASES}")
+    return found
+
+
+def chosen(names: list[str], found: list[Case]) -> list[Case]:
+    """The cases whose names begin with one of `names`; all where there is none. ValueError for a name that chooses nothing."""
+    for name in names:
+        if not any(case.name.startswith(name) for case in found):
+            raise ValueError(f"there is no case {name!r}: {', '.join(case.name for case in found)}")
+    return [case for case in found if not names or any(case.name.startswith(name) for name in names)]

@@ -1,0 +1,210 @@
+"""The search for the commit of a change, by git itself, in a scratch repository whose programs are files with their counts."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from bench.tracking import bisect, blocks, builds
+from bench.tracking.bisect import Measured, Unclear, decided_by, differing, is_bad
+from bench.tracking.blocks import Block, NotMeasured
+from bench.tracking.builds import Build, NotBuilt
+from bench.tracking.cases import Case
+
+EXPERIMENT = """tolerances = [1e-6]
+[[scene]]
+name = "two points"
+source = "a"
+target = "b"
+[[solver]]
+name = "guthe"
+[[solver]]
+name = "guthe_other"
+"""
+CASE = "guthe on two points"
+
+
+def fake_build(tree: Path, commit: str, jobs: int) -> Build:
+    """The program of a commit is its file work.json; one that says "broken" does not build."""
+    (tree / "build").mkdir(exist_ok=True)
+    if "broken" in json.loads((tree / "work.json").read_text()):
+        raise NotBuilt(f"{commit} does not build")
+    return Build(commit, tree / "work.json", None)
+
+
+def fake_measure(program: Path, case: Case, folder: Path) -> Block:
+    work = json.loads(program.read_text())
+    if "unknown" in work:
+        raise NotMeasured("there is no such solver")
+    assert case.name == CASE and not sys.stdin.read()  # stdin is closed or empty: nothing waits for anybody
+    return Block(1.0, 1.0, 0.1, work.get("shapes", "same"), counters=work["counters"])
+
+
+def fake_instructions(program: Path, case: Case, folder: Path) -> int | None:
+    count: int | None = json.loads(program.read_text()).get("instructions")
+    return count
+
+
+def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
+    """In this process, by monkeypatch; or for good, in the process of a step."""
+    counted = ModuleType("bench.tracking.counted")
+    vars(counted)["instructions_of"] = fake_instructions
+    place = pytest.MonkeyPatch() if where is None else where
+    for module, name, value in ((builds, "ROOT", scratch), (builds, "VERSIONS", scratch / "build" / "versions"), (builds, "build_in", fake_build),
+                                (blocks, "measure", fake_measure)):
+        place.setattr(module, name, value)
+    place.setitem(sys.modules, "bench.tracking.counted", counted)
+
+
+STEP = f"""import sys
+from pathlib import Path
+sys.path[:0] = [{str(Path(__file__).parent)!r}, {str(Path(__file__).resolve().parents[2])!r}]
+import test_bisect
+test_bisect.install_fakes(Path({{scratch!r}}))
+from bench.tracking import bisect
+sys.exit(bisect.main(sys.argv[1:]))
+"""
+
+
+def git(scratch: Path, *words: str) -> str:
+    who = {f"GIT_{role}_{what}": "a@b" for role in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")} | {"GIT_CONFIG_GLOBAL": os.devnull}
+    return subprocess.run(["git", "-C", str(scratch), *words], env={**os.environ, **who}, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
+    """A commit for each of these contents of work.json; their hashes."""
+    git(scratch, "init", "--quiet")
+    (scratch / ".gitignore").write_text("/build/\n")
+    (scratch / "tracked.toml").write_text(EXPERIMENT)
+    commits = []
+    for i, work in enumerate(works):
+        (scratch / "work.json").write_text(json.dumps({**work, "number": i}))
+        git(scratch, "add", ".gitignore", "work.json")
+        git(scratch, "commit", "--quiet", "-m", f"change {i}")
+        commits.append(git(scratch, "rev-parse", "HEAD"))
+    return commits
+
+
+def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str) -> int:
+    install_fakes(scratch, monkeypatch)
+    monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
+    step = scratch / "step.py"
+    step.write_text(STEP.format(scratch=str(scratch)))
+    return bisect.main(["--case", CASE, "--good", good, "--bad", bad, "--experiment", str(scratch / "tracked.toml"), *more],
+                       [sys.executable, str(step), "--step"])
+
+
+def work(tests: int, instructions: int | None = None, **more: Any) -> dict[str, Any]:
+    return {"counters": {"bound_tests": tests, "node_visits": 70}, "instructions": instructions, **more}
+
+
+def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                    capfd: pytest.CaptureFixture[str]) -> None:
+    # The middle, which git asks first, does not build. Counts waver a little on either side.
+    works = [work(100), work(101), work(100), work(99), {"broken": True}, work(100), work(160), work(161), work(158)]
+    commits = repository(tmp_path, works)
+    assert run(tmp_path, monkeypatch, commits[0], commits[8]) == 0
+    said = capfd.readouterr()
+    assert "first bad commit:" in said.out and said.out.splitlines()[1].endswith("change 6")
+    assert f"before: {commits[5][:10]}: bound_tests 100" in said.out
+    assert f"after: {commits[6][:10]}: bound_tests 160" in said.out
+    assert f"{commits[4][:10]} is skipped" in said.err
+    tree = tmp_path / "build" / "versions" / "bisect"
+    assert subprocess.run(["git", "-C", str(tree), "bisect", "log"], capture_output=True, check=False).returncode != 0  # none goes on
+    assert git(tmp_path, "rev-parse", "HEAD") == commits[8] and not git(tmp_path, "status", "--porcelain", "work.json")
+
+
+def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    # Work counters are the same, so instructions decide; fewer of them is a change too. What changed them cannot be measured.
+    commits = repository(tmp_path, [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)])
+    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 1
+    said = capfd.readouterr()
+    assert "one of these" in said.out
+    assert all(f"change {i}" in said.out for i in (1, 2, 3)) and "change 0" not in said.out
+    assert f"good: {commits[0][:10]}: instructions 9,000" in said.err
+
+
+def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                   capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100), work(200)])
+    git(tmp_path, "checkout", "--quiet", "-b", "beside", commits[0])
+    git(tmp_path, "commit", "--quiet", "--allow-empty", "-m", "beside")
+    for good, bad, word in ((commits[1], commits[0], "exchange them"), ("beside", commits[1], f"take {commits[0][:10]}"),
+                            (commits[0], commits[0], "same commit"), (commits[0], "nowhere", "nowhere")):
+        assert run(tmp_path, monkeypatch, good, bad) == 2
+        assert word in capsys.readouterr().err
+    assert not (tmp_path / "build").exists()
+
+
+def test_nothing_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100, 1000000), work(100, 1000010)])
+    assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
+    assert "neither work counters nor instructions differ" in capsys.readouterr().err
+    assert run(tmp_path, monkeypatch, commits[0], commits[1], "--by", "counters") == 2
+    assert "counters differ" in capsys.readouterr().err
+
+
+def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [{"unknown": True}, work(100), {"broken": True}])
+    assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
+    assert "no such solver" in capsys.readouterr().err
+    assert run(tmp_path, monkeypatch, commits[1], commits[2]) == 2
+    assert "does not build" in capsys.readouterr().err
+
+
+def test_a_step_that_fails_otherwise_stops_the_search(tmp_path: Path) -> None:
+    (tmp_path / "question.json").write_text("{}")
+    assert bisect.main(["--step", str(tmp_path / "question.json")]) >= 128  # 1 would be a bad commit
+
+
+def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> None:
+    """Git runs it in a worktree that has another version of this package."""
+    (tmp_path / "bench" / "tracking").mkdir(parents=True)
+    for folder in ("bench", "bench/tracking"):
+        (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
+    (tmp_path / "question.json").write_text("{}")
+    root = str(Path(__file__).resolve().parents[2])
+    done = subprocess.run([*bisect.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, capture_output=True,
+                          text=True, check=False, stdin=subprocess.DEVNULL)
+    assert done.returncode == bisect.ABORT and "bisect: stopped: TypeError" in done.stderr
+
+
+def test_what_decides() -> None:
+    good, more = Measured({"a": 5, "old": 7}, "x", 1000), Measured({"a": 6, "new": 3}, "x", 1000)
+    assert decided_by(good, more, "auto") == "counters"
+    assert differing(good.counters, more.counters) == ["a"]
+    same = Measured({"a": 5, "new": 3}, "x", 1100)  # a counter that is new is no more work
+    assert decided_by(good, same, "auto") == "instructions"
+    assert decided_by(more, Measured({"a": 7}, "x", 1100), "instructions") == "instructions"
+    with pytest.raises(Unclear, match="instructions differ"):
+        decided_by(good, more, "instructions")
+    with pytest.raises(Unclear, match="neither"):
+        decided_by(good, Measured({"a": 5}, "x", None), "auto")
+    with pytest.raises(Unclear, match="shapes"):
+        decided_by(good, Measured({"a": 9}, "y", 1), "auto")
+
+
+def test_nearer_is_by_the_logarithm() -> None:
+    good, bad = {"a": 100, "b": 5}, {"a": 400, "b": 5}
+    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the mean of logarithms is 200, and b does not count
+    assert is_bad({"a": 210, "b": 5}, good, bad)
+    assert is_bad({"a": 190}, bad, good)
+    with pytest.raises(NotMeasured):
+        is_bad({"b": 5}, good, bad)
+
+
+def test_a_name_chooses_one_case(tmp_path: Path) -> None:
+    file = tmp_path / "tracked.toml"
+    file.write_text(EXPERIMENT)
+    assert bisect.case_named("guthe on", file).name == CASE
+    assert bisect.case_named("guthe_o", file).name == "guthe_other on two points"
+    for name in ("guthe", "nothing"):
+        with pytest.raises(ValueError, match="guthe_other on two points"):
+            bisect.case_named(name, file)

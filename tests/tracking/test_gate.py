@@ -1,0 +1,156 @@
+"""The arithmetic of the gate, on simulated machines: what must pass passes, what must be caught is caught."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from analysis.shared.statistics import NO_DATA, Estimate
+from bench.tracking import gate
+from bench.tracking.gate import LEAST, PLANTED, Judged, Sides, Verdict, alarms, compare, judge, self_test, verdict_of_times, whole
+
+CASES = 31
+BLOCKS = 36
+
+
+def machine(rng: np.random.Generator, noise: float = 0.006, spikes: float = 0.08) -> npt.NDArray[np.float64]:
+    """Factors of a build's blocks: a little noise, and now and then a block that something else disturbed."""
+    factors = np.exp(noise * rng.standard_normal(BLOCKS))
+    return np.where(rng.random(BLOCKS) < spikes, factors * (1 + 0.3 * rng.random(BLOCKS)), factors)
+
+
+def sides(rng: np.random.Generator, slower: float = 0.0, planted: float | None = None, noise: float = 0.006) -> Sides:
+    def block(factor: float) -> list[float]:
+        return list(0.01 * factor * machine(rng, noise))
+
+    return Sides(block(1), block(1 + slower), block((1 + slower) * (1 + planted)) if planted is not None else [])
+
+
+def judged(name: str = "case", low: float = 0.99, value: float = 1.0, high: float = 1.01, planted_low: float | None = None, second_low: float | None = None) -> Judged:
+    def ratio(least: float, middle: float, most: float) -> Estimate:
+        return Estimate(middle, least, most, BLOCKS, 0.999)
+
+    return Judged(name, 0.01, ratio(low, value, high), ratio(0.99, 1, 1.01),
+                  NO_DATA if planted_low is None else ratio(planted_low, planted_low + 0.01, planted_low + 0.02),
+                  NO_DATA if second_low is None else ratio(second_low, second_low + 0.01, second_low + 0.02))
+
+
+GOOD = judged("with a plant", planted_low=1.04)
+
+
+def test_an_unchanged_build_never_alarms_and_a_planted_slowdown_is_seen() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        found = [judge(str(i), sides(rng, planted=PLANTED if i == 0 else None), CASES) for i in range(5)]
+        assert verdict_of_times(found)[0] is Verdict.passed
+
+
+def test_five_per_cent_is_caught() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(60):
+        one = judge("slow", sides(rng, slower=0.05), CASES)
+        assert one.alarms
+        confirmed = replace(one, second=judge("slow", sides(rng, slower=0.05), CASES).ratio)
+        assert verdict_of_times([GOOD, confirmed])[0] is Verdict.slower
+
+
+def test_two_per_cent_is_no_alarm() -> None:
+    rng = np.random.default_rng(3)
+    assert not any(judge("a little slow", sides(rng, slower=0.02), CASES).alarms for _ in range(60))
+
+
+def test_a_noisy_machine_is_inconclusive_and_not_red() -> None:
+    """On blocks that vary by a third, a slowdown of 5 % drowns, and the gate says so itself."""
+    rng = np.random.default_rng(4)
+    for _ in range(30):
+        found = [judge(str(i), sides(rng, planted=PLANTED if i == 0 else None, noise=0.3), CASES) for i in range(5)]
+        assert verdict_of_times(found)[0] is Verdict.inconclusive
+
+
+def test_the_threshold_is_that_of_the_lower_end() -> None:
+    assert not alarms(Estimate(1.2, 1 + LEAST, 1.3, 36, 0.999)) and alarms(Estimate(1.04, 1 + LEAST + 1e-9, 1.05, 36, 0.999))
+    assert not alarms(NO_DATA)
+
+
+def test_many_cases_need_wider_intervals() -> None:
+    rng = np.random.default_rng(5)
+    base, candidate = list(machine(rng)), list(machine(rng))
+    one, many = compare(candidate, base, 1), compare(candidate, base, 200)
+    assert many.low < one.low and one.high < many.high
+    assert one.coverage >= 0.95 and many.coverage >= 1 - 0.05 / 200
+
+
+def test_too_few_blocks_for_so_many_cases_is_an_error() -> None:
+    with pytest.raises(ValueError, match="6 blocks .* ask for more"):
+        compare([1.0] * 6, [1.0] * 6, CASES)
+    assert compare([1.0] * 6, [1.0] * 6, 1).n == 6
+
+
+def test_blocks_are_paired_so_that_what_disturbs_both_sides_cancels() -> None:
+    """A machine that grows slower and slower by half, and a candidate that is 5 % slower all along."""
+    drift = np.linspace(1, 1.5, BLOCKS)
+    found = judge("drift", Sides(list(drift), list(1.05 * drift)), CASES)
+    assert found.ratio.value == pytest.approx(1.05) and found.alarms
+
+
+def test_each_build_stands_beside_itself() -> None:
+    """Blocks come in twos of one build; where the later one is always slower, there is no quiet to measure in."""
+    found = judge("uneven", Sides([1.0, 1.2] * 18, [1.0, 1.2] * 18), CASES)
+    assert found.null.value == pytest.approx(1.2) and found.ratio.value == 1
+    verdict, reasons = verdict_of_times([GOOD, found])
+    assert verdict is Verdict.inconclusive and "not quiet" in reasons[0]
+
+
+def test_a_build_that_seems_faster_than_itself_is_no_quiet_either() -> None:
+    assert self_test([GOOD, judge("uneven", Sides([1.2, 1.0] * 18, [1.2, 1.0] * 18), CASES)])
+
+
+def test_without_a_plant_nothing_is_believed() -> None:
+    assert verdict_of_times([judged()]) == (Verdict.inconclusive, ["no slowdown was planted"])
+
+
+def test_a_plant_that_is_not_seen_overrules_an_alarm() -> None:
+    verdict, reasons = verdict_of_times([judged("blind", planted_low=1.02), judged("slow", 1.1, 1.12, 1.14, second_low=1.1)])
+    assert verdict is Verdict.inconclusive and "blind" in reasons[0] and "not seen" in reasons[0]
+
+
+def test_an_alarm_that_a_second_run_does_not_repeat_is_told_and_passes() -> None:
+    verdict, reasons = verdict_of_times([GOOD, judged("once", 1.05, 1.06, 1.07, second_low=1.0)])
+    assert verdict is Verdict.passed and "alarmed once" in reasons[0]
+
+
+def test_an_alarm_that_a_second_run_repeats_is_a_regression() -> None:
+    verdict, reasons = verdict_of_times([GOOD, judged("slow", 1.05, 1.06, 1.07, second_low=1.04)])
+    assert verdict is Verdict.slower and "+6.0 %" in reasons[0]
+
+
+def test_an_alarm_without_a_second_run_is_no_regression() -> None:
+    assert not judged("slow", 1.05, 1.06, 1.07).slower
+
+
+def test_nothing_measured() -> None:
+    assert verdict_of_times([])[0] is Verdict.nothing_measured
+
+
+def test_what_the_blocks_could_have_seen() -> None:
+    assert judged().sees == pytest.approx((1 + LEAST) / 0.99 - 1)
+    assert math.isnan(replace(judged(), null=NO_DATA).sees)
+
+
+@pytest.mark.parametrize(("verdicts", "expected"), [
+    ([Verdict.passed, Verdict.passed], Verdict.passed), ([Verdict.passed, Verdict.nothing_measured], Verdict.passed),
+    ([Verdict.slower, Verdict.inconclusive], Verdict.slower), ([Verdict.passed, Verdict.inconclusive], Verdict.inconclusive),
+    ([Verdict.nothing_measured, Verdict.inconclusive], Verdict.inconclusive), ([Verdict.nothing_measured], Verdict.nothing_measured),
+    ([], Verdict.nothing_measured)])
+def test_the_verdict_of_all_tiers(verdicts: list[Verdict], expected: Verdict) -> None:
+    assert whole(verdicts) is expected
+
+
+def test_exit_codes_are_those_that_are_promised() -> None:
+    assert [int(verdict) for verdict in Verdict] == [0, 3, 4, 5]
+    assert Verdict.nothing_measured.words == "nothing measured"
+    assert gate.LEAST == 0.03 and gate.PLANTED == 0.05 and gate.LEAST_BLOCKS >= 20
