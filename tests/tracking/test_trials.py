@@ -1,0 +1,40 @@
+"""The table of trials of the gate: what counts as right, and that its plants fit the tree."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from bench.tracking.cases import ROOT
+from bench.tracking.trials import KINDS, busy, right, table_of
+
+
+def trial(kind: str, tiers: dict[str, str], load: int = 0) -> dict[str, Any]:
+    return {"kind": kind, "load": load, "commit": "abc", "machine": "here", "exit": 0, "tiers": tiers, "seconds": 200, "lines": []}
+
+
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.text])
+def test_each_plant_has_one_place(name: str) -> None:
+    kind = KINDS[name]
+    assert (ROOT / kind.file).read_text().count(kind.text) == 1 and kind.planted != kind.text
+
+
+@pytest.mark.parametrize(("kind", "tiers", "load", "good"), [
+    ("unchanged", {"counters": "passed", "time": "passed"}, 0, True), ("unchanged", {"time": "inconclusive"}, 0, False),
+    ("unchanged", {"time": "inconclusive"}, 2, True), ("unchanged", {"time": "slower"}, 2, False),
+    ("slower", {"time": "slower"}, 0, True), ("slower", {"counters": "slower", "time": "passed"}, 0, False), ("slower", {"time": "passed"}, 2, False),
+    ("visit", {"counters": "slower", "time": "passed"}, 0, True), ("visit", {"counters": "passed", "time": "slower"}, 0, False), ("visit", {}, 0, False)])
+def test_what_is_right(kind: str, tiers: dict[str, str], load: int, good: bool) -> None:
+    assert right(trial(kind, tiers, load)) is good
+
+
+def test_the_table_counts_each_kind_and_load_apart() -> None:
+    text = table_of([trial("unchanged", {"time": "passed"}), trial("unchanged", {"time": "slower"}), trial("unchanged", {"time": "inconclusive"}, 2)])
+    assert "planted: nothing: 1 of 2 right" in text and "planted: nothing, with 2 cores kept busy: 1 of 1 right" in text
+    assert "kang" not in text.split("\n\n")[2]
+
+
+def test_load_ends_with_the_block() -> None:
+    with busy(1) as _:
+        pass
