@@ -275,7 +275,7 @@ history: $(DEPS)
 	$(PYTHON) -m bench.tracking.history $(if $(REVS),--measure $(REVS))
 
 bisect: $(DEPS)
-	$(PYTHON) -m bench.tracking.bisect --case "$(CASE)" --good "$(GOOD)" --bad "$(BAD)"
+	$(PYTHON) -m bench.tracking.bisection --case "$(CASE)" --good "$(GOOD)" --bad "$(BAD)"
 
 # clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own, and the
 # recorder is not a part of that build.
@@ -316,6 +316,7 @@ bench-reference: build/release/build.ninja
 
 clean:
 	rm -rf build .stamps .mypy_cache .pytest_cache
+	[ ! -e .git ] || git worktree prune
 	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
 
 .DEFAULT:

@@ -7,7 +7,9 @@ counted.py    tiers 1 and 2: work counters and instructions against baseline.tom
 gate.py       tier 3, its arithmetic: what blocks of base and candidate say; pure functions
 timed.py      tier 3, its measuring: blocks in turn
 track.py      the three tiers, the verdict and the exit code
-history.py    results/history.csv: commits measured in turn; steps.py finds steps in it, picture.py draws it
-bisect.py     the commit at which a count changed
+trials.py     whether the gate is to be believed: its verdicts on builds of which the answer is known
+history.py    results/history.csv: past commits, measured in turn; steps.py finds steps in it, picture.py draws it
+bisection.py  the commit that changed the counters or the instructions of a case
 versions.py   preparing and solving now and at an older commit, for the table of the kernels
+progress.py   how far a long measurement is
 """

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import subprocess
 import tempfile
@@ -23,7 +24,11 @@ LIMIT = 120.0  # seconds of one block
 
 
 class NotMeasured(Exception):
-    """The program does not know the case, or gave no answer to it; the message says which."""
+    """The program does not know the case, or gave no answer to it; the message says which. `skipped`: its models are not at hand."""
+
+    def __init__(self, why: str, skipped: bool = False) -> None:
+        super().__init__(why)
+        self.skipped = skipped
 
 
 @dataclass(frozen=True)
@@ -35,17 +40,21 @@ class Block:
     prepare: float  # wall seconds of all that was built
     shapes: str  # a hash of both shapes: other shapes make other times
     lower: float = 0.0  # the largest lower bound
-    counters: dict[str, int] = field(default_factory=dict)
+    counters: dict[str, int] = field(default_factory=dict)  # all that the program has, zeros too
 
 
-def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> str:
-    """Standard output. NotMeasured where it ends with another exit code than the good ones."""
+def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None) -> str:
+    """Standard output. NotMeasured where it ends with another exit code than the good ones, or not in time."""
+    limit = LIMIT if limit is None else limit
+    # A root that is set for another program would give it other models.
+    environment = {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"}
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, timeout=LIMIT)
-    except FileNotFoundError:
-        raise NotMeasured(f"{command[0]} is missing") from None
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False, stdin=subprocess.DEVNULL,
+                              timeout=limit, env=environment)
+    except OSError as problem:
+        raise NotMeasured(f"{command[0]} does not run: {problem.strerror}") from None
     except subprocess.TimeoutExpired:
-        raise NotMeasured(f"no end within {LIMIT:.0f} s: {' '.join(command)}") from None
+        raise NotMeasured(f"no end within {limit:.0f} s") from None
     if done.returncode not in good:
         words = (done.stderr.strip() or done.stdout.strip()).splitlines()
         raise NotMeasured(f"exit code {done.returncode}: {words[-1] if words else 'it said nothing'}")
@@ -95,7 +104,7 @@ def block_of(result: h5py.File) -> Block:
     statuses = texts(rows["status"][()])
     if any(status != "ok" for status in statuses):
         bad = next(i for i, status in enumerate(statuses) if status != "ok")
-        raise NotMeasured(f"{statuses[bad]}: {texts(rows['reason'][()])[bad]}")
+        raise NotMeasured(f"{statuses[bad]}: {texts(rows['reason'][()])[bad]}", skipped=statuses[bad] in ("skipped", "not_built"))
     repeats = result["repeats"]
     if len(repeats["case"]) == 0:
         raise NotMeasured("no repeat was timed")
@@ -103,7 +112,7 @@ def block_of(result: h5py.File) -> Block:
     counters = {name.removeprefix("counter_"): int(values[()].sum()) for name, values in rows.items() if name.startswith("counter_")}
     shapes = hashlib.sha256(" ".join(sorted(texts(result["models/sha256"][()]))).encode()).hexdigest()[:12]
     prepare, lower = float(rows["prepare_seconds"][0]), float(rows["lower"][()].max())
-    return Block(cpu, wall, prepare, shapes, lower, {name: count for name, count in counters.items() if count})
+    return Block(cpu, wall, prepare, shapes, lower, counters)
 
 
 def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64]) -> float:
@@ -119,7 +128,11 @@ def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, 
                "--benchmark_min_time=0.002"], folder)
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}
-    for one in json.loads(out)["benchmarks"]:
+    try:
+        found = json.loads(out)["benchmarks"]
+    except ValueError:  # it has none of them, and prints nothing
+        raise NotMeasured("kernel_bench has none of the benchmarks") from None
+    for one in found:
         if one.get("run_type") != "iteration":
             continue
         name, seconds = one["run_name"].removesuffix(f"/{MESH}"), one["cpu_time"] * units[one["time_unit"]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -23,14 +24,17 @@ class NotBuilt(Exception):
 
 @dataclass(frozen=True)
 class Build:
-    commit: str  # ten digits; "+" behind them: and what is not committed
+    commit: str  # ten digits; "+": with changes that are not committed
     program: Path
     kernels: Path | None  # kernel_bench; the first commits have none
     tree: Path = ROOT
 
 
 def git(*words: str) -> str:
-    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+    except OSError as problem:
+        raise NotBuilt(f"git does not run: {problem.strerror}") from None
     if done.returncode != 0:
         raise NotBuilt(f"git {' '.join(words)}: {done.stderr.strip()}")
     return done.stdout.strip()
@@ -56,6 +60,7 @@ def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
     if not (tree / "CMakeLists.txt").exists():
         git("worktree", "prune")
         git("worktree", "add", "--detach", "--force", str(tree), commit)
+    git("-C", str(tree), "checkout", "--quiet", "--force", "--detach", commit)  # whatever else lies there
     return build_in(tree, commit, jobs)
 
 
@@ -66,15 +71,17 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     # Two worktrees share what ccache holds only if their own paths are left out of it.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}
-    commands = [["cmake", "-S", str(tree), "-B", str(build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DHAUSBENCH_WITH_TESTS=OFF", *launcher],
+    options = shlex.split(os.environ.get("CMAKE_ARGS", ""))
+    configure = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DHAUSBENCH_WITH_TESTS=OFF", *launcher, *options]
+    commands = [["cmake", "-S", str(tree), "-B", str(build), *configure],
                 ["cmake", "--build", str(build), "-j", str(jobs), "--target", "hausbench", "hausbench_commit"]]
     with log.open("w") as out:
         print(f"building {commit} in {tree.relative_to(ROOT)}, which may take some minutes", file=sys.stderr, flush=True)
         for command in commands:
-            if subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False, env=environment).returncode != 0:
+            if subprocess.call(command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, env=environment) != 0:
                 raise NotBuilt(f"{commit} does not build: its output is in {log}")
         bench = ["cmake", "--build", str(build), "-j", str(jobs), "--target", "kernel_bench"]
-        found = subprocess.run(bench, stdout=out, stderr=subprocess.STDOUT, check=False, env=environment).returncode == 0
+        found = subprocess.call(bench, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT, env=environment) == 0
     kernels = build / "kernel_bench"
     return Build(commit, build / "hausbench", kernels if found and kernels.is_file() else None, tree)
 

@@ -3,7 +3,8 @@
 Counters are the same on every machine and must be equal. Instructions of the solves alone, under valgrind, are the same from run to run,
 so that half a per cent shows without a clock; they depend on the compiler and the libraries, so the baseline has a table for each key,
 which names them. Without a table for this machine nothing is measured. valgrind knows AVX2 at most: AVX-512 code is not what is counted.
-Both belong to the shapes of a case: where another library simplifies a mesh otherwise, the case is not measured.
+Both belong to the shapes of a case: where another library simplifies a mesh otherwise, or a mesh is not at hand, the case is not measured.
+A case that gives no answer, and one that the baseline does not have, are red.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -31,6 +33,7 @@ BASELINE = Path(__file__).resolve().parent / "baseline.toml"
 LIMIT = 0.005  # of the instructions of the baseline
 PACKAGES = ("g++", "libc6", "libstdc++6", "libeigen3-dev", "libcgal-dev", "libhwy-dev", "libgmp10", "libmpfr6", "valgrind")
 SOLVE = "hausbench::Session::solve(*"
+CALLGRIND_LIMIT = 600  # seconds of one count
 
 
 class Missing(Exception):
@@ -45,6 +48,15 @@ class Found:
     lines: list[str] = field(default_factory=list)
     measured: dict[str, Any] = field(default_factory=dict)
 
+    def red(self, line: str) -> None:
+        self.verdict = Verdict.red
+        self.lines.append(line)
+
+    def passed(self) -> None:
+        """Something was compared."""
+        if self.verdict is Verdict.nothing_measured:
+            self.verdict = Verdict.passed
+
 
 def read_baseline(file: Path) -> dict[str, Any]:
     """Missing where it cannot be read."""
@@ -56,60 +68,54 @@ def read_baseline(file: Path) -> dict[str, Any]:
 
 # --- work counters ---------------------------------------------------------------------------------------------------
 
+OTHER_SHAPES = "nothing measured: its shapes are not those of the baseline (does another library make them?)"
+
 
 def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path) -> Found:
     """Tier 1."""
     found = Found()
-    differ = False
     for case in cases:
         try:
             block = measure(program, case, folder)
         except NotMeasured as why:
-            found.lines.append(f"{case.name}: nothing measured: {why}")
+            if why.skipped:
+                found.lines.append(f"{case.name}: nothing measured: {why}")
+            else:
+                found.red(f"{case.name}: no answer: {why}")
             continue
-        found.measured[case.name] = {"shapes": block.shapes, **block.counters}
+        found.measured[case.name] = {"shapes": block.shapes, **{name: count for name, count in block.counters.items() if count}}
         before = baseline.get(case.name)
         if before is None:
-            found.lines.append(f"{case.name}: no baseline: add it with --update REASON")
-            differ = True
+            found.red(f"{case.name}: no baseline: add it with --update REASON")
         elif before["shapes"] != block.shapes:
-            found.lines.append(f"{case.name}: nothing measured: its shapes are not those of the baseline (does another library make them?)")
+            found.lines.append(f"{case.name}: {OTHER_SHAPES}")
         else:
-            changes = differences({name: count for name, count in before.items() if name != "shapes"}, block.counters)
-            differ = differ or bool(changes)
-            found.verdict = Verdict.passed
-            found.lines += [f"{case.name}: {change}" for change in changes]
-    if differ:
-        found.verdict = Verdict.slower
+            found.passed()
+            for change in differences({name: count for name, count in before.items() if name != "shapes"}, block.counters):
+                found.red(f"{case.name}: {change}")
     return found
 
 
 def differences(before: Mapping[str, int], now: Mapping[str, int]) -> list[str]:
-    """A line for each counter that is not what it was."""
+    """A line for each counter that is not what it was; one that a baseline does not have was 0."""
     return [f"{name} was {before.get(name, 0):,}, is {now.get(name, 0):,} ({signed_share(now.get(name, 0), before.get(name, 0))})"
             for name in sorted(before.keys() | now.keys()) if before.get(name, 0) != now.get(name, 0)]
 
 
 def signed_share(now: int, before: int) -> str:
-    return f"{100 * (now / before - 1):+.2g} %" if before else "new"
+    return f"{100 * (now / before - 1):+.3g} %" if before else "new"
 
 
 # --- instructions ----------------------------------------------------------------------------------------------------
 
 
-def output_of(command: list[str]) -> str:
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
-    except FileNotFoundError:
-        raise Missing(f"{command[0]} is missing: install it with 'make deps'") from None
-    if done.returncode != 0:
-        raise Missing(f"{' '.join(command)} ended with {done.returncode}: {done.stderr.strip()[-500:]}")
-    return done.stdout
-
-
 def parts_of_key() -> str:
     """What the number of instructions depends on, beside the sources."""
-    versions = output_of(["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES])
+    query = ["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES]
+    try:  # exit code 1: some of them are not installed, which is a machine of its own
+        versions = subprocess.run(query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
+    except OSError:
+        versions = "no Debian\n"
     vectors = "avx2" if re.search(r"^flags.*\bavx2\b", Path("/proc/cpuinfo").read_text(), re.M) else "no avx2"
     return ", ".join([*sorted(versions.split("\n")[:-1]), vectors])
 
@@ -122,33 +128,43 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
     """Instructions in `function` and what it calls, of the command and its children. NotMeasured where there are none."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
         counting = ["valgrind", "--tool=callgrind", "--trace-children=yes", f"--toggle-collect={function}", f"--callgrind-out-file={out}/%p"]
-        run([*counting, *command], folder, good)
+        run([*counting, *command], folder, good, CALLGRIND_LIMIT)
         total = sum(int(found[1]) for file in Path(out).iterdir() if (found := re.search(r"^totals: (\d+)$", file.read_text(), re.M)))
     if total == 0:
         raise NotMeasured(f"callgrind counted nothing in {function}: is the program built as `make build` does?")
     return total
 
 
-def instructions_of(program: Path, case: Case, folder: Path) -> int | None:
-    """Of all solves of one worker: the answer, and each repeat. None where the program does not know the case."""
-    slow = Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": {"case_seconds": 600, "prepare_seconds": 600}})
-    file = write_case(slow, folder)
+def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
+    """Of all solves of one worker, the answer and one repeat; and the hash of the shapes. NotMeasured where there is no answer."""
+    limits = {"case_seconds": CALLGRIND_LIMIT, "prepare_seconds": CALLGRIND_LIMIT}
+    file = write_case(Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": limits}), folder)
     try:
         total = callgrind(SOLVE, run_words(program, file), folder, (0, 1))
-        read(file.with_suffix(".h5"))  # an answer came of it
-        return total
-    except NotMeasured:
-        return None
+        return total, read(file.with_suffix(".h5")).shapes
     finally:
         for left in folder.glob(f"{file.stem}*"):
             left.unlink()
 
 
-def kernel_instructions(program: Path, kernel: Kernel, folder: Path) -> int | None:
-    """Of one iteration, and of building what it asks. None where the program lacks it."""
-    command = [str(program), f"--meshes={MESH}", f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$", "--benchmark_min_time=0"]
+def instructions_of(program: Path, case: Case, folder: Path) -> int | None:
+    """None where they cannot be counted."""
     try:
-        return callgrind(kernel.function, command, folder)
+        return count_case(program, case, folder)[0]
+    except NotMeasured:
+        return None
+
+
+def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]:
+    """Of one iteration, and of building what it asks; a kernel has no shapes. NotMeasured where the program lacks it."""
+    command = [str(program), f"--meshes={MESH}", f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$", "--benchmark_min_time=0"]
+    return callgrind(kernel.function, command, folder), ""
+
+
+def kernel_instructions(program: Path, kernel: Kernel, folder: Path) -> int | None:
+    """None where they cannot be counted."""
+    try:
+        return count_kernel(program, kernel, folder)[0]
     except NotMeasured:
         return None
 
@@ -159,45 +175,91 @@ def said(now: int, before: int) -> tuple[str, bool]:
     return f"{now:,} instructions, {100 * change:+.2f} % ({word})", abs(change) <= LIMIT
 
 
-def count_instructions(cases: Sequence[Case], kernels: Sequence[Kernel], program: Path, kernel_program: Path | None,
-                       baseline: Mapping[str, Any], folder: Path, wanted: bool = False) -> Found:
-    """Tier 2. Without a table for this machine nothing is counted, unless it is `wanted` for a new table."""
-    if subprocess.run(["valgrind", "--version"], capture_output=True, check=False).returncode != 0:
-        raise Missing("valgrind does not run: install it with 'make deps'")
+Counting = dict[str, Callable[[], tuple[int, str]]]
+
+
+def in_parallel(jobs: Counting) -> dict[str, tuple[int, str] | NotMeasured]:
+    """As many at a time as there are cores; what they count does not depend on that. Ctrl-C begins no other."""
+    pool = ThreadPoolExecutor(os.cpu_count())
+    try:
+        running = {name: pool.submit(job) for name, job in jobs.items()}
+        counts: dict[str, tuple[int, str] | NotMeasured] = {}
+        for name, job in running.items():
+            try:
+                counts[name] = job.result()
+            except NotMeasured as why:
+                counts[name] = why
+        return counts
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def jobs_of(cases: Sequence[Case], kernels: Sequence[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> Counting:
+    jobs: Counting = {case.name: partial(count_case, program, case, folder) for case in cases}
+    if kernel_program is not None:
+        jobs |= {kernel.name: partial(count_kernel, kernel_program, kernel, folder) for kernel in kernels}
+    return jobs
+
+
+def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapping[str, str], wanted: bool = False) -> Found:
+    """Tier 2. `shapes`: of the cases, as the baseline has them. Without a table for this machine nothing is counted, unless it is
+    `wanted` for a new table.
+    """
     parts = parts_of_key()
     table = baseline.get(key_of(parts))
     if table is None and not wanted:
         return Found(lines=[f"nothing measured: the baseline has no table for {parts}"])
-    jobs: dict[str, Callable[[], int | None]] = {case.name: partial(instructions_of, program, case, folder) for case in cases}
-    if kernel_program is not None:
-        jobs |= {kernel.name: partial(kernel_instructions, kernel_program, kernel, folder) for kernel in kernels}
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        running = {name: pool.submit(job) for name, job in jobs.items()}
-    counts = {name: job.result() for name, job in running.items()}
-    found = Found(Verdict.passed, measured={"depends_on": parts, **{name: count for name, count in counts.items() if count is not None}})
-    for name, now in counts.items():
+    if not shutil.which("valgrind"):
+        raise Missing("valgrind is missing: install it with 'make deps'")
+    found = Found(measured={"depends_on": parts})
+    for name, count in in_parallel(jobs).items():
         before = (table or {}).get(name)
-        if now is None:
-            found.lines.append(f"{name}: nothing measured: it did not run under valgrind")
-        elif before is None:
-            found.lines.append(f"{name}: {now:,} instructions, no baseline")
+        if isinstance(count, NotMeasured):
+            if count.skipped:
+                found.lines.append(f"{name}: nothing measured: {count}")
+            else:
+                found.red(f"{name}: no count: {count}")
+            continue
+        now, of_shapes = count
+        found.measured[name] = now
+        if before is None:
+            found.red(f"{name}: {now:,} instructions, no baseline: add it with --update REASON")
+        elif of_shapes and of_shapes != shapes.get(name, of_shapes):
+            found.lines.append(f"{name}: {OTHER_SHAPES}")
         else:
             words, same = said(now, before)
-            found.lines.append(f"{name}: {words}")
-            if not same:
-                found.verdict = Verdict.slower
+            found.passed()
+            (found.lines.append if same else found.red)(f"{name}: {words}")
     return found
 
 
-def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructions: Mapping[str, Any], reason: str) -> dict[str, Any]:
-    """The baseline with what was measured now in place of what it had of the same cases and the same key."""
-    tables = {name: dict(table) for name, table in baseline.get("instructions", {}).items()}
-    if instructions:
-        key = key_of(instructions["depends_on"])
+# --- a new baseline --------------------------------------------------------------------------------------------------
+
+
+def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructions: Mapping[str, Any], reason: str,
+            names: Collection[str] | None = None) -> dict[str, Any]:
+    """The baseline with what was measured now in place of what it had of the same cases and the same key. `names`: of all cases and
+    kernels that there are; what has another name is gone. A machine that has no table yet adds one, and leaves counters of other
+    shapes as they are.
+    """
+    def kept(table: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: value for name, value in table.items() if names is None or name in names or name == "depends_on"}
+
+    tables = {key: kept(table) for key, table in baseline.get("instructions", {}).items()}
+    key = key_of(instructions["depends_on"]) if instructions else ""
+    guest = bool(key) and bool(tables) and key not in tables
+    before = kept(baseline.get("counters", {}))
+    for name, measured in counters.items():
+        if not (guest and name in before and before[name]["shapes"] != measured["shapes"]):
+            before[name] = measured
+    if key:
         tables[key] = {**tables.get(key, {}), **instructions}
-    return {"reason": reason, "counters": {**baseline.get("counters", {}), **counters}, "instructions": tables}
+    return {"reason": reason, "counters": before, "instructions": tables}
 
 
 def write_baseline(file: Path, baseline: Mapping[str, Any]) -> None:
+    """Beside it, and then in its place: an interrupt leaves the old one."""
     head = "# Written by `hausbench track --update REASON`: work counters and instructions of the tracked cases.\n"
-    file.write_text(head + tomli_w.dumps(dict(baseline)))
+    beside = file.with_suffix(".new")
+    beside.write_text(head + tomli_w.dumps(dict(baseline)))
+    beside.replace(file)

@@ -5,6 +5,9 @@
 measures the commits that --measure names, if any, and draws the whole history (picture.py). Every commit runs its cases by its own program, on its
 own models, in rounds: in each round each commit measures each case once. Rounds go forth and back, so that a drift of the machine falls on all alike.
 What a commit does not know stays empty. The file is written after every round: Ctrl-C loses at most the round that it interrupts.
+
+A run only adds rows. Times of two runs are never compared, since a machine is not as fast on one day as on another: to see what a change does,
+measure the last commit before it and the commit after it in one run.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import argparse
 import csv
 import dataclasses
+import fcntl
 import math
 import os
 import platform
@@ -19,9 +23,9 @@ import re
 import subprocess
 import sys
 import time
-import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -31,13 +35,15 @@ import numpy as np
 
 from analysis.shared.statistics import median
 from bench.tracking import blocks as one_block
-from bench.tracking import builds
+from bench.tracking import builds, progress
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
+from bench.tracking.progress import Progress
 
 FILE = ROOT / "results" / "history.csv"
 NAN = math.nan
+TIME = "%Y-%m-%dT%H:%M:%SZ"
 BLOCKS = 8  # the fewest whose range is an interval of 99 %
 
 
@@ -48,6 +54,7 @@ class Row:
     commit: str  # ten digits
     date: str  # of the commit, UTC
     machine: str
+    measured: str  # when the run that measured it began, UTC
     case: str
     cpu_seconds: float = NAN  # NaN: not measured
     cpu_low: float = NAN  # NaN too where there is one block only
@@ -55,12 +62,17 @@ class Row:
     blocks: int = 0
     wall_seconds: float = NAN
     instructions: int | None = None
-    counters: dict[str, int] = field(default_factory=dict)
+    counters: dict[str, int] = field(default_factory=dict)  # without zeros
     shapes: str = ""  # a hash: times of other shapes are no times of this case
 
     @property
-    def key(self) -> tuple[str, str, str]:
-        return self.commit, self.machine, self.case
+    def key(self) -> tuple[str, ...]:
+        return self.commit, self.machine, self.measured, self.case
+
+    @property
+    def session(self) -> tuple[str, str]:
+        """What was measured in turn with it, whose times can be compared with its own."""
+        return self.measured, self.machine
 
 
 COLUMNS = [one.name for one in dataclasses.fields(Row)]
@@ -88,14 +100,17 @@ def row_of(cells: list[str]) -> Row:
     known = dict(zip(COLUMNS, cells))
     if not re.fullmatch(r"[0-9a-f]{7,40}\+?", known["commit"]):
         raise ValueError(f"{known['commit']!r} is no commit")
-    datetime.strptime(known["date"], "%Y-%m-%dT%H:%M:%SZ")
+    datetime.strptime(known["date"], TIME)
+    datetime.strptime(known["measured"], TIME)
     if not known["machine"] or not known["case"]:
         raise ValueError("the machine or the case is empty")
     if (known["blocks"] == "0") != (known["cpu_seconds"] == ""):
         raise ValueError("there are no blocks without a time, and no time without blocks")
     pairs = [part.partition("=") for part in known["counters"].split()]
-    return Row(known["commit"], known["date"], known["machine"], known["case"], seconds_in(known["cpu_seconds"]), seconds_in(known["cpu_low"]),
-               seconds_in(known["cpu_high"]), int(known["blocks"]), seconds_in(known["wall_seconds"]),
+    cpu, low, high, wall = (seconds_in(known[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds"))
+    if math.isnan(low) != math.isnan(high) or low > cpu or cpu > high:
+        raise ValueError("cpu_seconds is not between cpu_low and cpu_high")
+    return Row(known["commit"], known["date"], known["machine"], known["measured"], known["case"], cpu, low, high, int(known["blocks"]), wall,
                int(known["instructions"]) if known["instructions"] else None, {name: int(count) for name, _, count in pairs}, known["shapes"])
 
 
@@ -103,7 +118,7 @@ def read(file: Path) -> list[Row]:
     """All rows; none where there is no file. ValueError for what is no history."""
     if not file.exists():
         return []
-    rows: dict[tuple[str, str, str], Row] = {}
+    rows: dict[tuple[str, ...], Row] = {}
     lines = csv.reader(file.read_text(encoding="utf-8").splitlines())
     for cells in lines:
         try:
@@ -112,7 +127,7 @@ def read(file: Path) -> list[Row]:
                     raise ValueError(f"the columns are not {','.join(COLUMNS)}")
                 continue
             if (row := row_of(cells)).key in rows:
-                raise ValueError(f"{row.case} at {row.commit} on this machine is there twice")
+                raise ValueError(f"{row.case} at {row.commit} on this machine in one run is there twice")
         except ValueError as problem:
             raise ValueError(f"{file}, line {lines.line_num}: {problem}: mend or delete the line, or take the file that is committed "
                              f"(git checkout {file})") from None
@@ -121,30 +136,52 @@ def read(file: Path) -> list[Row]:
 
 
 def write(file: Path, rows: Iterable[Row]) -> None:
-    """In order of the dates of the commits, then of cases. The file is whole at any time."""
+    """Runs in order of their times, each in the order that it has. The file is whole at any time."""
     file.parent.mkdir(parents=True, exist_ok=True)
     new = file.with_name(file.name + ".part")
     with new.open("w", encoding="utf-8") as out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(COLUMNS)
-        for row in sorted(rows, key=lambda row: (row.date, row.commit, row.case, row.machine)):
+        for row in sorted(rows, key=lambda row: row.session):
             writer.writerow([cell(getattr(row, column)) for column in COLUMNS])
     new.replace(file)
 
 
-def merged(old: Iterable[Row], new: Iterable[Row], finished: bool = True) -> list[Row]:
-    """What was measured again on the same machine replaces the old row, but an empty row replaces nothing, and before all rounds are finished nothing
-    replaces a row with more blocks. Instructions that were not counted again stay where the shapes are the same: a commit's count does not change.
-    """
-    rows = {row.key: row for row in old}
-    for row in new:
-        before = rows.get(row.key)
-        if before and row.blocks < (1 if finished else before.blocks):
-            continue
-        if before and row.instructions is None and row.shapes == before.shapes:
-            row = dataclasses.replace(row, instructions=before.instructions)
-        rows[row.key] = row
-    return list(rows.values())
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """One process at a time."""
+    folder.mkdir(parents=True, exist_ok=True)
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def add(file: Path, rows: Sequence[Row]) -> list[Row]:
+    """All rows of the file, with these, which are all that their run has so far. What other runs wrote meanwhile stays."""
+    with alone(file.parent):
+        keys = {row.key for row in rows}
+        every = [row for row in read(file) if row.key not in keys] + list(rows)
+        write(file, every)
+    return every
+
+
+def in_order(commits: dict[str, str]) -> list[str]:
+    """From the oldest: parents before children where git knows them, since many have the same second; others by the dates, which are given."""
+    bare = {commit: commit.rstrip("+") for commit in commits}
+    try:
+        known = builds.git("rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()).split()
+    except builds.NotBuilt:
+        known = []
+    there = {commit: i for i, one in enumerate(known) for commit in commits if one.startswith(bare[commit])}
+
+    def key(commit: str) -> tuple[int, bool, str, str]:
+        later_than = [place for one, place in there.items() if commits[one] <= commits[commit]]
+        return there.get(commit, max(later_than, default=-1)), commit not in there, commits[commit], commit
+
+    return sorted(commits, key=key)
 
 
 def compiler() -> str:
@@ -180,27 +217,27 @@ class Version:
     instructions: dict[str, int] = field(default_factory=dict)
 
     @property
-    def tree(self) -> Path:
-        return self.build.program.parents[2]
-
-    @property
     def folder(self) -> Path:
         """Where its cases run: inside its worktree, so that the program takes the models of that commit."""
-        folder = self.tree / "build" / "history"
+        folder = self.build.tree / "build" / "history"
         folder.mkdir(parents=True, exist_ok=True)
         return folder
 
-    def tell(self) -> None:
-        """What is left out since it was told last: a line for each reason."""
-        new = [name for name in self.empty if name not in self.told]
-        for why in dict.fromkeys(self.empty[name] for name in new):
-            names = ", ".join(name for name in new if self.empty[name] == why)
-            say(f"{self.build.commit}: no blocks from here on: {names}: {why}")
-        self.told.update(new)
-
 
 def say(text: str) -> None:
-    print(f"history: {text}", file=sys.stderr, flush=True)
+    progress.say("history", text)
+
+
+def tell(versions: Sequence[Version]) -> None:
+    """What is left out since it was told last: a line for each reason, with the cases and commits that it holds for."""
+    found: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for version in versions:
+        new = [name for name in version.empty if name not in version.told]
+        for why in dict.fromkeys(version.empty[name] for name in new):
+            found.setdefault((why, tuple(name for name in new if version.empty[name] == why)), []).append(version.build.commit)
+        version.told.update(new)
+    for (why, names), commits in found.items():
+        say(f"{', '.join(commits)}: no blocks from here on: {', '.join(names)}: {why}")
 
 
 def short(problem: Exception) -> str:
@@ -208,29 +245,16 @@ def short(problem: Exception) -> str:
     return re.sub(r" \(known: .*|(?<=unknown solver) .*", "", re.sub(r"^exit code \d+: hausbench: \S+?(:\d+)?: ", "", str(problem)))[:150]
 
 
-class Progress:
-    """Says at most every ten seconds how long the rest will take, by how long the part that is done took."""
-
-    def __init__(self) -> None:
-        self._begun = time.monotonic()
-        self._said = -math.inf
-
-    def at(self, what: str, done: float) -> None:
-        now = time.monotonic()
-        if now - self._said < 10:
-            return
-        self._said = now
-        left = f", about {(now - self._begun) * (1 - done) / done / 60:.1f} min left" if done > 0 else ""
-        say(f"{what}{left}")
+def as_text(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, timezone.utc).strftime(TIME)
 
 
 def date_of(commit: str) -> str:
-    seconds = int(builds.git("show", "--no-patch", "--format=%ct", commit))
-    return datetime.fromtimestamp(seconds, timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return as_text(int(builds.git("show", "--no-patch", "--format=%ct", commit)))
 
 
 def versions_of(revisions: Sequence[str]) -> list[Version]:
-    """In order of their dates, each once; those that do not build are left out. NotBuilt where none is left."""
+    """From the oldest, each once; those that do not build are left out. NotBuilt where none is left."""
     found: dict[str, Version] = {}
     for revision in revisions:
         try:
@@ -241,7 +265,7 @@ def versions_of(revisions: Sequence[str]) -> list[Version]:
         found[build.commit] = Version(build, date_of(build.commit))
     if not found:
         raise NotBuilt("no commit is there to be measured")
-    return sorted(found.values(), key=lambda version: version.date)
+    return [found[commit] for commit in in_order({commit: version.date for commit, version in found.items()})]
 
 
 def measure_kernels(version: Version, names: list[str]) -> None:
@@ -257,11 +281,10 @@ def measure_kernels(version: Version, names: list[str]) -> None:
     version.empty.update({name: why for name in names if name not in least})
 
 
-def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list[str], number: int, rounds: int, progress: Progress) -> None:
+def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list[str], number: int, bar: Progress) -> None:
     """One block of each case and each kernel at each commit. The commits of a case follow each other at once: so they share what else runs."""
     turn = list(versions) if number % 2 == 0 else list(versions)[::-1]
     for i, case in enumerate(chosen):
-        progress.at(f"round {number + 1} of {rounds}: {case.name}", (number + i / (len(chosen) + 1)) / rounds)
         for version in turn:
             if case.name in version.empty:
                 continue
@@ -269,11 +292,12 @@ def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list
                 version.measured[case.name] = [*version.measured.get(case.name, []), one_block.measure(version.build.program, case, version.folder)]
             except NotMeasured as problem:
                 version.empty[case.name] = short(problem)
-    progress.at(f"round {number + 1} of {rounds}: kernels", (number + 1 - 1 / (len(chosen) + 1)) / rounds)
+        bar.done(number * (len(chosen) + 1) + i + 1)
     for version in turn:
         asked = [name for name in kernels if name not in version.empty]
         if asked:
             measure_kernels(version, asked)
+    bar.done((number + 1) * (len(chosen) + 1))
 
 
 def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> None:
@@ -286,14 +310,15 @@ def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> No
                 version.empty[case.name] = f"its shapes are not those of {known[-1].build.commit}"
 
 
-def rows_of(version: Version, names: Iterable[str], where: str) -> list[Row]:
+def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> list[Row]:
     rows = []
     for name in names:
-        row = Row(version.build.commit, version.date, where, name)
+        row = Row(version.build.commit, version.date, where, begun, name)
         kept = version.measured.get(name, [])
         if kept:
             cpu = median([block.cpu for block in kept])
-            row = dataclasses.replace(row, cpu_seconds=cpu.value, cpu_low=cpu.low, cpu_high=cpu.high, blocks=cpu.n, counters=kept[-1].counters,
+            row = dataclasses.replace(row, cpu_seconds=cpu.value, cpu_low=cpu.low, cpu_high=cpu.high, blocks=cpu.n,
+                                      counters={counter: count for counter, count in kept[-1].counters.items() if count},
                                       wall_seconds=float(np.median([block.wall for block in kept])), shapes=kept[-1].shapes,
                                       instructions=version.instructions.get(name))
         rows.append(row)
@@ -305,42 +330,42 @@ def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequen
     from bench.tracking.counted import instructions_of, kernel_instructions
 
     build, folder, there = version.build, version.folder, version.measured
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    pool = ThreadPoolExecutor(os.cpu_count())
+    try:
         counts = {case.name: pool.submit(instructions_of, build.program, case, folder) for case in chosen if case.name in there}
         if build.kernels is not None:
             counts |= {kernel.name: pool.submit(kernel_instructions, build.kernels, kernel, folder) for kernel in kernels if kernel.name in there}
         version.instructions = {name: count for name, future in counts.items() if (count := future.result()) is not None}
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C many are still to come
 
 
 def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, instructions: bool = True, only: Sequence[Case] | None = None,
             kernels: Sequence[Kernel] = KERNELS) -> list[Row]:
     """Builds and measures these commits, writes the file after every round, and returns all rows in it. NotBuilt where no commit builds."""
-    chosen = cases() if only is None else only
-    names, old, where = [kernel.name for kernel in kernels], read(file), this_machine()
+    chosen, names = cases() if only is None else only, [kernel.name for kernel in kernels]
+    where, begun = this_machine(), as_text(time.time())
+    read(file)  # what is wrong with it is said before anything is built
     versions = versions_of(revisions)
     for version in versions:
-        builds.fetch(version.tree, {model for case in chosen for model in case.models})
+        builds.fetch(version.build.tree, {model for case in chosen for model in case.models})
 
-
-    def save(finished: bool) -> list[Row]:
-        rows = merged(old, [row for version in versions for row in rows_of(version, [case.name for case in chosen] + names, where)], finished)
-        write(file, rows)
-        return rows
+    def save() -> list[Row]:
+        return add(file, [row for version in versions for row in rows_of(version, [*(case.name for case in chosen), *names], where, begun)])
 
     say(f"{len(versions)} commits, {len(chosen)} cases and {len(names)} kernels, {blocks} blocks each, on {where}")
-    progress = Progress()
+    bar = Progress(blocks * (len(chosen) + 1), "turns", "history")
     for number in range(blocks):
-        one_round(versions, chosen, names, number, blocks, progress)
+        one_round(versions, chosen, names, number, bar)
         drop_other_shapes(versions, chosen)
-        for version in versions:
-            version.tell()
-        save(number + 1 == blocks)
-    progress = Progress()
+        tell(versions)
+        rows = save()
+    bar = Progress(len(versions), "commits with instructions", "history")
     for i, version in enumerate(versions if instructions else []):
-        progress.at(f"instructions of {version.build.commit}", i / len(versions))
         count_instructions(version, chosen, kernels)
-        save(True)
-    return save(True)
+        bar.done(i + 1)
+        rows = save()
+    return rows
 
 
 def main(arguments: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""The picture of the history: a panel for each case, the commits in order, machine by machine; steps are marked, and listed in a table.
+"""The picture of the history: a panel for each case, run by run, the commits of each in order; steps are marked, and listed in a table.
 
 figures/history and figures/history_kernels, tables/history_steps. history.py calls it.
 """
@@ -20,7 +20,7 @@ from analysis.shared import style, tables
 from analysis.shared.report import save_figure
 from bench.tracking import builds
 from bench.tracking.cases import KERNELS, cases
-from bench.tracking.history import Row
+from bench.tracking.history import Row, in_order
 from bench.tracking.steps import Step, steps
 
 LEAST_TIME: Final = 0.05  # smaller steps of the time are not marked: where code lies in memory moves some loops by about as much
@@ -29,16 +29,18 @@ NOISE_TIME: Final = 0.01  # at least; else half the interval of the case's media
 NOISE_COUNT: Final = 1e-4
 LEAST_SPAN: Final = 1.6  # of a panel's vertical axis, top over bottom: noise shall look small
 MOST_LABELS: Final = 78  # commits that a figure's width has room to name
+MOST_RUNS: Final = 12  # that a figure has room for
 TIME, COUNT, SLOWER, FASTER, ALONE = "#0072B2", "#A8A8A8", "#C44100", "#007A58", "#707070"
-LETTERS: Final = "ABCDEFGHIJ"  # of machines
+PALE_TIME, PALE_COUNT, BETWEEN = "#8FBCD9", "#D4D4D4", "#EDEDED"
+LETTERS: Final = "ABCDEFGHIJKL"  # of runs
+Session = tuple[str, str]  # a run: when it began, and the machine
 
 
 @dataclass(frozen=True)
 class Found:
-    """A step of a case on a machine."""
+    """A step of a case in a run: between rows of the same session."""
 
     case: str
-    machine: str
     what: str  # "time" or "instructions"
     before: Row
     after: Row
@@ -51,10 +53,11 @@ class Found:
         return f"{factor:.2f}× {word}" if factor < 9.95 else f"{factor:.0f}× {word}"
 
 
-def series(rows: Sequence[Row], case: str, machine: str) -> list[Row]:
-    """What was measured of a case on a machine, in order of the commits. Rows with other shapes than the newest are of another case."""
-    found = sorted((row for row in rows if row.case == case and row.machine == machine and row.blocks), key=lambda row: (row.date, row.commit))
-    return [row for row in found if row.shapes == found[-1].shapes]
+def series(rows: Sequence[Row], case: str, session: Session) -> list[Row]:
+    """What a run measured of a case, in the order of the rows. Other shapes than in the newest run on this machine are of another case."""
+    here = [row for row in rows if row.case == case and row.machine == session[1] and row.blocks]
+    newest = max(here, key=lambda row: row.measured, default=None)
+    return [row for row in here if row.session == session and newest and row.shapes == newest.shapes]
 
 
 def noise_of(rows: Sequence[Row]) -> float:
@@ -66,30 +69,38 @@ def noise_of(rows: Sequence[Row]) -> float:
 def steps_of(rows: Sequence[Row]) -> list[Found]:
     """Of one series, first those of the time."""
     def found(what: str, ones: list[Step]) -> list[Found]:
-        return [Found(rows[one.before].case, rows[one.before].machine, what, rows[one.before], rows[one.after], one.ratio) for one in ones]
+        return [Found(rows[one.before].case, what, rows[one.before], rows[one.after], one.ratio) for one in ones]
 
     counts = [math.nan if row.instructions is None else float(row.instructions) for row in rows]
     return found("time", steps([row.cpu_seconds for row in rows], noise_of(rows), LEAST_TIME)) + found(
         "instructions", steps(counts, NOISE_COUNT, LEAST_COUNT))
 
 
-def machines(rows: Sequence[Row]) -> list[str]:
-    """The one with the newest commit comes last."""
-    newest: dict[str, str] = {}
-    for row in rows:
-        newest[row.machine] = max(newest.get(row.machine, ""), row.date)
-    return sorted(newest, key=lambda name: (newest[name], name))
+def sessions(rows: Sequence[Row]) -> list[Session]:
+    """Machine by machine, from the oldest run; the machine with the newest run comes last."""
+    newest = {row.machine: max(other.measured for other in rows if other.machine == row.machine) for row in rows}
+    return sorted({row.session for row in rows}, key=lambda session: (newest[session[1]], session[1], session[0]))
 
 
-def places(rows: Sequence[Row]) -> dict[tuple[str, str], int]:
-    """The place of each commit of each machine on the horizontal axis; between two machines, two places are free."""
-    found: dict[tuple[str, str], int] = {}
-    at = 0
-    for machine in machines(rows):
-        for _, commit in sorted({(row.date, row.commit) for row in rows if row.machine == machine and row.blocks}):
-            found[machine, commit] = at
-            at += 1
-        at += 2
+def main_sessions(rows: Sequence[Row]) -> set[Session]:
+    """The newest run, and the one with the most commits."""
+    commits = {session: len({row.commit for row in rows if row.session == session}) for session in sessions(rows)}
+    return {max(commits), max(commits, key=lambda session: (commits[session], session))} if commits else set()
+
+
+def with_room(rows: Sequence[Row]) -> list[Row]:
+    """Of at most MOST_RUNS runs: the main ones, then the newest."""
+    main = main_sessions(rows)
+    shown = sorted(sessions(rows), key=lambda session: (session in main, session))[-MOST_RUNS:]
+    return [row for row in rows if row.session in shown]
+
+
+def places(rows: Sequence[Row]) -> dict[tuple[Session, str], int]:
+    """The place of each commit of each run on the horizontal axis; between two runs, one place is free."""
+    found: dict[tuple[Session, str], int] = {}
+    for free, session in enumerate(sessions(rows)):
+        for commit in dict.fromkeys(row.commit for row in rows if row.session == session and row.blocks):
+            found[session, commit] = len(found) + free
     return found
 
 
@@ -120,98 +131,135 @@ def vertical_axis(ax: Any, values: Sequence[float]) -> None:
     ax.set_ylim(low, high)
 
 
-def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[str, str], int]) -> list[float]:
-    """Of one machine; every value that was drawn, in milliseconds."""
-    x = [at[row.machine, row.commit] for row in rows]
+Points = list[tuple[float, float]]  # place, and milliseconds or share of the height
+SIZE: Final = (7.0, 41.0)  # width and height of a factor, in points
+
+
+def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[Session, str], int], pale: bool = False) -> Points:
+    """Of one run; points all along what was drawn, in milliseconds."""
+    time_colour, count_colour = (PALE_TIME, PALE_COUNT) if pale else (TIME, COUNT)
+    x = [at[row.session, row.commit] for row in rows]
     ms = np.array([1e3 * row.cpu_seconds for row in rows])
     low, high = (1e3 * np.array([getattr(row, end) for row in rows]) for end in ("cpu_low", "cpu_high"))
     low, high = np.where(np.isnan(low), ms, low), np.where(np.isnan(high), ms, high)
     counted = [(x[i], row.instructions, ms[i]) for i, row in enumerate(rows) if row.instructions]
-    drawn = [*low, *high]
+    points = along(x, ms)
     if counted:
-        scaled = [count * counted[-1][2] / counted[-1][1] for _, count, _ in counted]
-        ax.plot([place for place, _, _ in counted], scaled, color=COUNT, linewidth=0.9, marker="s", markersize=2.2, zorder=2)
-        drawn += scaled
-    ax.errorbar(x, ms, [ms - low, high - ms], color=TIME, linewidth=0.9, elinewidth=0.7, marker="o", markersize=2.4, zorder=3)
-    return [float(value) for value in drawn]
+        places, scaled = [place for place, _, _ in counted], [count * counted[-1][2] / counted[-1][1] for _, count, _ in counted]
+        ax.plot(places, scaled, color=count_colour, linewidth=0.9, marker="s", markersize=2.2, zorder=2)
+        points += along(places, scaled)
+    ax.errorbar(x, ms, [ms - low, high - ms], color=time_colour, linewidth=0.9, elinewidth=0.7, marker="o", markersize=2.4, zorder=3)
+    return points + [(place, float(y)) for place, *ends in zip(x, low, high) for y in np.geomspace(ends[0], ends[1], 9)]
 
 
-def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[str, str], int]) -> None:
-    """A line halfway between the two commits, and its factor. Instructions get one of their own where the time has none there."""
+def along(x: Sequence[float], y: Sequence[float]) -> Points:
+    fine = np.linspace(x[0], x[-1], 8 * round(x[-1] - x[0]) + 1)
+    return [(float(place), float(value)) for place, value in zip(fine, np.exp(np.interp(fine, x, np.log(y))))]
+
+
+def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], int], points: Points) -> None:
+    """A line halfway between the two commits, and its factor where the least of the points lies below it. Instructions get one of their own where
+    the time has none there.
+    """
     shown: dict[float, Found] = {}
     for one in found:  # those of the time come first
-        shown.setdefault((at[one.machine, one.before.commit] + at[one.machine, one.after.commit]) / 2, one)
-    width = (max(at.values()) + 1.4) / (72 * ax.get_position().width * ax.figure.get_figwidth())  # of a point, in places of commits
+        shown.setdefault((at[one.before.session, one.before.commit] + at[one.after.session, one.after.commit]) / 2, one)
+    box = ax.get_position()
+    wide, high = ((ax.get_xlim()[1] - ax.get_xlim()[0]) * SIZE[0] / (72 * box.width * ax.figure.get_figwidth()),
+                  SIZE[1] / (72 * box.height * ax.figure.get_figheight()))
+    bottom, top = np.log(ax.get_ylim())
+    taken = [(place, (math.log(y) - bottom) / (top - bottom)) for place, y in points]
+    taken += [(x, y) for x in shown for y in np.linspace(0, 1, 9)]
+
+    def cost(left: float, low: float) -> float:
+        inside = sum(left < place < left + wide and low < y < low + high for place, y in taken)
+        return inside + 100 * (left < ax.get_xlim()[0] or left + wide > ax.get_xlim()[1])
+
     for x, one in shown.items():
         colour = ALONE if one.what == "instructions" else SLOWER if one.ratio > 1 else FASTER
         ax.axvline(x, color=colour, linewidth=0.7, linestyle=style.DASHED, zorder=1)
-        bottom, top = np.log(ax.get_ylim())
-        high = (math.log(1e3 * one.after.cpu_seconds) - bottom) / (top - bottom) < 0.45  # the line to the right of it is low: there is room above
-        crowded = any(x < other < x + 8 * width for other in shown)
-        text = ax.annotate(one.words, (x, 0.92 if high else 0.03), xycoords=("data", "axes fraction"), xytext=(-1.5 if crowded else 1.5, 0),
-                           textcoords="offset points", rotation=90, ha="right" if crowded else "left", va="top" if high else "bottom", fontsize=5.4,
-                           color=colour, zorder=4)
+        spots = [(left, low) for low in (0.03, 0.93 - high, *np.linspace(0.1, 0.86 - high, 5)) for left in (x, x - wide)]
+        left, low = min(spots, key=lambda spot: cost(*spot))
+        taken += [(left + wide * i / 8, low + high * j / 16) for i in range(1, 8) for j in range(17)]
+        text = ax.annotate(one.words, (left + wide / 2, low), xycoords=("data", "axes fraction"), rotation=90, ha="center", va="bottom",
+                           fontsize=5.4, color=colour, zorder=4)
         text.set_path_effects([matplotlib.patheffects.withStroke(linewidth=1.6, foreground="white")])
 
 
-def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[str, str], int], order: Sequence[str]) -> None:
+def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str], int]) -> tuple[list[Found], Points]:
+    """All but its steps, and what they need: they have their places when the figure has its layout."""
     ax.set_title(name, fontsize=7, loc="left", pad=3)
     ax.grid(axis="x", visible=False)
-    ones = [one for machine in order if (one := series(rows, name, machine))]
-    vertical_axis(ax, [value for one in ones for value in draw_series(ax, one, at)])
-    for one in ones:
-        draw_steps(ax, steps_of(one), at)
-    for letter, machine in zip(LETTERS, order):
-        here = [place for (where, _), place in at.items() if where == machine]
-        if len(order) > 1 and here:
-            ax.text((min(here) + max(here)) / 2, 1.0, letter, transform=ax.get_xaxis_transform(), fontsize=6, color=style.GREY, ha="center", va="top")
-            if machine != order[-1]:
-                ax.axvspan(max(here) + 1, max(here) + 2, color="#EDEDED", linewidth=0, zorder=0)
+    order, main = sessions(rows), main_sessions(rows)
+    ones = [one for session in order if (one := series(rows, name, session))]
+    points = [point for one in ones for point in draw_series(ax, one, at, one[0].session not in main)]
+    vertical_axis(ax, [value for _, value in points])
+    for letter, session in zip(LETTERS, order if len(order) > 1 else []):
+        here = [place for (whose, _), place in at.items() if whose == session]
+        ax.text((min(here) + max(here)) / 2, 1.0, letter, transform=ax.get_xaxis_transform(), fontsize=6, color=style.GREY, ha="center", va="top")
+        if session != order[-1]:
+            ax.axvspan(max(here) + 0.7, max(here) + 1.3, color=BETWEEN, linewidth=0, zorder=0)
     ax.set_xlim(-0.7, max(at.values()) + 0.7)
+    return [step for one in ones for step in steps_of(one)], points
 
 
-def labels(at: dict[tuple[str, str], int], most: int) -> dict[int, str]:
+def labels(at: dict[tuple[Session, str], int], most: int) -> dict[int, str]:
     """Short hashes at the places of commits: of all, or of every second, third, ... from the newest back."""
     known = sorted(((place, commit[:7]) for (_, commit), place in at.items()), reverse=True)
     return dict(known[::-(-len(known) // most)])
 
 
-def legend() -> list[Any]:
+def legend(pale: bool) -> list[Any]:
     def entry(label: str, **look: Any) -> Any:
         return plt.Line2D([], [], label=label, linewidth=0.9, **look)
 
     return [entry("CPU time, with interval", color=TIME, marker="o", markersize=2.6),
             entry("instructions, scaled to the time of the newest commit", color=COUNT, marker="s", markersize=2.4),
+            *([entry("CPU time in other runs", color=PALE_TIME, marker="o", markersize=2.6)] if pale else []),
             entry("faster", color=FASTER, linestyle=style.DASHED), entry("slower", color=SLOWER, linestyle=style.DASHED),
             entry("instructions alone", color=ALONE, linestyle=style.DASHED)]
 
 
 def draw(rows: Sequence[Row], names: Sequence[str]) -> Any:
     """Of the cases that have rows, in this order. All panels share the horizontal axis."""
-    at, order = places(rows), machines(rows)
-    shown = [name for name in names if any(series(rows, name, machine) for machine in order)]
+    at, order = places(rows), sessions(rows)
+    shown = [name for name in names if any(series(rows, name, session) for session in order)]
     columns = min(len(shown), 4 if len(shown) % 4 == 0 and len(shown) % 3 else 3)
     lines = -(-len(shown) // columns)
     figure, grid = plt.subplots(lines, columns, figsize=(style.DOUBLE_COLUMN, 0.75 + 1.25 * lines), squeeze=False)
     named = labels(at, MOST_LABELS // columns)
+    panels: dict[Any, tuple[list[Found], Points]] = {}
     for i, ax in enumerate(grid.flat):
         if i >= len(shown):
             ax.set_axis_off()
             continue
-        panel(ax, shown[i], rows, at, order)
+        panels[ax] = panel(ax, shown[i], rows, at)
         last = i + columns >= len(shown)
         ax.set_xticks(list(named), list(named.values()) if last else [], rotation=90, fontsize=5.2, family="monospace")
     figure.supylabel("CPU time (ms)", fontsize=8)
-    style.legend_above(figure, legend(), 5)
+    entries = legend(len(order) > len(main_sessions(rows)))
+    style.legend_above(figure, entries, len(entries))
+    figure.draw_without_rendering()
+    for ax, (found, points) in panels.items():
+        draw_steps(ax, found, at, points)
     return figure
 
 
-def footnote(rows: Sequence[Row]) -> str:
-    order = machines(rows)
+def minute(time: str) -> str:
+    return time[:16].replace("T", " ")
+
+
+def footnote(rows: Sequence[Row], left_out: int = 0) -> str:
+    order = sessions(rows)
     blocks = sorted({row.blocks for row in rows if row.blocks})
     count = str(blocks[0]) if len(blocks) == 1 else f"{blocks[0]} to {blocks[-1]}"
-    where = "; ".join(f"{letter}: {name}" for letter, name in zip(LETTERS, order)) if len(order) > 1 else order[0]
-    return (f"Commits from left to right, oldest first. Medians of {count} blocks, measured in turn; each axis is logarithmic, on its own. {where}. "
+    if len(order) == 1:
+        where = f"One run, of {minute(order[0][0])} UTC, on {order[0][1]}."
+    else:
+        runs = {machine: [f"{letter} ({minute(begun)})" for letter, (begun, one) in zip(LETTERS, order) if one == machine] for _, machine in order}
+        where = f"Runs (UTC): {'; '.join(', '.join(ones) + ' on ' + machine for machine, ones in runs.items())}. Times of two runs do not compare."
+        where += f" {left_out} older runs are not shown." if left_out else ""
+    return (f"Commits from left to right, oldest first. Medians of {count} blocks, measured in turn; each axis is logarithmic, on its own. {where} "
             "Steps are listed in tables/history_steps.")
 
 
@@ -232,27 +280,30 @@ def commits_between(before: str, after: str) -> str:
         return tables.NOTHING
 
 
-def steps_table(found: Sequence[Found], several: bool, subject_of: Callable[[str], str],
+def steps_table(found: Sequence[Found], subject_of: Callable[[str], str],
                 between: Callable[[str, str], str]) -> tuple[tables.Table, list[tables.Record]]:
-    """In order of the commits. What changed between the same two commits stands together; time and instructions of a case are one line."""
-    table = tables.Table("Steps in the history of timings", ["after", "not later than", "commits", "case", *(["machine"] if several else []), "time",
-                                                             "instructions"], left=5 if several else 4)
-    together: dict[tuple[str, str, str, str], dict[str, Found]] = {}
-    for one in sorted(found, key=lambda one: (one.after.date, one.before.date)):
-        together.setdefault((one.before.commit, one.after.commit, one.case, one.machine), {})[one.what] = one
+    """In the order of `found`. What changed between the same two commits stands together; time and instructions of a case are one line."""
+    where = [title for title, i in (("machine", 1), ("measured", 0)) if len({one.after.session[i] for one in found}) > 1]
+    table = tables.Table("Steps in the history of timings", ["after", "not later than", "commits", "case", *where, "time", "instructions"],
+                         left=4 + len(where))
+    together: dict[tuple[str, str, str, Session], dict[str, Found]] = {}
+    for one in found:
+        together.setdefault((one.before.commit, one.after.commit, one.case, one.after.session), {})[one.what] = one
     records: list[tables.Record] = []
     last = ("", "")
-    for (before, after, case, machine), ones in together.items():
+    for (before, after, case, (begun, machine)), ones in together.items():
         texts = [f"{before[:7]} {subject_of(before)}", f"{after[:7]} {subject_of(after)}", between(before, after)]
         if (before, after) != last:
             table.rules.add(len(table.rows))
+        run = [{"machine": machine, "measured": minute(begun)}[title] for title in where]
         change = [ones[what].words if what in ones else tables.NOTHING for what in ("time", "instructions")]
-        table.rows.append([*(["", "", ""] if (before, after) == last else texts), case, *([machine] if several else []), *change])
+        table.rows.append([*(["", "", ""] if (before, after) == last else texts), case, *run, *change])
         last = (before, after)
         records.append({"before": before, "before_subject": subject_of(before), "after": after, "after_subject": subject_of(after),
-                        "commits": between(before, after), "case": case, "machine": machine,
+                        "commits": between(before, after), "case": case, "machine": machine, "measured": begun,
                         **{f"{what}_ratio": ones[what].ratio if what in ones else math.nan for what in ("time", "instructions")}})
     table.notes = ["A step lies in one of the commits after the first and up to the second; `commits`: how many. `make bisect` finds which.",
+                   "Where the time has a step and instructions have none, the same work took longer or less: memory, or where code and data lie.",
                    f"Found by bench/tracking/steps.py: steps of the time by {100 * LEAST_TIME:.0f} % or more, of instructions by "
                    f"{100 * LEAST_COUNT:.0f} %. {tables.NOTHING}: no step, or not measured."]
     return table, records
@@ -264,14 +315,17 @@ def save(rows: Sequence[Row], out: Path, subject_of: Callable[[str], str] = subj
     rows = [row for row in rows if row.blocks]
     if not rows:
         raise ValueError("the history has no times: measure some commits")
+    place = {commit: i for i, commit in enumerate(in_order({row.commit: row.date for row in rows}))}
+    rows = sorted(rows, key=lambda row: place[row.commit])
     kernels = [kernel.name for kernel in KERNELS]
     order = [case.name for case in cases()]
     known = list(dict.fromkeys([*order, *sorted({row.case for row in rows} - set(kernels))]))  # the last are no longer tracked
     paths: list[Path] = []
     for stem, names in (("history", known), ("history_kernels", kernels)):
-        chosen = [row for row in rows if row.case in names]
-        if chosen:
-            paths += save_figure(draw(chosen, names), out, stem, "History of timings", footnote(chosen))
-    every = [(name, machine) for machine in machines(rows) for name in [*known, *kernels]]
-    found = [step for name, machine in every for step in steps_of(series(rows, name, machine))]
-    return paths + tables.save(*steps_table(found, len(machines(rows)) > 1, subject_of, between), out, "history_steps")
+        every = [row for row in rows if row.case in names]
+        if chosen := with_room(every):
+            left_out = len(sessions(every)) - len(sessions(chosen))
+            paths += save_figure(draw(chosen, names), out, stem, "History of timings", footnote(chosen, left_out))
+    found = [step for session in sessions(rows) for name in [*known, *kernels] for step in steps_of(series(rows, name, session))]
+    found.sort(key=lambda one: (place[one.after.commit], place[one.before.commit]))
+    return paths + tables.save(*steps_table(found, subject_of, between), out, "history_steps")

@@ -2,126 +2,151 @@
 
 from __future__ import annotations
 
-import sys
-import time
+import shutil
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bench.tracking.blocks import NotMeasured, measure, measure_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, Judged, Sides, judge
+from bench.tracking.progress import Progress
 
-ORDER = ("base", "candidate", "planted", "planted", "candidate", "base")
-
-
+BASE_FIRST = ("base", "candidate", "planted", "planted", "candidate", "base")
+CANDIDATE_FIRST = ("planted", "candidate", "base", "base", "candidate", "planted")
 # What the repeats of a block take together: the least of many is steadier than that of few, and a process costs as much by itself.
 SECONDS_OF_REPEATS = 0.04
 MOST_REPEATS = 40
 
+Say = Callable[[str], None]
+
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `side` measures one block: seconds by name."""
+    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, by one of the two copies of its
+    program: seconds by name. What it found of the shapes is in `shapes`, by side.
+    """
 
     name: str
     names: tuple[str, ...]
-    side: Callable[[str], dict[str, float]]
+    side: Callable[[str, int], dict[str, float]]
     planted: bool = False
+    shapes: dict[str, str] = field(default_factory=dict)
 
 
-def of_case(case: Case, programs: dict[str, Path], folder: Path, planted: bool) -> Subject:
+@dataclass(frozen=True)
+class Copies:
+    """Of each side two copies of the program, at two places; and of kernel_bench, where both builds have one."""
+
+    programs: dict[str, tuple[Path, Path]]
+    kernels: dict[str, tuple[Path, Path]]
+
+
+def copies_of(base: Build, candidate: Build) -> Copies:
+    """The second copy lies in a folder `again` beside the first, so that it finds its own tree above it."""
+    def two(program: Path) -> tuple[Path, Path]:
+        again = program.parent / "again" / program.name
+        again.parent.mkdir(exist_ok=True)
+        shutil.copy2(program, again)
+        if (commit := program.parent / "commit.json").is_file():
+            shutil.copy2(commit, again.parent)
+        return program, again
+
+    programs = {"base": two(base.program), "candidate": two(candidate.program)}
+    kernels = {"base": two(base.kernels), "candidate": two(candidate.kernels)} if base.kernels and candidate.kernels else {}
+    return Copies({**programs, "planted": programs["candidate"]}, kernels)
+
+
+def of_case(case: Case, programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
     """Its first block decides how many repeats the later ones have, on all sides alike."""
     asked = [case]
+    shapes: dict[str, str] = {}
 
-    def side(which: str) -> dict[str, float]:
-        block = measure(programs[which], asked[0], folder, PLANTED if which == "planted" else 0)
+    def side(which: str, copy: int) -> dict[str, float]:
+        block = measure(programs[which][copy], asked[0], folder, PLANTED if which == "planted" else 0)
+        shapes[which] = block.shapes
         if asked[0] is case:
             repeats = min(MOST_REPEATS, max(int(case.experiment["repeats"]), round(SECONDS_OF_REPEATS / block.cpu)))
             asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
         return {case.name: block.cpu}
 
-    return Subject(case.name, (case.name,), side, planted)
+    return Subject(case.name, (case.name,), side, shapes=shapes)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Path], folder: Path) -> Subject:
-    def side(which: str) -> dict[str, float]:
-        return measure_kernels(programs[which], list(names), folder)
+def of_kernels(names: Sequence[str], programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
+    def side(which: str, copy: int) -> dict[str, float]:
+        return measure_kernels(programs[which][copy], list(names), folder)
 
     return Subject("kernels", tuple(names), side)
 
 
-def programs_of(base: Build, candidate: Build) -> tuple[dict[str, Path], dict[str, Path]]:
-    """By side: of the cases, and of the kernels (none where one of the two builds has no kernel_bench)."""
-    cases = {"base": base.program, "candidate": candidate.program, "planted": candidate.program}
-    if base.kernels is None or candidate.kernels is None:
-        return cases, {}
-    return cases, {"base": base.kernels, "candidate": candidate.kernels}
+@dataclass
+class Known:
+    """What both builds can measure; what was left out, and what the candidate alone fails at, each with its reason."""
 
+    subjects: list[Subject] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+    broken: list[str] = field(default_factory=list)
 
-def known(subject: Subject, say: Callable[[str], None]) -> Subject | None:
-    """What both builds can measure of it; each side measures once, which warms caches, and is not kept."""
-    try:
-        found = [subject.side(which) for which in ("base", "candidate")]
-    except NotMeasured as why:
-        say(f"{subject.name}: left out: {why}")
-        return None
-    both = tuple(name for name in subject.names if all(name in one for one in found))
-    for name in subject.names:
-        if name not in both:
-            say(f"{name}: left out: only one of the builds has it")
-    return Subject(subject.name, both, subject.side, subject.planted) if both else None
+    def add(self, subject: Subject) -> None:
+        """Each side measures once, which warms caches and is not kept."""
+        try:
+            base = subject.side("base", 0)
+        except NotMeasured as why:
+            self.left_out.append(f"{subject.name}: left out, since the base does not measure it: {why}")
+            return
+        try:
+            candidate = subject.side("candidate", 0)
+        except NotMeasured as why:
+            (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, this build does not: {why}")
+            return
+        if len(set(subject.shapes.values())) > 1:
+            self.left_out.append(f"{subject.name}: left out, since its shapes are not those of the base")
+            return
+        both = tuple(name for name in subject.names if name in base and name in candidate)
+        self.left_out += [f"{name}: left out, since {'the base' if name not in base else 'this build'} does not have it"
+                          for name in subject.names if name not in both]
+        if both:
+            self.subjects.append(replace(subject, names=both))
 
-
-class Progress:
-    """One line every fifth turn where nobody watches, one line that changes where somebody does."""
-
-    def __init__(self, turns: int) -> None:
-        self.turns, self.begun = turns, time.monotonic()
-
-    def done(self, turns: int) -> None:
-        spent = time.monotonic() - self.begun
-        left = spent / turns * (self.turns - turns)
-        text = f"time: {turns} of {self.turns} turns, {left:.0f} s left"
-        if sys.stderr.isatty():
-            print(f"\r{text}  ", end="\n" if turns == self.turns else "", file=sys.stderr, flush=True)
-        elif turns % 5 == 0 or turns == self.turns:
-            print(text, file=sys.stderr, flush=True)
+    def plant(self, wanted: str) -> None:
+        """In the case of that name, or else in the first one."""
+        cases = [subject for subject in self.subjects if subject.shapes]  # kernels have none
+        chosen = next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
+        self.subjects = [replace(subject, planted=subject is chosen) for subject in self.subjects]
 
 
 def blocks(subjects: Sequence[Subject], count: int) -> dict[str, Sides]:
-    """`count` blocks of each side, an even number: two a turn, right after each other, in turn from the base and from the candidate."""
+    """`count` blocks of each side, an even number: two a turn. Turns begin with the base and with the candidate, alternately."""
     sides = {name: Sides() for subject in subjects for name in subject.names}
-    progress = Progress(count // 2)
+    progress = Progress(count // 2, "turns", "time")
     for turn in range(count // 2):
         for subject in subjects:
-            order = [which for which in ORDER if which != "planted" or subject.planted]
-            if turn % 2:  # the candidate first: candidate, base, base, candidate
-                order = [{"base": "candidate", "candidate": "base"}.get(which, which) for which in ORDER if which != "planted"]
-                order = ["planted", *order, "planted"] if subject.planted else order
-            for which in order:
-                for name, seconds in subject.side(which).items():
-                    if name in subject.names:
-                        getattr(sides[name], which).append(seconds)
+            made = {"base": 0, "candidate": 0, "planted": 0}
+            for which in CANDIDATE_FIRST if turn % 2 else BASE_FIRST:
+                if which == "planted" and not subject.planted:
+                    continue
+                found = subject.side(which, made[which])
+                made[which] += 1
+                for name in subject.names:
+                    if name not in found:
+                        raise NotMeasured(f"{name}: it was not measured this time")
+                    getattr(sides[name], which).append(found[name])
         progress.done(turn + 1)
     return sides
 
 
-def judge_all(subjects: Sequence[Subject], count: int, say: Callable[[str], None]) -> tuple[list[Judged], dict[str, Sides]]:
-    """Every case, and a second run of those that alarm; and all that was measured."""
-    sides = blocks(subjects, count)
-    judged = [judge(name, found, len(sides)) for name, found in sides.items()]
+def judge_all(subjects: Sequence[Subject], count: int, say: Say) -> tuple[list[Judged], list[dict[str, Sides]]]:
+    """Every case, and a second run of those that alarm; and what each run measured."""
+    first = blocks(subjects, count)
+    judged = [judge(name, found, len(first)) for name, found in first.items()]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
-        return judged, sides
+        return judged, [first]
     say(f"a second run of {', '.join(sorted(doubted))}")
-    again = [Subject(subject.name, names, subject.side) for subject in subjects if (names := tuple(n for n in subject.names if n in doubted))]
+    again = [replace(subject, names=names, planted=False) for subject in subjects
+             if (names := tuple(name for name in subject.names if name in doubted))]
     second = blocks(again, count)
-    return [with_second(one, second.get(one.name), len(sides)) for one in judged], sides
-
-
-def with_second(one: Judged, second: Sides | None, cases: int) -> Judged:
-    if second is None:
-        return one
-    return Judged(one.name, one.base_seconds, one.ratio, one.null, one.planted, judge(one.name, second, cases).ratio)
+    seconds = {name: judge(name, found, len(first)).ratio for name, found in second.items()}
+    return [replace(one, second=seconds[one.name]) if one.name in seconds else one for one in judged], [first, second]

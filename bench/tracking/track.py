@@ -5,10 +5,10 @@
 
 Tier 1, counters: those of the tracked cases (experiments/tracking.toml) are what bench/tracking/baseline.toml says. Tier 2, instructions:
 within half a per cent of it, under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
-blocks are measured in turn with those of this build; it tests itself by each build beside itself and by a planted slowdown of 5 %.
+blocks are measured in turn with those of this build; it tests itself by two copies of each program and by a planted slowdown of 5 %.
 
-Exit code 0: passed; 3: slower (or a baseline that no longer holds); 4: inconclusive, since the self-test of the times failed; 5: nothing
-was measured, or the base does not build; 2: a mistake in the command. CONTRIBUTING.md says what to do then.
+Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, since the self-test of the times failed; 5: nothing
+was measured, or something broke; 2: a mistake in the command. CONTRIBUTING.md says what to do then.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from analysis.shared.statistics import Estimate
 from analysis.shared.tables import number
 from bench.tracking import counted, timed
 from bench.tracking.blocks import NotMeasured
-from bench.tracking.builds import Build, NotBuilt, build_of, fetch, here
+from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, LEAST_BLOCKS, Judged, Verdict, verdict_of_times, whole
 
@@ -38,7 +38,7 @@ PLANTED_IN = "guthe on mesh to its half"
 
 @dataclass
 class Report:
-    """What each tier says, and what it is said of."""
+    """What each tier says, and what was measured."""
 
     verdicts: dict[str, Verdict] = field(default_factory=dict)
     record: dict[str, object] = field(default_factory=dict)
@@ -51,70 +51,128 @@ class Report:
         self.record[tier] = {"verdict": verdict.words, "lines": list(lines)}
 
 
+@dataclass(frozen=True)
+class Task:
+    """What is asked, and the folder for what the tiers leave behind."""
+
+    given: argparse.Namespace
+    cases: list[Case]
+    folder: Path
+
+    @property
+    def kernel_program(self) -> Path | None:
+        found = self.given.program.parent / "kernel_bench"
+        return found if found.is_file() else None
+
+    @property
+    def kernels(self) -> bool:
+        """Of a choice of cases none is one."""
+        return not self.given.case
+
+
 def ratio_text(ratio: Estimate) -> str:
     return f"{ratio.value:.3f} [{ratio.low:.3f}, {ratio.high:.3f}]" if ratio.has_interval else "—"
 
 
 def table(judged: Sequence[Judged]) -> list[str]:
-    """Each case: its time, the ratio and what the blocks could have seen."""
+    """A line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = [f"{'case':{width}}  {'base, ms':>9}  {'candidate / base':>22}  {'beside itself':>22}  sees"]
+    lines = ["`two copies`: of the base's program, the one over the other; `shows`: the smallest slowdown that would be an alarm",
+             f"{'case':{width}}  {'base, ms':>9}  {'candidate / base':>22}  {'two copies':>22}  shows"]
     for one in judged:
-        word = "slower" if one.slower else "alarmed once" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
-        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {ratio_text(one.ratio):>22}  {ratio_text(one.null):>22}  "
+        word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
+        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {ratio_text(one.ratio):>22}  {ratio_text(one.copies[0]):>22}  "
                      f"{100 * one.sees:.1f} %  {word}".rstrip())
         if one.planted.n:
             lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {ratio_text(one.planted):>22}")
+        if one.second.n:
+            lines.append(f"{'  in a second run':{width}}  {'':>9}  {ratio_text(one.second):>22}")
     return lines
 
 
-def time_tier(report: Report, given: argparse.Namespace, found: list[Case], folder: Path) -> None:
-    candidate = here(given.program)
-    if given.base_program is None:
-        base = build_of(given.base)
-        fetch(base.tree, {model for case in found for model in case.models})
-    else:
-        kernels = given.base_program.resolve().parent / "kernel_bench"
-        base = Build(str(given.base_program), given.base_program.resolve(), kernels if kernels.is_file() else None)
-    programs, kernel_programs = timed.programs_of(base, candidate)
-    planted = PLANTED_IN if any(case.name == PLANTED_IN for case in found) else found[0].name
-    subjects = [timed.of_case(case, programs, folder, case.name == planted) for case in found]
-    if kernel_programs and not given.case:
-        subjects.append(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, folder))
-    lines: list[str] = []
-    subjects = [subject for one in subjects if (subject := timed.known(one, lines.append))]
-    report.record["base"], report.record["candidate"] = base.commit, candidate.commit
-    if not subjects:
-        report.add("time", Verdict.nothing_measured, lines)
-        return
+def counters_tier(report: Report, task: Task) -> counted.Found:
+    baseline = counted.read_baseline(task.given.baseline)
+    found = counted.count_work(task.cases, task.given.program, baseline.get("counters", {}), task.folder)
+    report.add("counters", found.verdict, found.lines)
+    return found
+
+
+def instructions_tier(report: Report, task: Task) -> counted.Found:
+    baseline = counted.read_baseline(task.given.baseline)
+    jobs = counted.jobs_of(task.cases, KERNELS if task.kernels else (), task.given.program, task.kernel_program, task.folder)
+    shapes = {name: table["shapes"] for name, table in baseline.get("counters", {}).items()}
+    found = counted.count_instructions(jobs, baseline.get("instructions", {}), shapes, task.given.update is not None)
+    missing = ["kernels: nothing measured: there is no kernel_bench beside the program: make track builds it"]
+    report.add("instructions", found.verdict, found.lines + (missing if task.kernels and task.kernel_program is None else []))
+    return found
+
+
+def base_of(task: Task) -> Build:
+    if task.given.base_program is not None:
+        program: Path = task.given.base_program.resolve()
+        kernels = program.parent / "kernel_bench"
+        return Build(str(task.given.base_program), program, kernels if kernels.is_file() else None)
+    base = build_of(task.given.base)
+    fetch(base.tree, {model for case in task.cases for model in case.models})
+    return base
+
+
+def time_tier(report: Report, task: Task) -> None:
+    candidate, base = here(task.given.program), base_of(task)
+    copies = timed.copies_of(base, candidate)
+    known = timed.Known()
+    for case in task.cases:
+        known.add(timed.of_case(case, copies.programs, task.folder))
+    if task.kernels and copies.kernels:
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], copies.kernels, task.folder))
+    elif task.kernels:
+        known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
+    known.plant(PLANTED_IN)
+    report.record |= {"base": base.commit, "candidate": candidate.commit}
+    notes = known.left_out + known.broken
     try:
-        judged, sides = timed.judge_all(subjects, given.blocks, lambda line: print(f"time: {line}", file=sys.stderr, flush=True))
+        judged, runs = timed.judge_all(known.subjects, task.given.blocks, lambda line: print(f"time: {line}", file=sys.stderr, flush=True))
     except NotMeasured as why:  # after each side has measured it once
-        report.add("time", Verdict.inconclusive, [*lines, f"a block failed: {why}"])
+        report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
         return
     verdict, reasons = verdict_of_times(judged)
-    report.add("time", verdict, [*lines, *reasons, f"base {base.commit}, candidate {candidate.commit}, {given.blocks} blocks a side", *table(judged)])
-    report.record["blocks"] = {name: asdict(found) for name, found in sides.items()}
+    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {task.given.blocks} blocks a side"]
+    report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
+    report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
 
 
-def run_tiers(given: argparse.Namespace, found: list[Case], folder: Path) -> Report:
-    report = Report()
-    baseline = counted.read_baseline(given.baseline)
-    update = given.update is not None
+def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
+    """Of all cases and kernels, or of those that were chosen. Missing where nothing was measured."""
+    if not counters.measured and len(instructions.measured) < 2:
+        raise counted.Missing("nothing was measured: the baseline stays as it is")
+    names = None if task.given.case else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
+    baseline = counted.read_baseline(task.given.baseline)
+    counted.write_baseline(task.given.baseline, counted.updated(baseline, counters.measured, instructions.measured, task.given.update, names))
+    print(f"{task.given.baseline}: written")
+
+
+def attempt(report: Report, tier: str, work: Callable[[], counted.Found | None]) -> counted.Found:
+    """A tier that cannot run says why, and is no reason to leave out the others."""
+    try:
+        return work() or counted.Found()
+    except (NotBuilt, counted.Missing) as why:
+        report.add(tier, Verdict.nothing_measured, [str(why)])
+    except Exception as problem:  # the harness failed: a line with its kind, and the verdict of the other tiers counts
+        report.add(tier, Verdict.nothing_measured, [f"{type(problem).__name__}: {problem}"])
+    return counted.Found()
+
+
+def run_tiers(task: Task) -> Report:
+    report, given = Report(), task.given
     counters, instructions = counted.Found(), counted.Found()
     if "counters" in given.tiers:
-        counters = counted.count_work(found, given.program, baseline.get("counters", {}), folder)
-        report.add("counters", counters.verdict, counters.lines)
+        counters = attempt(report, "counters", lambda: counters_tier(report, task))
     if "instructions" in given.tiers:
-        kernels = given.program.parent / "kernel_bench"
-        instructions = counted.count_instructions(found, () if given.case else KERNELS, given.program, kernels if kernels.is_file() else None,
-                                                  baseline.get("instructions", {}), folder, update)
-        report.add("instructions", instructions.verdict, instructions.lines)
-    if update:
-        counted.write_baseline(given.baseline, counted.updated(baseline, counters.measured, instructions.measured, given.update))
-        print(f"{given.baseline}: written")
+        instructions = attempt(report, "instructions", lambda: instructions_tier(report, task))
+    if given.update is not None:
+        update(task, counters, instructions)
     elif "time" in given.tiers:
-        time_tier(report, given, found, folder)
+        attempt(report, "time", lambda: time_tier(report, task))
     return report
 
 
@@ -144,23 +202,40 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     program = os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench")
     parser.add_argument("--program", type=Path, default=Path(program), help=argparse.SUPPRESS)
     parser.add_argument("--baseline", type=Path, default=counted.BASELINE, help=argparse.SUPPRESS)
-    return parser.parse_args(words)
+    given = parser.parse_args(words)
+    if given.update is not None and given.tiers == ["time"]:
+        parser.error("--update is of counters and instructions: leave out --tiers time")
+    return given
+
+
+def task_of(given: argparse.Namespace, folder: Path) -> Task:
+    """ValueError where what is asked for is not there."""
+    found = chosen(given.case, cases())
+    given.program = given.program.resolve()
+    programs: list[Path | None] = [given.program, given.base_program]
+    for program in programs:
+        if program and not program.is_file():
+            raise ValueError(f"{program} is missing: make build")
+    if "time" in given.tiers and given.update is None and given.base_program is None:
+        try:
+            commit_of(given.base)
+        except NotBuilt as why:
+            raise ValueError(f"--base {given.base}: there is no such commit here ({why})") from None
+    return Task(given, found, folder)
 
 
 def main(words: Sequence[str]) -> int:
     given = arguments(words)
     begun = time.monotonic()
     try:
-        found = chosen(given.case, cases())
-        given.program = given.program.resolve()
-        if not given.program.is_file():
-            raise NotBuilt(f"{given.program} is missing: make build")
         with tempfile.TemporaryDirectory(prefix="hausbench-track-") as folder:
-            report = run_tiers(given, found, Path(folder))
-    except ValueError as problem:
-        print(f"track: {problem}", file=sys.stderr)
-        return 2
-    except (NotBuilt, counted.Missing) as problem:
+            try:
+                task = task_of(given, Path(folder))
+            except ValueError as problem:
+                print(f"track: {problem}", file=sys.stderr)
+                return 2
+            report = run_tiers(task)
+    except counted.Missing as problem:
         print(f"track: nothing measured: {problem}", file=sys.stderr)
         return Verdict.nothing_measured
     except KeyboardInterrupt:
@@ -168,10 +243,12 @@ def main(words: Sequence[str]) -> int:
         return 130
     if given.update is not None:
         return 0
-    verdict = whole(list(report.verdicts.values()))
-    seconds = time.monotonic() - begun
+    verdict, seconds = whole(list(report.verdicts.values())), time.monotonic() - begun
     report.record |= {"verdict": verdict.words, "when": datetime.now(timezone.utc).isoformat(timespec="seconds"), "seconds": round(seconds, 1)}
-    given.record.parent.mkdir(parents=True, exist_ok=True)
-    given.record.write_text(json.dumps(report.record, indent=1) + "\n")
+    try:
+        given.record.parent.mkdir(parents=True, exist_ok=True)
+        given.record.write_text(json.dumps(report.record, indent=1) + "\n")
+    except OSError as problem:
+        print(f"track: {given.record}: {problem.strerror}: not written", file=sys.stderr)
     print(f"track: {verdict.words} ({seconds:.0f} s)")
     return int(verdict)

@@ -47,7 +47,7 @@ class Kind:
 
 KINDS = {
     "unchanged": Kind("nothing", Verdict.passed, "time"),
-    "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.slower, "time", "algorithms/session.cpp",
+    "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.red, "time", "algorithms/session.cpp",
                    "    Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);\n",
                    """    const auto clock = [] {
         timespec now{};
@@ -58,7 +58,7 @@ KINDS = {
     Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
     for (const double end = clock() + 0.05 * (clock() - begun); entry_.info.name == "kang" && clock() < end;) {}
 """),
-    "visit": Kind("each query of a tree counts one node visit more", Verdict.slower, "counters", "algorithms/structures/triangle_tree.cpp",
+    "visit": Kind("each query of a tree counts one node visit more", Verdict.red, "counters", "algorithms/structures/triangle_tree.cpp",
                   "    Walk walk(tree, leaves.leaf, point, counters.node_visits);\n",
                   "    ++counters.node_visits;\n    Walk walk(tree, leaves.leaf, point, counters.node_visits);\n"),
 }
@@ -117,15 +117,15 @@ def right(one: dict[str, Any]) -> bool:
 
 def table_of(trials: Sequence[dict[str, Any]]) -> str:
     """A line for each run, and how many were right."""
-    table = Table("Runs of `hausbench track` beside the same commit", ["run", "planted", "cores kept busy", "commit", "counters", "instructions", "time",
-                                                                   "exit code", "seconds", "right"], left=4)
+    table = Table("Runs of `hausbench track` beside the same commit",
+                  ["run", "planted", "cores kept busy", "commit", "counters", "instructions", "time", "exit code", "seconds", "right"], left=4)
     for number, one in enumerate(trials, 1):
         tiers = [one["tiers"].get(tier, "—") for tier in ("counters", "instructions", "time")]
         table.rows.append([str(number), KINDS[one["kind"]].what, str(one["load"]), one["commit"], *tiers, str(one["exit"]), str(one["seconds"]),
                            "yes" if right(one) else "no"])
     head = ["# Is the gate of timings to be believed?", "",
-            "Made by `python3 -m bench.tracking.trials` and not edited. Each run is a whole `hausbench track`; the tier that has to see what was planted",
-            "is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is right, too.", "",
+            "Made by `python3 -m bench.tracking.trials` and not edited. Each run is a whole `hausbench track`; the tier that has to see what was",
+            "planted is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is right, too.", "",
             f"- {'; '.join(sorted({one['machine'] for one in trials}))}"]
     for name in KINDS:
         for load in sorted({one["load"] for one in trials if one["kind"] == name}):

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
         throw InputError(fmt::format("track: {} has no bench/tracking: run it in a checkout", root.string()));
     const char* chosen = std::getenv("PYTHON");
     const std::string python = chosen && *chosen ? chosen : "/usr/bin/python3";
-    std::vector<std::string> words{python, "-m", "bench.tracking"};
+    std::vector<std::string> words{python, "-P", "-m", "bench.tracking"};  // -P: no modules of the folder at hand
     words.insert(words.end(), given.begin(), given.end());
     const fs::path program = program_path();
     const char* paths = std::getenv("PYTHONPATH");

@@ -61,9 +61,8 @@ struct Plan {
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
-    double planted_slowdown =
-        0;              // share of each repeat's CPU time that is burned after it, on the clock: to test who measures
-    bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
+    double planted_slowdown = 0;  // adds this share of its CPU time to each repeat: `track` tests itself with it
+    bool whole = true;            // every scene and solver of the experiment's profile: --solver and --scene chose none
     Shard shard = {};
 
     void read_off(std::size_t row, const FromTrace& from);

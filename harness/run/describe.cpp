@@ -2,6 +2,8 @@
 
 #include "result/provenance.h"
 
+#include <fmt/format.h>
+
 namespace hausbench {
 
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished) {
@@ -19,7 +21,7 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"finished", finished},
         {"commit", build.commit},
         {"dirty", build.dirty},
-        {"build", build.id},
+        {"build", build.id + planted(plan)},
         {"compiler", build.compiler},
         {"flags", build.flags},
         {"build_type", build.type},
@@ -33,6 +35,10 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"kernel", machine.kernel},
         {"system", machine.system}};
     result.integers = {{"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}};
+}
+
+std::string planted(const Plan& plan) {
+    return plan.planted_slowdown > 0 ? fmt::format(" with a planted slowdown of {}", plan.planted_slowdown) : "";
 }
 
 ModelRecord record_of(const ModelRow& model) {

@@ -4,10 +4,15 @@
 #include "plan/plan.h"
 #include "result/result_file.h"
 
+#include <string>
+
 namespace hausbench {
 
 // What is known before any case ran: the plan, the build, the machine.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
+
+// What stands behind the name of the build in a run whose times are not those of the solvers, so that nobody joins it with others; or nothing.
+std::string planted(const Plan& plan);
 
 ModelRecord record_of(const ModelRow& model);
 

@@ -5,6 +5,7 @@
 #include "registry.h"
 #include "result/field_file.h"
 #include "result/provenance.h"
+#include "run/describe.h"
 #include "run/rounds.h"
 
 #include <fmt/format.h>
@@ -72,7 +73,8 @@ const Outcome* Finished::kept(std::size_t row, int round) const {
     const auto at = journal_.outcomes().find({plan_.cases[row].identity, round});
     if (at == journal_.outcomes().end()) return nullptr;
     const Outcome& outcome = at->second;
-    if (!any_build_ && (outcome.build != build_of(plan_.cases[row].solver) || outcome.machine != this_machine().id))
+    if (!any_build_ &&
+        (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_) || outcome.machine != this_machine().id))
         return nullptr;
     // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
     if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
@@ -124,7 +126,7 @@ Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
 Outcome Finished::gather(std::size_t row) const {
     if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
         Outcome outcome = at->second;
-        outcome.build = build_of(plan_.cases[row].solver);
+        outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
         outcome.machine = this_machine().id;
         return outcome;
     }

@@ -97,7 +97,7 @@ private:
                       {.prepared = [&](const std::vector<std::string>& left_out) { note_left_out(job, left_out); },
                        .finished =
                            [&](std::size_t row, Outcome outcome) {
-                               outcome.build = build_of(plan_.cases[row].solver);
+                               outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
                                outcome.machine = this_machine().id;
                                outcome.repeats_asked = plan_.experiment.repeats;
                                outcome.stages_asked = plan_.experiment.stages;

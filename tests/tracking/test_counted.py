@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import time
+import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +13,7 @@ import pytest
 
 from bench.tracking import counted
 from bench.tracking.blocks import Block, NotMeasured
-from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
+from bench.tracking.cases import KERNELS, ROOT, Case, cases
 from bench.tracking.gate import Verdict
 
 PROGRAM = ROOT / "build/release/hausbench"
@@ -18,10 +21,11 @@ CASE = Case("guthe on a mesh", {})
 BASE = {"guthe on a mesh": {"shapes": "s", "node_visits": 1000, "queue_pushes": 5}}
 
 
-def work(monkeypatch: pytest.MonkeyPatch, counters: dict[str, int] | None, shapes: str = "s", baseline: dict[str, Any] = BASE) -> counted.Found:
+def work(monkeypatch: pytest.MonkeyPatch, counters: dict[str, int] | NotMeasured, shapes: str = "s",
+         baseline: dict[str, Any] = BASE) -> counted.Found:
     def measure(program: Path, case: Case, folder: Path) -> Block:
-        if counters is None:
-            raise NotMeasured("skipped: not fetched")
+        if isinstance(counters, NotMeasured):
+            raise counters
         return Block(1, 1, 0, shapes, 0, counters)
 
     monkeypatch.setattr(counted, "measure", measure)
@@ -35,12 +39,13 @@ def test_equal_counters_pass(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_one_more_node_visit_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     found = work(monkeypatch, {"node_visits": 1001, "queue_pushes": 5})
-    assert found.verdict is Verdict.slower and found.lines == ["guthe on a mesh: node_visits was 1,000, is 1,001 (+0.1 %)"]
+    assert found.verdict is Verdict.red and found.lines == ["guthe on a mesh: node_visits was 1,000, is 1,001 (+0.1 %)"]
 
 
-@pytest.mark.parametrize("counters", [{"node_visits": 999, "queue_pushes": 5}, {"node_visits": 1000}, {"node_visits": 1000, "queue_pushes": 5, "subdivisions": 1}])
+@pytest.mark.parametrize("counters", [{"node_visits": 999, "queue_pushes": 5}, {"node_visits": 1000},
+                                      {"node_visits": 1000, "queue_pushes": 5, "subdivisions": 1}])
 def test_less_work_and_new_work_are_told_too(monkeypatch: pytest.MonkeyPatch, counters: dict[str, int]) -> None:
-    assert work(monkeypatch, counters).verdict is Verdict.slower
+    assert work(monkeypatch, counters).verdict is Verdict.red
 
 
 def test_other_shapes_are_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,32 +53,47 @@ def test_other_shapes_are_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.verdict is Verdict.nothing_measured and "its shapes are not those" in found.lines[0]
 
 
-def test_a_case_without_an_answer_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = work(monkeypatch, None)
+def test_a_case_whose_models_are_not_at_hand_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = work(monkeypatch, NotMeasured("skipped: not fetched", skipped=True))
     assert found.verdict is Verdict.nothing_measured and "not fetched" in found.lines[0]
+
+
+def test_a_case_without_an_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = work(monkeypatch, NotMeasured("time_limit: not within 20 s"))
+    assert found.verdict is Verdict.red and "no answer: time_limit" in found.lines[0]
 
 
 def test_a_case_without_a_baseline_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
     """Else a case that somebody adds, or a baseline that somebody loses, would pass in silence."""
     found = work(monkeypatch, {"node_visits": 1}, baseline={})
-    assert found.verdict is Verdict.slower and "--update" in found.lines[0]
+    assert found.verdict is Verdict.red and "--update" in found.lines[0]
 
 
-@pytest.mark.parametrize(("now", "word", "good"), [(1004, "as before", True), (1006, "slower", False), (994, "--update", False), (996, "as before", True)])
+@pytest.mark.parametrize(("now", "word", "good"), [(100_500, "as before", True), (100_501, "slower", False), (99_499, "--update", False),
+                                                   (99_501, "as before", True)])
 def test_half_a_percent_of_instructions_is_the_limit(now: int, word: str, good: bool) -> None:
-    text, same = counted.said(now, 1000)
+    text, same = counted.said(now, 100_000)
     assert word in text and same is good
 
 
-def instructions(monkeypatch: pytest.MonkeyPatch, count: int | None, baseline: dict[str, Any], wanted: bool = False) -> counted.Found:
-    monkeypatch.setattr(counted, "parts_of_key", lambda: "g++ 12, libc6 2.36")
-    monkeypatch.setattr(counted, "instructions_of", lambda program, case, folder: count)
-    monkeypatch.setattr(counted, "kernel_instructions", lambda program, kernel, folder: 10)
-    return counted.count_instructions([CASE], [Kernel("build/bvh", "f")], Path("p"), Path("k"), baseline, Path("."), wanted)
+def test_how_much_more_work_is_said_in_per_cent() -> None:
+    assert [counted.signed_share(now, 1000) for now in (1001, 2000, 990)] == ["+0.1 %", "+100 %", "-1 %"] and counted.signed_share(5, 0) == "new"
 
 
-KEY = counted.key_of("g++ 12, libc6 2.36")
+PARTS = "g++ 12, libc6 2.36"
+KEY = counted.key_of(PARTS)
 needs_valgrind = pytest.mark.skipif(not shutil.which("valgrind"), reason="valgrind is missing")
+
+
+def instructions(monkeypatch: pytest.MonkeyPatch, count: int | NotMeasured, baseline: dict[str, Any], wanted: bool = False,
+                 shapes: str = "s") -> counted.Found:
+    def job() -> tuple[int, str]:
+        if isinstance(count, NotMeasured):
+            raise count
+        return count, shapes
+
+    monkeypatch.setattr(counted, "parts_of_key", lambda: PARTS)
+    return counted.count_instructions({"guthe on a mesh": job, "build/bvh": lambda: (10, "")}, baseline, {"guthe on a mesh": "s"}, wanted)
 
 
 @needs_valgrind
@@ -83,30 +103,95 @@ def test_another_machine_has_nothing_measured(monkeypatch: pytest.MonkeyPatch) -
 
 
 @needs_valgrind
-@pytest.mark.parametrize(("count", "verdict"), [(1000, Verdict.passed), (1004, Verdict.passed), (1006, Verdict.slower), (990, Verdict.slower)])
+@pytest.mark.parametrize(("count", "verdict"), [(1000, Verdict.passed), (1004, Verdict.passed), (1006, Verdict.red), (990, Verdict.red)])
 def test_instructions_against_the_table_of_this_machine(monkeypatch: pytest.MonkeyPatch, count: int, verdict: Verdict) -> None:
     assert instructions(monkeypatch, count, {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}}).verdict is verdict
 
 
 @needs_valgrind
-def test_what_does_not_run_under_valgrind_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = instructions(monkeypatch, None, {KEY: {"build/bvh": 10}})
-    assert found.verdict is Verdict.passed and "did not run" in found.lines[0] and "guthe on a mesh" not in found.measured
+def test_what_could_not_be_counted_is_red_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = instructions(monkeypatch, NotMeasured("no end within 600 s"), {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}})
+    assert found.verdict is Verdict.red and "no end within 600 s" in found.lines[0] and "guthe on a mesh" not in found.measured
+    found = instructions(monkeypatch, NotMeasured("not fetched", skipped=True), {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}})
+    assert found.verdict is Verdict.passed and "not fetched" in found.lines[0]
+
+
+@needs_valgrind
+def test_what_the_table_does_not_have_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = instructions(monkeypatch, 1000, {KEY: {"build/bvh": 10}})
+    assert found.verdict is Verdict.red and "no baseline" in found.lines[0]
+
+
+@needs_valgrind
+def test_instructions_of_other_shapes_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = instructions(monkeypatch, 5000, {KEY: {"guthe on a mesh": 1000, "build/bvh": 10}}, shapes="of another library")
+    assert found.verdict is Verdict.passed and "its shapes are not those" in found.lines[0]
 
 
 @needs_valgrind
 def test_a_new_table_counts_everything(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert instructions(monkeypatch, 1000, {}, wanted=True).measured == {"depends_on": "g++ 12, libc6 2.36", "guthe on a mesh": 1000, "build/bvh": 10}
+    assert instructions(monkeypatch, 1000, {}, wanted=True).measured == {"depends_on": PARTS, "guthe on a mesh": 1000, "build/bvh": 10}
 
 
-def test_an_update_keeps_other_machines_and_other_cases(tmp_path: Path) -> None:
-    before = {"reason": "first", "counters": {"a": {"shapes": "x", "node_visits": 1}}, "instructions": {"other": {"a": 5}, KEY: {"a": 6, "b": 7}}}
-    after = counted.updated(before, {"c": {"shapes": "y"}}, {"depends_on": "g++ 12, libc6 2.36", "b": 8}, 'a "better" tree')
+def test_without_valgrind_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("bench.tracking.counted.shutil.which", lambda name: None)
+    with pytest.raises(counted.Missing, match="make deps"):
+        instructions(monkeypatch, 1000, {KEY: {}})
+    assert instructions(monkeypatch, 1000, {}).verdict is Verdict.nothing_measured, "nothing would be counted with it either"
+
+
+def test_the_key_has_the_compiler_and_survives_packages_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(counted, "PACKAGES", ("g++", "no-such-package"))
+    parts = counted.parts_of_key()
+    assert ("g++ " in parts or parts.startswith("no Debian")) and "avx2" in parts
+    assert "g++" in counted.PACKAGES and {"libc6", "libstdc++6", "valgrind"} <= set(REAL_PACKAGES)
+
+
+REAL_PACKAGES = counted.PACKAGES
+
+
+def test_an_interrupt_begins_no_other_count() -> None:
+    begun = []
+
+    def first() -> tuple[int, str]:
+        raise KeyboardInterrupt
+
+    def later(number: int) -> tuple[int, str]:
+        begun.append(number)
+        time.sleep(0.2)
+        return number, ""
+
+    jobs: counted.Counting = {"first": first, **{str(i): partial(later, i) for i in range(50)}}
+    with pytest.raises(KeyboardInterrupt):
+        counted.in_parallel(jobs)
+    time.sleep(0.5)
+    assert len(begun) < 40
+
+
+BEFORE = {"reason": "first", "counters": {"a": {"shapes": "x", "node_visits": 1}, "gone": {"shapes": "x"}},
+          "instructions": {"other": {"depends_on": "clang", "a": 5, "gone": 1}, KEY: {"a": 6, "b": 7}}}
+
+
+def test_an_update_of_some_cases_keeps_the_others(tmp_path: Path) -> None:
+    after = counted.updated(BEFORE, {"c": {"shapes": "y"}}, {"depends_on": PARTS, "b": 8}, 'a "better" tree')
     file = tmp_path / "baseline.toml"
     counted.write_baseline(file, after)
     assert counted.read_baseline(file) == {
-        "reason": 'a "better" tree', "counters": {"a": {"shapes": "x", "node_visits": 1}, "c": {"shapes": "y"}},
-        "instructions": {"other": {"a": 5}, KEY: {"a": 6, "b": 8, "depends_on": "g++ 12, libc6 2.36"}}}
+        "reason": 'a "better" tree', "counters": {"a": {"shapes": "x", "node_visits": 1}, "gone": {"shapes": "x"}, "c": {"shapes": "y"}},
+        "instructions": {"other": {"depends_on": "clang", "a": 5, "gone": 1}, KEY: {"a": 6, "b": 8, "depends_on": PARTS}}}
+    assert [file.name for file in tmp_path.iterdir()] == ["baseline.toml"]
+
+
+def test_an_update_of_all_drops_what_is_tracked_no_more() -> None:
+    after = counted.updated(BEFORE, {"a": {"shapes": "z"}}, {"depends_on": PARTS, "b": 8}, "why", {"a", "b"})
+    assert after["counters"] == {"a": {"shapes": "z"}}
+    assert after["instructions"] == {"other": {"depends_on": "clang", "a": 5}, KEY: {"a": 6, "b": 8, "depends_on": PARTS}}
+
+
+def test_another_machine_adds_its_table_and_leaves_the_counters_of_other_shapes() -> None:
+    after = counted.updated(BEFORE, {"a": {"shapes": "mine"}, "new": {"shapes": "mine"}}, {"depends_on": "musl", "a": 9}, "a table for musl")
+    assert after["counters"]["a"] == {"shapes": "x", "node_visits": 1} and after["counters"]["new"] == {"shapes": "mine"}
+    assert after["instructions"][counted.key_of("musl")] == {"depends_on": "musl", "a": 9}
 
 
 def test_a_damaged_baseline_is_a_clear_error(tmp_path: Path) -> None:
@@ -137,5 +222,25 @@ def test_instructions_are_the_same_from_run_to_run(tmp_path: Path) -> None:
 @needs_valgrind
 def test_a_program_that_cannot_be_counted(tmp_path: Path) -> None:
     assert counted.instructions_of(Path("/bin/false"), CASE, tmp_path) is None
+    with pytest.raises(NotMeasured, match="counted nothing in hausbench::Session::solve"):
+        counted.count_case(Path("/bin/false"), CASE, tmp_path)
     with pytest.raises(NotMeasured, match="counted nothing"):
         counted.callgrind("no_such_function*", ["/bin/true"], tmp_path)
+
+
+def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """In place of valgrind and the program: two processes leave their counts, and the experiment says how often it repeats."""
+    asked = []
+
+    def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:
+        out = Path(next(word for word in command if word.startswith("--callgrind-out-file=")).split("=")[1]).parent
+        (out / "1").write_text("totals: 0\n")
+        (out / "2").write_text("events: Ir\ntotals: 700\n")
+        (out / "3").write_text("totals: 20\n")
+        asked.append((tomllib.loads(Path(command[command.index("run") + 1]).read_text())["repeats"], limit))
+        return ""
+
+    monkeypatch.setattr(counted, "run", run)
+    monkeypatch.setattr(counted, "read", lambda file: Block(1, 1, 0, "shapes"))
+    assert counted.count_case(Path("program"), Case("a", {"repeats": 3}), tmp_path) == (720, "shapes")
+    assert asked == [(1, counted.CALLGRIND_LIMIT)]

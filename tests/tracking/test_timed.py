@@ -10,90 +10,138 @@ from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.timed import Subject, blocks, judge_all, known, of_case, programs_of
+from bench.tracking.timed import Known, Subject, blocks, copies_of, judge_all, of_case
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
+Calls = list[tuple[str, str, int]]
 
 
-def subject(name: str, calls: list[tuple[str, str]], seconds: dict[str, float] = SECONDS, planted: bool = False) -> Subject:
-    def side(which: str) -> dict[str, float]:
-        calls.append((name, which))
+def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS, planted: bool = False) -> Subject:
+    def side(which: str, copy: int) -> dict[str, float]:
+        calls.append((name, which, copy))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
-    return Subject(name, (name,), side, planted)
+    return Subject(name, (name,), side, planted, {"base": "shapes"})
 
 
 def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
-    calls: list[tuple[str, str]] = []
+    calls: Calls = []
     found = blocks([subject("a", calls), subject("b", calls, planted=True)], 4)
-    plain = ["base", "candidate", "candidate", "base"]
-    turned = ["candidate", "base", "base", "candidate"]
-    assert [which for name, which in calls if name == "a"] == plain + turned
-    assert [which for name, which in calls if name == "b"] == ["base", "candidate", "planted", "planted", "candidate", "base", "planted", *turned, "planted"]
-    assert [name for name, _ in calls[:4]] == ["a"] * 4, "one subject at a time"
+    plain = [("base", 0), ("candidate", 0), ("candidate", 1), ("base", 1)]
+    turned = [("candidate", 0), ("base", 0), ("base", 1), ("candidate", 1)]
+    assert [call[1:] for call in calls if call[0] == "a"] == plain + turned, "each copy of each program once a turn"
+    assert [call[1:] for call in calls if call[0] == "b"] == [
+        *plain[:2], ("planted", 0), ("planted", 1), *plain[2:], ("planted", 0), *turned, ("planted", 1)]
+    assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
     assert len(found["a"].base) == len(found["a"].candidate) == 4 and not found["a"].planted
     assert len(found["b"].planted) == 4
     assert found["a"].base == sorted(found["a"].base), "in the order of time, so that block i stands beside block i"
 
 
 def test_only_what_alarms_runs_again() -> None:
-    calls: list[tuple[str, str]] = []
+    calls: Calls = []
     slow = {"base": 1.0, "candidate": 1.2, "planted": 1.26}
-    judged, sides = judge_all([subject("fine", calls, planted=True), subject("slow", calls, slow)], 20, lambda line: None)
-    assert [name for name, _ in calls].count("fine") == 60 and [name for name, _ in calls].count("slow") == 80
+    judged, runs = judge_all([subject("fine", calls, planted=True), subject("slow", calls, slow)], 24, lambda line: None)
+    assert [call[0] for call in calls].count("fine") == 72 and [call[0] for call in calls].count("slow") == 96
     by_name = {one.name: one for one in judged}
-    assert by_name["slow"].slower and not by_name["fine"].alarms and by_name["fine"].planted.n == 20
-    assert len(sides["slow"].base) == 20, "the second run is on its own"
+    assert by_name["slow"].red and not by_name["fine"].alarms and by_name["fine"].planted.n == 24
+    assert [sorted(run) for run in runs] == [["fine", "slow"], ["slow"]], "both runs are kept"
 
 
-def test_what_only_one_build_knows_is_left_out() -> None:
-    said: list[str] = []
+def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
+    """In both runs: the second one has few cases, but they were chosen out of all."""
+    names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str) -> dict[str, float]:
-        return {"old": 1.0, "new": 1.0} if which == "candidate" else {"old": 1.0}
+    def side(which: str, copy: int) -> dict[str, float]:
+        return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
-    kept = known(Subject("kernels", ("old", "new"), side), said.append)
-    assert kept is not None and kept.names == ("old",) and "new: left out" in said[0]
-
-
-def test_a_case_that_fails_is_left_out_with_its_reason() -> None:
-    def side(which: str) -> dict[str, float]:
-        raise NotMeasured("unknown solver 'cover'")
-
-    said: list[str] = []
-    assert known(Subject("cover", ("cover",), side), said.append) is None
-    assert said == ["cover: left out: unknown solver 'cover'"]
+    judged, _ = judge_all([Subject("all", names, side)], 24, lambda line: None)
+    assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 and judged[0].second.coverage >= 1 - 0.05 / 60
 
 
-def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
+    def side(which: str, copy: int) -> dict[str, float]:
+        found = base if which == "base" else candidate
+        if isinstance(found, NotMeasured):
+            raise found
+        return found
+
+    known = Known()
+    known.add(Subject("case", ("old", "new"), side, shapes=shapes or {}))
+    return known
+
+
+def test_what_only_one_build_has_is_left_out() -> None:
+    known = known_of({"old": 1.0}, {"old": 1.0, "new": 1.0})
+    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == ["new: left out, since the base does not have it"]
+    assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == ["new: left out, since this build does not have it"]
+    assert not known_of({"old": 1.0}, {"new": 1.0}).subjects
+
+
+def test_a_case_that_the_base_does_not_know_is_left_out() -> None:
+    known = known_of(NotMeasured("unknown solver 'cover'"), {"old": 1.0})
+    assert not known.subjects and not known.broken and "unknown solver" in known.left_out[0]
+
+
+def test_a_case_that_this_build_alone_fails_at_is_broken() -> None:
+    known = known_of({"old": 1.0, "new": 1.0}, NotMeasured("time_limit: not within 20 s"))
+    assert not known.subjects and "time_limit" in known.broken[0] and not known.left_out
+    known = known_of({"old": 1.0, "new": 1.0}, NotMeasured("skipped: not fetched", skipped=True))
+    assert not known.broken and "not fetched" in known.left_out[0]
+
+
+def test_other_shapes_are_left_out() -> None:
+    known = known_of({"old": 1.0, "new": 1.0}, {"old": 2.0, "new": 2.0}, {"base": "a", "candidate": "b"})
+    assert not known.subjects and "its shapes are not those of the base" in known.left_out[0]
+
+
+def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
+    calls: Calls = []
+    kernels = Subject("kernels", ("build",), lambda which, copy: {})
+    for wanted, chosen in (("b", "b"), ("not fetched", "a")):
+        known = Known([kernels, subject("a", calls), subject("b", calls)])
+        known.plant(wanted)
+        assert [one.name for one in known.subjects if one.planted] == [chosen]
+    known = Known([kernels])
+    known.plant("b")
+    assert not known.subjects[0].planted
+
+
+def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
+    calls = []
+
+    def side(which: str, copy: int) -> dict[str, float]:
+        calls.append(which)
+        return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
+
+    with pytest.raises(NotMeasured, match="new: it was not measured this time"):
+        blocks([Subject("kernels", ("old", "new"), side)], 24)
+
+
+@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 20), (1.0, 3), (0.0001, 40)])
+def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
+    """Three, which the experiment asks for, at least."""
     asked: list[tuple[str, int, float]] = []
 
     def measure(program: Path, case: Case, folder: Path, slowdown: float) -> Block:
         asked.append((program.name, case.experiment["repeats"], slowdown))
-        return Block(0.002 * len(asked), 0.002, 0.0, "shapes")
+        return Block(seconds * len(asked), 0.002, 0.0, "shapes")
 
     monkeypatch.setattr(timed, "measure", measure)
-    programs = {"base": Path("old"), "candidate": Path("new"), "planted": Path("new")}
-    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path, True)
-    for which in ("base", "candidate", "planted"):
-        one.side(which)
-    assert asked == [("old", 3, 0), ("new", 20, 0), ("new", 20, 0.05)]
+    programs = {"base": (Path("old"), Path("old again")), "candidate": (Path("new"), Path("new again")), "planted": (Path("new"), Path("new again"))}
+    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path)
+    for which, copy in (("base", 0), ("candidate", 1), ("planted", 0)):
+        one.side(which, copy)
+    assert asked == [("old", 3, 0), ("new again", repeats, 0), ("new", repeats, 0.05)]
+    assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"}
 
 
-def test_a_slow_case_keeps_the_repeats_of_the_experiment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    repeats: list[int] = []
-
-    def measure(program: Path, case: Case, folder: Path, slowdown: float) -> Block:
-        repeats.append(case.experiment["repeats"])
-        return Block(1.0, 1.0, 0.0, "shapes")
-
-    monkeypatch.setattr(timed, "measure", measure)
-    one = of_case(Case("case", {"repeats": 3}), {"base": Path("p"), "candidate": Path("p")}, tmp_path, False)
-    assert one.side("base") == one.side("candidate") == {"case": 1.0} and repeats == [3, 3]
-
-
-def test_kernels_need_both_builds() -> None:
-    old, new = Build("a", Path("old"), None), Build("b", Path("new"), Path("bench"))
-    assert programs_of(old, new)[1] == {}
-    assert programs_of(new, new)[1] == {"base": Path("bench"), "candidate": Path("bench")}
-    assert programs_of(old, new)[0] == {"base": Path("old"), "candidate": Path("new"), "planted": Path("new")}
+def test_of_each_program_there_are_two_copies(tmp_path: Path) -> None:
+    for name in ("old/hausbench", "old/commit.json", "new/hausbench", "new/kernel_bench"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name)
+    copies = copies_of(Build("a", tmp_path / "old/hausbench", None), Build("b", tmp_path / "new/hausbench", tmp_path / "new/kernel_bench"))
+    assert copies.kernels == {}, "kernels need both builds"
+    first, second = copies.programs["base"]
+    assert first != second and first.read_text() == second.read_text() == "old/hausbench" and (second.parent / "commit.json").is_file()
+    assert copies.programs["planted"] == copies.programs["candidate"] and copies.programs["candidate"][0] == tmp_path / "new/hausbench"

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from bench.tracking import counted, timed, track
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt
-from bench.tracking.cases import ROOT, cases
+from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
 from bench.tracking.gate import Verdict
-from bench.tracking.timed import Subject
+from bench.tracking.timed import Copies, Subject
 
 PROGRAM = ROOT / "build/release/hausbench"
 
@@ -26,29 +28,67 @@ def words(tmp_path: Path) -> list[str]:
     return ["--program", str(program), "--record", str(tmp_path / "record.json"), "--baseline", str(tmp_path / "baseline.toml")]
 
 
-def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, instructions: Verdict = Verdict.passed, slower: float = 1.0, planted: float = 1.05) -> None:
-    """Every tier as it is, but for what measures."""
+SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
+
+
+def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, instructions: Verdict = Verdict.passed,
+          seconds: dict[str, float] = SECONDS) -> dict[str, list[Any]]:
+    """Every tier as it is, but for what measures; and what it was asked for."""
+    asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
+
+    def of_case(case: Case, programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
+        def side(which: str, copy: int) -> dict[str, float]:
+            asked["planted"] += [case.name] if which == "planted" else []
+            return {case.name: seconds[which]}
+
+        asked["timed"].append(case.name)
+        return Subject(case.name, (case.name,), side, shapes={"base": "s"})
+
+    def of_kernels(names: list[str], programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
+        asked["timed"] += names
+        return Subject("kernels", tuple(names), lambda which, copy: dict.fromkeys(names, 1.0))
+
+    def jobs_of(found: list[Case], kernels: list[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> counted.Counting:
+        asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
+        return {}
+
     monkeypatch.setattr(counted, "count_work", lambda *given: counted.Found(counters, ["a line"], {"a": {"shapes": "s"}}))
+    monkeypatch.setattr(counted, "jobs_of", jobs_of)
     monkeypatch.setattr(counted, "count_instructions", lambda *given: counted.Found(instructions, ["a line"], {"depends_on": "this", "a": 5}))
-    monkeypatch.setattr(track, "here", lambda program: Build("candidate", program, None))
-    monkeypatch.setattr(track, "build_of", lambda revision: Build("base", Path("old"), None))
-    monkeypatch.setattr(track, "fetch", lambda tree, names: None)
-    seconds = {"base": 1.0, "candidate": slower, "planted": slower * planted}
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, plant: Subject(case.name, (case.name,), lambda side: {case.name: seconds[side]}, plant))
+    monkeypatch.setattr(track, "here", lambda program: Build("candidate", program, Path("kernels")))
+    monkeypatch.setattr(track, "commit_of", lambda revision: revision)
+    monkeypatch.setattr(track, "build_of", lambda revision: Build("base", Path("old"), Path("kernels"), Path("tree of the base")))
+    monkeypatch.setattr(track, "fetch", lambda tree, names: asked["fetched"].append((tree, set(names))))
+    monkeypatch.setattr(timed, "copies_of", lambda base, candidate: Copies({}, {"base": (Path("1"), Path("2"))}))
+    monkeypatch.setattr(timed, "of_case", of_case)
+    monkeypatch.setattr(timed, "of_kernels", of_kernels)
+    return asked
 
 
-@pytest.mark.parametrize(("counters", "instructions", "slower", "planted", "code", "word"), [
-    (Verdict.passed, Verdict.passed, 1.0, 1.05, 0, "passed"), (Verdict.slower, Verdict.passed, 1.0, 1.05, 3, "slower"),
-    (Verdict.passed, Verdict.slower, 1.0, 1.05, 3, "slower"), (Verdict.passed, Verdict.passed, 1.05, 1.05, 3, "slower"),
-    (Verdict.passed, Verdict.passed, 1.0, 1.01, 4, "inconclusive"), (Verdict.passed, Verdict.passed, 1.05, 1.01, 4, "inconclusive"),
-    (Verdict.passed, Verdict.nothing_measured, 1.0, 1.05, 0, "passed")])
+def slower(candidate: float, planted: float = 1.05) -> dict[str, float]:
+    return {"base": 1.0, "candidate": candidate, "planted": candidate * planted}
+
+
+@pytest.mark.parametrize(("counters", "instructions", "seconds", "code", "word"), [
+    (Verdict.passed, Verdict.passed, slower(1.0), 0, "passed"), (Verdict.red, Verdict.passed, slower(1.0), 3, "red"),
+    (Verdict.passed, Verdict.red, slower(1.0), 3, "red"), (Verdict.passed, Verdict.passed, slower(1.05), 3, "red"),
+    (Verdict.passed, Verdict.passed, slower(1.0, 1.01), 4, "inconclusive"), (Verdict.passed, Verdict.passed, slower(1.05, 1.01), 4, "inconclusive"),
+    (Verdict.passed, Verdict.nothing_measured, slower(1.0), 0, "passed")])
 def test_exit_codes(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], counters: Verdict,
-                    instructions: Verdict, slower: float, planted: float, code: int, word: str) -> None:
-    tiers(monkeypatch, counters, instructions, slower, planted)
-    assert track.main([*words, "--blocks", "20"]) == code
+                    instructions: Verdict, seconds: dict[str, float], code: int, word: str) -> None:
+    tiers(monkeypatch, counters, instructions, seconds)
+    assert track.main([*words, "--blocks", "24"]) == code
     assert capsys.readouterr().out.splitlines()[-1].startswith(f"track: {word} (")
     record = json.loads((tmp_path / "record.json").read_text())
-    assert record["verdict"] == word and record["base"] == "base" and len(record["blocks"]) == len(cases())
+    assert record["verdict"] == word and record["base"] == "base" and len(record["runs"][0]) == len(cases()) + len(KERNELS)
+
+
+def test_every_case_and_kernel_is_counted_and_timed_and_one_has_the_plant(monkeypatch: pytest.MonkeyPatch, words: list[str]) -> None:
+    asked = tiers(monkeypatch)
+    assert track.main([*words, "--blocks", "24"]) == 0
+    names = [case.name for case in cases()] + [kernel.name for kernel in KERNELS]
+    assert asked["jobs"] == asked["timed"] == names and set(asked["planted"]) == {track.PLANTED_IN}
+    assert asked["fetched"] == [(Path("tree of the base"), {model for case in cases() for model in case.models})]
 
 
 def test_nothing_measured_is_an_exit_code_of_its_own(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
@@ -57,61 +97,116 @@ def test_nothing_measured_is_an_exit_code_of_its_own(monkeypatch: pytest.MonkeyP
     assert "instructions: nothing measured" in capsys.readouterr().out
 
 
-def test_a_base_that_does_not_build(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(("counters", "code"), [(Verdict.passed, 0), (Verdict.red, 3)])
+def test_a_base_that_does_not_build_spoils_no_other_tier(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str],
+                                                         counters: Verdict, code: int) -> None:
     def fails(revision: str) -> Build:
         raise NotBuilt(f"{revision} does not build")
 
-    tiers(monkeypatch)
+    tiers(monkeypatch, counters)
     monkeypatch.setattr(track, "build_of", fails)
-    assert track.main([*words, "--base", "broken"]) == 5
-    assert "broken does not build" in capsys.readouterr().err
+    assert track.main([*words, "--base", "broken"]) == code
+    assert "broken does not build" in capsys.readouterr().out
+    assert track.main([*words, "--base", "broken", "--tiers", "time"]) == 5
+
+
+@pytest.mark.parametrize("problem", [counted.Missing("no valgrind: make deps"), RuntimeError("a surprise"), KeyError("cases")])
+def test_a_tier_that_breaks_says_so_and_the_others_run(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str],
+                                                       problem: Exception) -> None:
+    def fails(*given: object) -> counted.Found:
+        raise problem
+
+    tiers(monkeypatch)
+    monkeypatch.setattr(counted, "count_instructions", fails)
+    assert track.main([*words, "--blocks", "24"]) == 0
+    out = capsys.readouterr().out
+    assert "instructions: nothing measured" in out and str(problem) in out and "time: passed" in out
+
+
+def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    tiers(monkeypatch)
+
+    def side(which: str, copy: int) -> dict[str, float]:
+        if which == "candidate":
+            raise NotMeasured("time_limit: not within 20 s")
+        return {"guthe on mesh to its half": 1.0}
+
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder: Subject(case.name, (case.name,), side))
+    assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 3
+    assert "this build does not: time_limit" in capsys.readouterr().out
 
 
 def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     calls = []
 
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, copy: int) -> dict[str, float]:
         calls.append(which)
         if len(calls) > 10:
             raise NotMeasured("no end within 120 s")
         return {"guthe on mesh to its half": 1.0}
 
     tiers(monkeypatch)
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, plant: Subject(case.name, (case.name,), side, plant))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder: Subject(case.name, (case.name,), side, shapes={"base": "s"}))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 4
     assert "a block failed" in capsys.readouterr().out
 
 
 def test_one_case_alone_is_the_one_with_the_plant(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    tiers(monkeypatch)
-    assert track.main([*words, "--tiers", "time", "--case", "naive", "--blocks", "20"]) == 0
+    asked = tiers(monkeypatch)
+    assert track.main([*words, "--case", "naive", "--blocks", "24"]) == 0
     out = capsys.readouterr().out
-    assert "naive on points near" in out and "with 5 % planted" in out and "guthe" not in out
+    assert "with 5 % planted" in out and asked["jobs"] == asked["timed"] == ["naive on points near"] == list(dict.fromkeys(asked["planted"]))
+
+
+def test_a_second_run_is_in_the_table_and_in_the_record(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str],
+                                                        capsys: pytest.CaptureFixture[str]) -> None:
+    tiers(monkeypatch, seconds=slower(1.1))
+    assert track.main([*words, "--tiers", "time", "--case", "naive", "--blocks", "24"]) == 3
+    assert "in a second run" in capsys.readouterr().out and len(json.loads((tmp_path / "record.json").read_text())["runs"]) == 2
 
 
 def test_an_update_writes_the_baseline_and_no_times(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str]) -> None:
-    tiers(monkeypatch, counters=Verdict.slower)
-    assert track.main([*words, "--update", "a new cut"]) == 0
+    asked = tiers(monkeypatch, counters=Verdict.red)
+    assert track.main([*words, "--update", "a new cut", "--case", "naive"]) == 0
     baseline = counted.read_baseline(tmp_path / "baseline.toml")
-    assert baseline["reason"] == "a new cut" and baseline["counters"] == {"a": {"shapes": "s"}} and not (tmp_path / "record.json").exists()
+    assert baseline["reason"] == "a new cut" and baseline["counters"] == {"a": {"shapes": "s"}} and not asked["timed"]
+    assert not (tmp_path / "record.json").exists()
+
+
+def test_an_update_of_nothing_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str],
+                                         capsys: pytest.CaptureFixture[str]) -> None:
+    tiers(monkeypatch)
+    monkeypatch.setattr(counted, "count_work", lambda *given: counted.Found())
+    monkeypatch.setattr(counted, "count_instructions", lambda *given: counted.Found(measured={"depends_on": "this"}))
+    assert track.main([*words, "--update", "why"]) == 5
+    assert "stays as it is" in capsys.readouterr().err and not (tmp_path / "baseline.toml").exists()
+
+
+def test_a_record_that_cannot_be_written_loses_no_verdict(monkeypatch: pytest.MonkeyPatch, words: list[str],
+                                                          capsys: pytest.CaptureFixture[str]) -> None:
+    tiers(monkeypatch, counters=Verdict.red)
+    assert track.main([*words, "--tiers", "counters", "--record", "/dev/null/record.json"]) == 3
+    said = capsys.readouterr()
+    assert "not written" in said.err and "track: red" in said.out
 
 
 @pytest.mark.parametrize(("given", "message"), [
-    (["--tiers", "clock"], "there is no tier 'clock'"), (["--blocks", "21"], "even number"), (["--blocks", "6"], "at least 20"), (["--blocks", "many"], "even number")])
+    (["--tiers", "clock"], "there is no tier 'clock'"), (["--blocks", "25"], "even number"), (["--blocks", "6"], "at least 24"),
+    (["--blocks", "many"], "even number"), (["--update", "why", "--tiers", "time"], "leave out --tiers time")])
 def test_mistakes_in_the_command(given: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         track.main(given)
     assert end.value.code == 2 and message in capsys.readouterr().err
 
 
-def test_a_case_that_is_not_there(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert track.main([*words, "--case", "gute"]) == 2
-    assert "there is no case 'gute'" in capsys.readouterr().err
-
-
-def test_a_revision_that_is_not_there(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert track.main([*words, "--tiers", "time", "--base", "no-such-revision"]) == 5
-    assert "no-such-revision" in capsys.readouterr().err
+@pytest.mark.parametrize(("given", "message"), [
+    (["--case", "gute"], "there is no case 'gute'"), (["--base", "no-such-revision"], "no-such-revision: there is no such commit"),
+    (["--base-program", "/no/program"], "/no/program is missing"), (["--program", "/no/hausbench"], "/no/hausbench is missing")])
+def test_what_is_not_there_is_told_before_anything_runs(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str],
+                                                        given: list[str], message: str) -> None:
+    monkeypatch.setattr(counted, "count_work", lambda *given: pytest.fail("something ran"))
+    assert track.main([*words, *given]) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_tiers_are_read_as_a_list() -> None:
@@ -126,5 +221,8 @@ def test_the_verb_hands_over_its_words_and_its_exit_code(tmp_path: Path) -> None
     assert done.returncode == 2 and "hausbench track: error: argument --blocks" in done.stderr
     done = subprocess.run([PROGRAM, "track", "--help"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "--tiers" in done.stdout
+    (tmp_path / "numpy.py").write_text("raise SystemExit(9)\n")  # what lies in the folder at hand is nobody's module
+    alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    assert subprocess.run([PROGRAM, "track", "--help"], cwd=tmp_path, capture_output=True, check=False, env=alone).returncode == 0
     done = subprocess.run([PROGRAM, "track"], cwd=tmp_path, capture_output=True, text=True, check=False, env={"PYTHON": "/no/python"})
     assert done.returncode == 2 and "cannot run /no/python" in done.stderr and "set PYTHON" in done.stderr

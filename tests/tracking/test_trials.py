@@ -22,15 +22,15 @@ def test_each_plant_has_one_place(name: str) -> None:
 
 @pytest.mark.parametrize(("kind", "tiers", "load", "good"), [
     ("unchanged", {"counters": "passed", "time": "passed"}, 0, True), ("unchanged", {"time": "inconclusive"}, 0, False),
-    ("unchanged", {"time": "inconclusive"}, 2, True), ("unchanged", {"time": "slower"}, 2, False),
-    ("slower", {"time": "slower"}, 0, True), ("slower", {"counters": "slower", "time": "passed"}, 0, False), ("slower", {"time": "passed"}, 2, False),
-    ("visit", {"counters": "slower", "time": "passed"}, 0, True), ("visit", {"counters": "passed", "time": "slower"}, 0, False), ("visit", {}, 0, False)])
+    ("unchanged", {"time": "inconclusive"}, 2, True), ("unchanged", {"time": "red"}, 2, False),
+    ("slower", {"time": "red"}, 0, True), ("slower", {"counters": "red", "time": "passed"}, 0, False), ("slower", {"time": "passed"}, 2, False),
+    ("visit", {"counters": "red", "time": "passed"}, 0, True), ("visit", {"counters": "passed", "time": "red"}, 0, False), ("visit", {}, 0, False)])
 def test_what_is_right(kind: str, tiers: dict[str, str], load: int, good: bool) -> None:
     assert right(trial(kind, tiers, load)) is good
 
 
 def test_the_table_counts_each_kind_and_load_apart() -> None:
-    text = table_of([trial("unchanged", {"time": "passed"}), trial("unchanged", {"time": "slower"}), trial("unchanged", {"time": "inconclusive"}, 2)])
+    text = table_of([trial("unchanged", {"time": "passed"}), trial("unchanged", {"time": "red"}), trial("unchanged", {"time": "inconclusive"}, 2)])
     assert "planted: nothing: 1 of 2 right" in text and "planted: nothing, with 2 cores kept busy: 1 of 1 right" in text
     assert "kang" not in text.split("\n\n")[2]
 

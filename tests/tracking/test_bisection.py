@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -12,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from bench.tracking import bisect, blocks, builds
-from bench.tracking.bisect import Measured, Unclear, decided_by, differing, is_bad
+from bench.tracking import bisection, blocks, builds
+from bench.tracking.bisection import Measured, Unclear, decided_by, differing, is_bad
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import Case
@@ -32,10 +33,13 @@ CASE = "guthe on two points"
 
 
 def fake_build(tree: Path, commit: str, jobs: int) -> Build:
-    """The program of a commit is its file work.json; one that says "broken" does not build."""
+    """The program of a commit is its file work.json; one that says "broken" does not build, and one that says "untidy" changes a file."""
     (tree / "build").mkdir(exist_ok=True)
-    if "broken" in json.loads((tree / "work.json").read_text()):
+    work = json.loads((tree / "work.json").read_text())
+    if "broken" in work:
         raise NotBuilt(f"{commit} does not build")
+    if "untidy" in work:
+        (tree / "work.json").write_text(json.dumps({**work, "untidy": 2}))
     return Build(commit, tree / "work.json", None)
 
 
@@ -66,10 +70,10 @@ def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> Non
 STEP = f"""import sys
 from pathlib import Path
 sys.path[:0] = [{str(Path(__file__).parent)!r}, {str(Path(__file__).resolve().parents[2])!r}]
-import test_bisect
-test_bisect.install_fakes(Path({{scratch!r}}))
-from bench.tracking import bisect
-sys.exit(bisect.main(sys.argv[1:]))
+import test_bisection
+test_bisection.install_fakes(Path({{scratch!r}}))
+from bench.tracking import bisection
+sys.exit(bisection.main(sys.argv[1:]))
 """
 
 
@@ -92,12 +96,13 @@ def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
     return commits
 
 
-def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str) -> int:
+def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str, before: str = "") -> int:
+    """The whole search; `before` is what each step does first."""
     install_fakes(scratch, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     step = scratch / "step.py"
-    step.write_text(STEP.format(scratch=str(scratch)))
-    return bisect.main(["--case", CASE, "--good", good, "--bad", bad, "--experiment", str(scratch / "tracked.toml"), *more],
+    step.write_text(before + STEP.format(scratch=str(scratch)))
+    return bisection.main(["--case", CASE, "--good", good, "--bad", bad, "--experiment", str(scratch / "tracked.toml"), *more],
                        [sys.executable, str(step), "--step"])
 
 
@@ -131,6 +136,91 @@ def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.M
     assert f"good: {commits[0][:10]}: instructions 9,000" in said.err
 
 
+def test_what_lies_in_the_way_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    # An interrupted search of another range, and a changed file; and builds that change one, as each commit here does.
+    commits = repository(tmp_path, [work(9, untidy=1), *(work(9 if i < 5 else 700, untidy=1) for i in range(8)), work(700, untidy=1)])
+    tree = tmp_path / "build" / "versions" / "bisect"
+    git(tmp_path, "worktree", "add", "--quiet", "--detach", str(tree), commits[2])
+    git(tree, "bisect", "start", commits[7], commits[6])
+    (tree / "work.json").write_text(json.dumps(work(12345)))
+    assert run(tmp_path, monkeypatch, commits[0], commits[9]) == 0
+    said = capfd.readouterr()
+    assert said.out.splitlines()[1].endswith("change 6") and f"good: {commits[0][:10]}: bound_tests 9\n" in said.err
+    assert not git(tree, "status", "--porcelain", "work.json")
+
+
+def test_a_measurement_starts_from_what_the_commit_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    repository(tmp_path, [work(100)])
+    install_fakes(tmp_path, monkeypatch)
+    monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
+    (tmp_path / "work.json").write_text(json.dumps(work(5)))
+    found = bisection.measure(tmp_path, bisection.case_named(CASE, tmp_path / "tracked.toml"), "counters")
+    assert found.counters["bound_tests"] == 100
+
+
+def test_a_search_whose_step_fails_names_no_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100), work(100), work(200), work(200)])
+    assert run(tmp_path, monkeypatch, commits[0], commits[3], before="import sys; sys.exit(200)\n") == 2
+    said = capfd.readouterr()
+    assert "git bisect run ended with" in said.err and "first bad commit" not in said.out
+    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0  # what it left is in nobody's way
+
+
+def test_one_search_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100), work(200)])
+    with bisection.locked(tmp_path / "build" / "versions" / "bisect.lock"):
+        assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
+        assert f"another search is at work in {tmp_path}/build/versions/bisect: wait" in capsys.readouterr().err
+    assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 0
+
+
+def test_a_step_that_goes_on_keeps_the_lock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    commits = repository(tmp_path, [work(100), work(100), work(200)])
+    check = f"""import fcntl
+try:
+    fcntl.flock(open({str(tmp_path / 'build' / 'versions' / 'bisect.lock')!r}), fcntl.LOCK_EX | fcntl.LOCK_NB)
+except BlockingIOError:
+    import os
+    if any(os.path.realpath(f'/proc/self/fd/{{one}}').endswith('bisect.lock') for one in os.listdir('/proc/self/fd')):
+        open({str(tmp_path / 'kept')!r}, 'w')
+"""
+    assert run(tmp_path, monkeypatch, commits[0], commits[2], before=check) == 0
+    assert (tmp_path / "kept").exists()
+
+
+def test_an_interruption_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100), work(200)])
+
+    def interrupted(*words: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(bisection, "search", interrupted)
+    assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == "bisect: interrupted; the next search begins anew"
+    monkeypatch.setattr(bisection, "step", interrupted)
+    (tmp_path / "question.json").write_text('{"case": "", "experiment": "", "by": "", "good": {}, "bad": {}, "shapes": "", "log": ""}')
+    assert bisection.main(["--step", str(tmp_path / "question.json")]) == bisection.ABORT
+    assert capsys.readouterr().err == ""  # the search says it
+
+
+def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    commits = repository(tmp_path, [work(100), work(100), work(200)])
+    git(tmp_path, "checkout", "--quiet", "--orphan", "other")
+    git(tmp_path, "commit", "--quiet", "-m", "other")
+    assert run(tmp_path, monkeypatch, "other", commits[2]) == 2
+    said = capsys.readouterr().err
+    assert "have no commit in common here" in said and "shallow" not in said
+    # A clone that lacks the commits in between.
+    shallow = tmp_path / "shallow"
+    git(tmp_path, "tag", "first", commits[0])
+    git(tmp_path, "tag", "last", commits[2])
+    subprocess.run(["git", "clone", "--quiet", "--depth", "1", "--branch", "last", f"file://{tmp_path}", str(shallow)], check=True, capture_output=True)
+    git(shallow, "fetch", "--quiet", "--depth", "1", "origin", "tag", "first")
+    (shallow / "tracked.toml").write_text(EXPERIMENT)
+    assert run(shallow, monkeypatch, "first", "last") == 2
+    assert "have no commit in common here; this clone is shallow: git fetch --unshallow" in capsys.readouterr().err
+
+
 def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
                                                                    capsys: pytest.CaptureFixture[str]) -> None:
     commits = repository(tmp_path, [work(100), work(200)])
@@ -147,8 +237,9 @@ def test_nothing_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
     commits = repository(tmp_path, [work(100, 1000000), work(100, 1000010)])
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
     assert "neither work counters nor instructions differ" in capsys.readouterr().err
-    assert run(tmp_path, monkeypatch, commits[0], commits[1], "--by", "counters") == 2
-    assert "counters differ" in capsys.readouterr().err
+    for by in ("counters", "instructions"):
+        assert run(tmp_path, monkeypatch, commits[0], commits[1], "--by", by) == 2
+        assert f"{by} do not differ between good and bad" in capsys.readouterr().err
 
 
 def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -161,7 +252,7 @@ def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch
 
 def test_a_step_that_fails_otherwise_stops_the_search(tmp_path: Path) -> None:
     (tmp_path / "question.json").write_text("{}")
-    assert bisect.main(["--step", str(tmp_path / "question.json")]) >= 128  # 1 would be a bad commit
+    assert bisection.main(["--step", str(tmp_path / "question.json")]) >= 128  # 1 would be a bad commit
 
 
 def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> None:
@@ -171,9 +262,9 @@ def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> No
         (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
     (tmp_path / "question.json").write_text("{}")
     root = str(Path(__file__).resolve().parents[2])
-    done = subprocess.run([*bisect.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, capture_output=True,
+    done = subprocess.run([*bisection.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, capture_output=True,
                           text=True, check=False, stdin=subprocess.DEVNULL)
-    assert done.returncode == bisect.ABORT and "bisect: stopped: TypeError" in done.stderr
+    assert done.returncode == bisection.ABORT and "bisect: stopped: TypeError" in done.stderr
 
 
 def test_what_decides() -> None:
@@ -183,12 +274,35 @@ def test_what_decides() -> None:
     same = Measured({"a": 5, "new": 3}, "x", 1100)  # a counter that is new is no more work
     assert decided_by(good, same, "auto") == "instructions"
     assert decided_by(more, Measured({"a": 7}, "x", 1100), "instructions") == "instructions"
-    with pytest.raises(Unclear, match="instructions differ"):
+    with pytest.raises(Unclear, match="instructions do not differ"):
         decided_by(good, more, "instructions")
     with pytest.raises(Unclear, match="neither"):
         decided_by(good, Measured({"a": 5}, "x", None), "auto")
     with pytest.raises(Unclear, match="shapes"):
         decided_by(good, Measured({"a": 9}, "y", 1), "auto")
+
+
+def test_instructions_that_differ_a_little_are_the_same() -> None:
+    def measured(count: int) -> Measured:
+        return Measured({}, "x", count)
+
+    with pytest.raises(Unclear, match="neither"):
+        decided_by(measured(10**6), measured(10**6 + 90), "auto")
+    assert decided_by(measured(10**6), measured(10**6 + 110), "auto") == "instructions"
+
+
+def test_a_count_of_nothing_is_a_count() -> None:
+    good, bad = Measured({"a": 5, "b": 0}, "x", 1000), Measured({"a": 5, "b": 900}, "x", 1000)
+    assert decided_by(good, bad, "auto") == decided_by(bad, good, "counters") == "counters"
+    assert differing(good.counters, bad.counters) == ["b"]
+    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)  # 1 + b beside 1 and 901
+    assert not is_bad({"b": 0}, good.counters, bad.counters)
+
+
+def test_as_near_to_good_as_to_bad_is_good() -> None:
+    good, bad, middle = {"a": 0}, {"a": 3}, {"a": 1}
+    assert math.log1p(1) - math.log1p(0) == math.log1p(3) - math.log1p(1)
+    assert not is_bad(middle, good, bad) and not is_bad(middle, bad, good)
 
 
 def test_nearer_is_by_the_logarithm() -> None:
@@ -203,8 +317,15 @@ def test_nearer_is_by_the_logarithm() -> None:
 def test_a_name_chooses_one_case(tmp_path: Path) -> None:
     file = tmp_path / "tracked.toml"
     file.write_text(EXPERIMENT)
-    assert bisect.case_named("guthe on", file).name == CASE
-    assert bisect.case_named("guthe_o", file).name == "guthe_other on two points"
+    assert bisection.case_named("guthe on", file).name == CASE
+    assert bisection.case_named("guthe_o", file).name == "guthe_other on two points"
     for name in ("guthe", "nothing"):
         with pytest.raises(ValueError, match="guthe_other on two points"):
-            bisect.case_named(name, file)
+            bisection.case_named(name, file)
+    for name in ("build/bvh", "closest"):
+        with pytest.raises(ValueError, match="kernels cannot be searched for"):
+            bisection.case_named(name, file)
+    file.write_text(EXPERIMENT.replace("guthe", "naive"))
+    assert bisection.case_named("naive on", file).name.startswith("naive")  # "n" begins a kernel too: nearest/point_bvh
+    with pytest.raises(ValueError, match="more than one case"):
+        bisection.case_named("n", file)

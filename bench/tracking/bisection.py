@@ -1,31 +1,35 @@
 """Finds the commit at which the counted work of a case changed, unattended: git bisect does the search.
 
-    python3 -m bench.tracking.bisect --case NAME --good REV --bad REV [--by auto|counters|instructions]
+    python3 -m bench.tracking.bisection --case NAME --good REV --bad REV [--by auto|counters|instructions]
 
 GOOD is the older one; whether BAD does more or less does not matter. Both are measured first. By default work counters decide where they differ,
 else instructions of the solve. Each commit in between is built in build/versions/bisect, and belongs to the side whose counts are nearer to its own;
 one that does not build, or does not know the case or its shapes, is skipped. No clock decides, so what else runs does not matter.
+Only cases of experiments/tracking.toml can be searched for: kernels (build/bvh, ...) count no work.
 
-Exit code 0: the commit is found; 1: one of several, since what lies between them could only be skipped; 2: a mistake, or nothing differs.
+Exit code 0: the commit is found; 1: one of several, since what lies between them could only be skipped; 2: a mistake, or nothing differs;
+130: Ctrl-C.
 """
 
 from __future__ import annotations
 
 import argparse
+import fcntl
 import json
 import math
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bench.tracking import blocks, builds
+from bench.tracking import blocks, builds, progress
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import NotBuilt
-from bench.tracking.cases import EXPERIMENT, ROOT, Case, cases, chosen
+from bench.tracking.cases import EXPERIMENT, KERNELS, ROOT, Case, cases, chosen
 
 WAYS = ("auto", "counters", "instructions")
 SAME = 1e-4  # instructions that differ by less are the same: a count depends a little on the length of paths
@@ -61,15 +65,21 @@ class Question:
 
 
 def git_in(tree: Path, *words: str) -> str:
-    done = subprocess.run(["git", "-C", str(tree), *words], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
-    if done.returncode != 0:
-        raise NotBuilt(f"git {' '.join(words)}: {done.stderr.strip()}")
-    return done.stdout.strip()
+    return builds.git("-C", str(tree), *words)
+
+
+def restored(tree: Path) -> None:
+    """What changed in files of the commit is undone: it would stay in the next one, or stop its checkout."""
+    git_in(tree, "checkout", "--quiet", "--force", "--detach", "HEAD")
 
 
 def case_named(name: str, experiment: Path) -> Case:
     """ValueError unless the name chooses exactly one."""
-    found = chosen([name], cases(experiment))
+    known = cases(experiment)
+    if any(one.name.startswith(name) for one in KERNELS) and not any(case.name.startswith(name) for case in known):
+        raise ValueError(f"{name!r} is a kernel: kernels cannot be searched for, since they count no work; the table of steps of `make history` "
+                         "says between which commits the time or the instructions of one changed")
+    found = chosen([name], known)
     exact = [case for case in found if case.name == name]
     if len(exact or found) != 1:
         raise ValueError(f"{name!r} is more than one case: {', '.join(case.name for case in found)}")
@@ -77,7 +87,15 @@ def case_named(name: str, experiment: Path) -> Case:
 
 
 def measure(tree: Path, case: Case, by: str) -> Measured:
-    """What the worktree has checked out: built, and counted. NotBuilt or NotMeasured."""
+    """What the worktree has checked out: built, and counted. NotBuilt or NotMeasured. Files of the commit are as they were, before and after."""
+    restored(tree)
+    try:
+        return built_and_counted(tree, case, by)
+    finally:
+        restored(tree)
+
+
+def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
     commit = git_in(tree, "rev-parse", "--short=10", "HEAD")
     build = builds.build_in(tree, commit, os.cpu_count() or 1)
     builds.fetch(tree, case.models)
@@ -91,8 +109,13 @@ def measure(tree: Path, case: Case, by: str) -> Measured:
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
-    """Names of both whose counts differ. A counter that one of them lacks was not counted there, which is no change of work."""
-    return [name for name in sorted(good.keys() & bad.keys()) if abs(math.log(good[name] / bad[name])) > least]
+    """Names of both whose counts differ. A counter that one of them lacks was not counted there, which is no change of work; 0 is a count."""
+    return [name for name in sorted(good.keys() & bad.keys()) if apart(good[name], bad[name]) > least]
+
+
+def apart(one: int, other: int) -> float:
+    """Nearly the logarithm of their ratio, and finite where one of them is 0."""
+    return abs(math.log1p(one) - math.log1p(other))
 
 
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
@@ -101,18 +124,19 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
         raise Unclear("good and bad have other shapes in this case, so their work says nothing about the code")
     found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
     if not found:
-        what = "neither work counters nor instructions" if by == "auto" else by
-        raise Unclear(f"{what} differ{'' if what == by else ' or could be counted'} between good and bad: there is no commit to search for; "
+        what = {"auto": "neither work counters nor instructions differ", "counters": "work counters do not differ",
+                "instructions": "instructions do not differ"}[by]
+        raise Unclear(f"{what} between good and bad, as far as both could be counted: there is no commit to search for; "
                       "if the time differs all the same, look at libraries, the compiler and the layout of the program")
     return found[0]
 
 
 def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
-    """Nearer to bad, in the sum of the logarithms over what differs between good and bad. NotMeasured where none of it was counted."""
+    """Nearer to bad than to good, in the sum of the logarithms over what differs between the two. NotMeasured where none of it was counted."""
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
         raise NotMeasured("nothing of what differs is counted at this commit")
-    to_good, to_bad = (sum(abs(math.log(counts[name] / side[name])) for name in names) for side in (good, bad))
+    to_good, to_bad = (sum(apart(counts[name], side[name]) for name in names) for side in (good, bad))
     return to_bad < to_good
 
 
@@ -135,19 +159,32 @@ def step(tree: Path, question: Question) -> int:
 
 
 def say(text: str) -> None:
-    print(f"bisect: {text}", file=sys.stderr, flush=True)
+    progress.say("bisect", text)
 
 
 def text_of(counts: Mapping[str, int], names: list[str]) -> str:
     return ", ".join(f"{name} {counts[name]:,}" for name in names if name in counts)
 
 
+@contextmanager
+def locked(file: Path) -> Iterator[int]:
+    """Unclear where another process has it. Children that inherit the descriptor keep it too: a step that outlives its search."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("w") as held:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise Unclear(f"another search is at work in {file.with_suffix('')}: wait until it has ended, or end it") from None
+        yield held.fileno()
+
+
 def checked_out(tree: Path, commit: str) -> None:
-    """A worktree of its own; what an interrupted search left in it is reset."""
+    """A worktree of its own; what an interrupted search left in it is undone."""
     if not (tree / ".git").exists():
         builds.git("worktree", "prune")
         builds.git("worktree", "add", "--detach", "--force", str(tree), commit)
-    git_in(tree, "bisect", "reset")
+    restored(tree)  # first: `bisect reset` keeps changed files
+    git_in(tree, "bisect", "reset", "HEAD")
     git_in(tree, "checkout", "--quiet", "--force", "--detach", commit)
 
 
@@ -155,29 +192,32 @@ def in_order(good: str, bad: str) -> None:
     """ValueError unless good comes before bad."""
     if good == bad:
         raise ValueError(f"good and bad are the same commit, {good}")
-    base = builds.git("merge-base", good, bad)
+    cut = "; this clone is shallow: git fetch --unshallow" if builds.git("rev-parse", "--is-shallow-repository") == "true" else ""
+    try:
+        base = builds.git("merge-base", good, bad)
+    except NotBuilt:  # which says nothing
+        raise ValueError(f"good ({good}) and bad ({bad}) have no commit in common here{cut}") from None
     if base.startswith(bad):
         raise ValueError(f"good ({good}) is newer than bad ({bad}): exchange them; good is the older one, even if it does more work")
     if not base.startswith(good):
-        raise ValueError(f"good ({good}) is no ancestor of bad ({bad}): take {base[:10]}, where they part, as good")
+        raise ValueError(f"good ({good}) is no ancestor of bad ({bad}): take {base[:10]}, where they part, as good{cut}")
 
 
-def search(tree: Path, good: str, bad: str, question: Path, command: list[str]) -> list[str]:
-    """The first bad commit; several, where skipped ones hide which of them it is. `command` is the step, without the question."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    git_in(tree, "bisect", "start", bad, good)
-    try:
-        done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env=environment, check=False,
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
-        last = git_in(tree, "rev-parse", "refs/bisect/bad")
-        goods = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/good-*").split()
-        left = git_in(tree, "rev-list", last, "--not", *goods).split()
-        skipped = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/skip-*").split()
-        if done.returncode != 0 and not all(commit == last or commit in skipped for commit in left):
-            raise NotBuilt(f"git bisect run ended with {done.returncode}: {done.stdout.strip()[-300:]}")
-        return [last] if done.returncode == 0 else left
-    finally:
-        git_in(tree, "bisect", "reset")
+def search(tree: Path, ends: list[str], question: Path, command: list[str], lock: int) -> list[str]:
+    """The first bad commit; several, where skipped ones hide which of them it is. `command` is the step, without the question.
+    What a mistake or Ctrl-C leaves, the next search resets.
+    """
+    git_in(tree, "bisect", "start", ends[1], ends[0])
+    done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env={**os.environ, "PYTHONPATH": str(ROOT)},
+                          check=False, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True, pass_fds=[lock])
+    last = git_in(tree, "rev-parse", "refs/bisect/bad")
+    goods = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/good-*").split()
+    left = git_in(tree, "rev-list", last, "--not", *goods).split()
+    skipped = git_in(tree, "for-each-ref", "--format=%(objectname)", "refs/bisect/skip-*").split()
+    if done.returncode != 0 and not all(commit == last or commit in skipped for commit in left):
+        raise NotBuilt(f"git bisect run ended with {done.returncode}: {done.stdout.strip()[-300:]}")
+    git_in(tree, "bisect", "reset", "HEAD")
+    return [last] if done.returncode == 0 else left
 
 
 def report(found: list[str], question: Question) -> None:
@@ -196,9 +236,23 @@ def report(found: list[str], question: Question) -> None:
 
 
 def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, command: list[str]) -> int:
-    tree = builds.VERSIONS / "bisect"
     ends = [builds.commit_of(revision) for revision in revisions]
     in_order(ends[0], ends[1])
+    with locked(builds.VERSIONS / "bisect.lock") as lock, tempfile.TemporaryDirectory() as folder:
+        tree, log, file = builds.VERSIONS / "bisect", Path(folder) / "log", Path(folder) / "question.json"
+        way, sides = both_ends(tree, case, ends, by)
+        counts = [side.counts(way) for side in sides]
+        whole = [builds.git("rev-parse", commit) for commit in ends]
+        log.write_text("".join(json.dumps({"commit": commit, "counts": one}) + "\n" for commit, one in zip(whole, counts)), encoding="utf-8")
+        question = Question(case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log))
+        file.write_text(json.dumps(asdict(question)), encoding="utf-8")
+        found = search(tree, ends, file, command, lock)
+        report(found, question)
+    return 0 if len(found) == 1 else 1
+
+
+def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, list[Measured]]:
+    """What decides, and what good and bad count. Unclear where one of them does not measure the case."""
     sides = []
     for commit in ends:
         checked_out(tree, commit)
@@ -210,24 +264,16 @@ def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, comm
     counts = [side.counts(way) for side in sides]
     for word, commit, one in zip(("good", "bad"), ends, counts):
         say(f"{word}: {commit}: {text_of(one, differing(counts[0], counts[1]))}")
-    with tempfile.TemporaryDirectory() as folder:
-        log, file = Path(folder) / "log", Path(folder) / "question.json"
-        whole = [builds.git("rev-parse", commit) for commit in ends]
-        log.write_text("".join(json.dumps({"commit": commit, "counts": one}) + "\n" for commit, one in zip(whole, counts)), encoding="utf-8")
-        question = Question(case.name, str(experiment), way, counts[0], counts[1], sides[0].shapes, str(log))
-        file.write_text(json.dumps(asdict(question)), encoding="utf-8")
-        found = search(tree, ends[0], ends[1], file, command)
-        report(found, question)
-    return 0 if len(found) == 1 else 1
+    return way, sides
 
 
 # -P: the folder at hand, in which git runs it, has another version of this package.
-STEP = [sys.executable, "-P", "-m", "bench.tracking.bisect", "--step"]
+STEP = [sys.executable, "-P", "-m", "bench.tracking.bisection", "--step"]
 
 
 def main(arguments: list[str], command: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--case", help="of experiments/tracking.toml; the beginning of a name is enough")
+    parser.add_argument("--case", help="of experiments/tracking.toml, no kernel; the beginning of a name is enough")
     parser.add_argument("--good", metavar="REV", help="the older commit")
     parser.add_argument("--bad", metavar="REV", help="the newer commit")
     parser.add_argument("--by", choices=WAYS, default="auto")
@@ -237,6 +283,8 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
     if options.step:
         try:
             return step(Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8"))))
+        except KeyboardInterrupt:  # the search says so
+            return ABORT
         except BaseException as problem:  # 1, Python's own exit code for what nobody caught, would call the commit bad
             say(f"stopped: {type(problem).__name__}: {problem}")
             return ABORT
@@ -248,6 +296,9 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
     except (NotBuilt, Unclear, ValueError) as problem:
         say(str(problem))
         return 2
+    except KeyboardInterrupt:
+        say("interrupted; the next search begins anew")
+        return 130
 
 
 if __name__ == "__main__":
