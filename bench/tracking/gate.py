@@ -5,10 +5,9 @@ round. Each block of the candidate is paired with the one of the base beside it.
 sign-test interval, which assumes nothing about how times are distributed. With many cases one interval in twenty would be wrong by
 chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 
-The two blocks of a build in a turn are of two copies of its program: where a program lies in memory and in caches can be worth some
-per cent, which must not look like a change. A case alarms where the lower end of its ratio is above 1 + LEAST; it is red where a second,
-independent run alarms too. The gate proves itself each time: the two copies of a build beside each other must not alarm, and a slowdown of
-PLANTED that is planted in a case must.
+A case alarms where the lower end of its ratio is above 1 + LEAST; it is red where a second, independent run alarms too. The gate proves
+itself each time: the two blocks of a build in each turn, the later over the earlier one, must not alarm, and a slowdown of PLANTED that
+is planted in a case must.
 """
 
 from __future__ import annotations
@@ -51,12 +50,12 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """The ratios of one case: candidate to base, copy to copy of each build, planted to candidate (none where nothing was planted)."""
+    """The ratios of one case: candidate to base, base and candidate to themselves, planted to candidate (none where nothing was planted)."""
 
     name: str
     base_seconds: float
     ratio: Estimate
-    copies: tuple[Estimate, Estimate]
+    nulls: tuple[Estimate, Estimate]
     planted: Estimate = NO_DATA
     second: Estimate = NO_DATA  # of the second run, where the first alarmed
 
@@ -92,10 +91,10 @@ def alarms(ratio: Estimate) -> bool:
 
 
 def judge(name: str, sides: Sides, cases: int) -> Judged:
-    """Each turn gives one pair of copies for each build: more would not be independent."""
-    copies = (compare(sides.base[1::2], sides.base[::2], cases), compare(sides.candidate[1::2], sides.candidate[::2], cases))
+    """Each turn gives one pair of blocks of each build: more would not be independent."""
+    nulls = (compare(sides.base[1::2], sides.base[::2], cases), compare(sides.candidate[1::2], sides.candidate[::2], cases))
     planted = compare(sides.planted, sides.candidate, cases) if sides.planted else NO_DATA
-    return Judged(name, statistics.median(sides.base), compare(sides.candidate, sides.base, cases), copies, planted)
+    return Judged(name, statistics.median(sides.base), compare(sides.candidate, sides.base, cases), nulls, planted)
 
 
 def inverse(ratio: Estimate) -> Estimate:
@@ -106,9 +105,9 @@ def self_test(judged: Sequence[Judged]) -> list[str]:
     """What the gate cannot be believed for: empty where it saw what was planted, and nothing where there is nothing."""
     failures = []
     for one in judged:
-        for build, ratio in zip(("base", "candidate"), one.copies):
+        for build, ratio in zip(("base", "candidate"), one.nulls):
             if alarms(ratio) or alarms(inverse(ratio)):
-                failures.append(f"{one.name}: two copies of the {build} differ by a factor of {ratio.value:.3f}: the machine is not quiet")
+                failures.append(f"{one.name}: the {build} is {ratio.value:.3f} times as slow as itself: the machine is not quiet")
     planted = [one for one in judged if one.planted.n]
     failures += [f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
                  for one in planted if not alarms(one.planted)]

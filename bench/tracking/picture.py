@@ -131,8 +131,9 @@ def vertical_axis(ax: Any, values: Sequence[float]) -> None:
     ax.set_ylim(low, high)
 
 
+EDGE: Final = [matplotlib.patheffects.withStroke(linewidth=1.6, foreground="white")]
 Points = list[tuple[float, float]]  # place, and milliseconds or share of the height
-SIZE: Final = (7.0, 41.0)  # width and height of a factor, in points
+SIZE: Final = (7.0, 31.0)  # width and height of a factor, in points
 
 
 def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[Session, str], int], pale: bool = False) -> Points:
@@ -152,7 +153,7 @@ def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[Session, str], int]
     return points + [(place, float(y)) for place, *ends in zip(x, low, high) for y in np.geomspace(ends[0], ends[1], 9)]
 
 
-def along(x: Sequence[float], y: Sequence[float]) -> Points:
+def along(x: Sequence[float], y: Any) -> Points:
     fine = np.linspace(x[0], x[-1], 8 * round(x[-1] - x[0]) + 1)
     return [(float(place), float(value)) for place, value in zip(fine, np.exp(np.interp(fine, x, np.log(y))))]
 
@@ -165,25 +166,27 @@ def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], in
     for one in found:  # those of the time come first
         shown.setdefault((at[one.before.session, one.before.commit] + at[one.after.session, one.after.commit]) / 2, one)
     box = ax.get_position()
-    wide, high = ((ax.get_xlim()[1] - ax.get_xlim()[0]) * SIZE[0] / (72 * box.width * ax.figure.get_figwidth()),
+    limits: tuple[float, float] = ax.get_xlim()
+    wide, high = ((limits[1] - limits[0]) * SIZE[0] / (72 * box.width * ax.figure.get_figwidth()),
                   SIZE[1] / (72 * box.height * ax.figure.get_figheight()))
+    ceiling = 0.97 if len({session for session, _ in at}) == 1 else 0.9  # above it are the letters of the runs
     bottom, top = np.log(ax.get_ylim())
     taken = [(place, (math.log(y) - bottom) / (top - bottom)) for place, y in points]
     taken += [(x, y) for x in shown for y in np.linspace(0, 1, 9)]
 
-    def cost(left: float, low: float) -> float:
+    def cost(left: float, low: float) -> int:
         inside = sum(left < place < left + wide and low < y < low + high for place, y in taken)
-        return inside + 100 * (left < ax.get_xlim()[0] or left + wide > ax.get_xlim()[1])
+        return inside + 100 * int(left < limits[0] or left + wide > limits[1])
 
     for x, one in shown.items():
         colour = ALONE if one.what == "instructions" else SLOWER if one.ratio > 1 else FASTER
         ax.axvline(x, color=colour, linewidth=0.7, linestyle=style.DASHED, zorder=1)
-        spots = [(left, low) for low in (0.03, 0.93 - high, *np.linspace(0.1, 0.86 - high, 5)) for left in (x, x - wide)]
+        spots = [(left, low) for low in (0.03, ceiling - high, *np.linspace(0.1, ceiling - 0.07 - high, 6)) for left in (x, x - wide)]
         left, low = min(spots, key=lambda spot: cost(*spot))
         taken += [(left + wide * i / 8, low + high * j / 16) for i in range(1, 8) for j in range(17)]
         text = ax.annotate(one.words, (left + wide / 2, low), xycoords=("data", "axes fraction"), rotation=90, ha="center", va="bottom",
                            fontsize=5.4, color=colour, zorder=4)
-        text.set_path_effects([matplotlib.patheffects.withStroke(linewidth=1.6, foreground="white")])
+        text.set_path_effects(EDGE)
 
 
 def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str], int]) -> tuple[list[Found], Points]:
@@ -196,7 +199,9 @@ def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str],
     vertical_axis(ax, [value for _, value in points])
     for letter, session in zip(LETTERS, order if len(order) > 1 else []):
         here = [place for (whose, _), place in at.items() if whose == session]
-        ax.text((min(here) + max(here)) / 2, 1.0, letter, transform=ax.get_xaxis_transform(), fontsize=6, color=style.GREY, ha="center", va="top")
+        text = ax.text((min(here) + max(here)) / 2, 1.0, letter, transform=ax.get_xaxis_transform(), fontsize=6, color=style.GREY, ha="center",
+                       va="top", zorder=5)
+        text.set_path_effects(EDGE)
         if session != order[-1]:
             ax.axvspan(max(here) + 0.7, max(here) + 1.3, color=BETWEEN, linewidth=0, zorder=0)
     ax.set_xlim(-0.7, max(at.values()) + 0.7)
@@ -238,7 +243,7 @@ def draw(rows: Sequence[Row], names: Sequence[str]) -> Any:
         ax.set_xticks(list(named), list(named.values()) if last else [], rotation=90, fontsize=5.2, family="monospace")
     figure.supylabel("CPU time (ms)", fontsize=8)
     entries = legend(len(order) > len(main_sessions(rows)))
-    style.legend_above(figure, entries, len(entries))
+    style.legend_above(figure, entries, len(entries) if len(entries) < 6 else 3)
     figure.draw_without_rendering()
     for ax, (found, points) in panels.items():
         draw_steps(ax, found, at, points)

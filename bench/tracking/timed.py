@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -24,47 +27,52 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, by one of the two copies of its
-    program: seconds by name. What it found of the shapes is in `shapes`, by side.
+    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side: seconds by name. What it found
+    of the shapes is in `shapes`, by side.
     """
 
     name: str
     names: tuple[str, ...]
-    side: Callable[[str, int], dict[str, float]]
+    side: Callable[[str], dict[str, float]]
     planted: bool = False
     shapes: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Copies:
-    """Of each side two copies of the program, at two places; and of kernel_bench, where both builds have one."""
+@contextmanager
+def fresh_copy(program: Path) -> Iterator[Path]:
+    """A copy of the program beside it, so that it finds its own tree above it; gone afterwards.
 
-    programs: dict[str, tuple[Path, Path]]
-    kernels: dict[str, tuple[Path, Path]]
-
-
-def copies_of(base: Build, candidate: Build) -> Copies:
-    """The second copy lies in a folder `again` beside the first, so that it finds its own tree above it."""
-    def two(program: Path) -> tuple[Path, Path]:
-        again = program.parent / "again" / program.name
-        again.parent.mkdir(exist_ok=True)
-        shutil.copy2(program, again)
-        if (commit := program.parent / "commit.json").is_file():
-            shutil.copy2(commit, again.parent)
-        return program, again
-
-    programs = {"base": two(base.program), "candidate": two(candidate.program)}
-    kernels = {"base": two(base.kernels), "candidate": two(candidate.kernels)} if base.kernels and candidate.kernels else {}
-    return Copies({**programs, "planted": programs["candidate"]}, kernels)
+    Where the pages of a program's file lie in memory can be worth a tenth of a solve's time, run after run, until the file is
+    written again: two copies of one program were that far apart. With a copy for each block this is noise, which intervals know,
+    and no difference between base and candidate.
+    """
+    again = program.parent / "again"
+    again.mkdir(exist_ok=True)
+    if (commit := program.parent / "commit.json").is_file() and not (again / commit.name).is_file():
+        shutil.copy2(commit, again)
+    handle, name = tempfile.mkstemp(prefix=f"{program.name}-", dir=again)
+    os.close(handle)
+    try:
+        shutil.copy2(program, name)
+        yield Path(name)
+    finally:
+        os.unlink(name)
 
 
-def of_case(case: Case, programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
+def programs_of(base: Build, candidate: Build) -> tuple[dict[str, Path], dict[str, Path]]:
+    """By side: of the cases, and of the kernels (none where one of the two builds has no kernel_bench)."""
+    programs = {"base": base.program, "candidate": candidate.program, "planted": candidate.program}
+    return programs, {"base": base.kernels, "candidate": candidate.kernels} if base.kernels and candidate.kernels else {}
+
+
+def of_case(case: Case, programs: dict[str, Path], folder: Path) -> Subject:
     """Its first block decides how many repeats the later ones have, on all sides alike."""
     asked = [case]
     shapes: dict[str, str] = {}
 
-    def side(which: str, copy: int) -> dict[str, float]:
-        block = measure(programs[which][copy], asked[0], folder, PLANTED if which == "planted" else 0)
+    def side(which: str) -> dict[str, float]:
+        with fresh_copy(programs[which]) as program:
+            block = measure(program, asked[0], folder, PLANTED if which == "planted" else 0)
         shapes[which] = block.shapes
         if asked[0] is case:
             repeats = min(MOST_REPEATS, max(int(case.experiment["repeats"]), round(SECONDS_OF_REPEATS / block.cpu)))
@@ -74,9 +82,10 @@ def of_case(case: Case, programs: dict[str, tuple[Path, Path]], folder: Path) ->
     return Subject(case.name, (case.name,), side, shapes=shapes)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
-    def side(which: str, copy: int) -> dict[str, float]:
-        return measure_kernels(programs[which][copy], list(names), folder)
+def of_kernels(names: Sequence[str], programs: dict[str, Path], folder: Path) -> Subject:
+    def side(which: str) -> dict[str, float]:
+        with fresh_copy(programs[which]) as program:
+            return measure_kernels(program, list(names), folder)
 
     return Subject("kernels", tuple(names), side)
 
@@ -92,12 +101,12 @@ class Known:
     def add(self, subject: Subject) -> None:
         """Each side measures once, which warms caches and is not kept."""
         try:
-            base = subject.side("base", 0)
+            base = subject.side("base")
         except NotMeasured as why:
             self.left_out.append(f"{subject.name}: left out, since the base does not measure it: {why}")
             return
         try:
-            candidate = subject.side("candidate", 0)
+            candidate = subject.side("candidate")
         except NotMeasured as why:
             (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, this build does not: {why}")
             return
@@ -123,12 +132,10 @@ def blocks(subjects: Sequence[Subject], count: int) -> dict[str, Sides]:
     progress = Progress(count // 2, "turns", "time")
     for turn in range(count // 2):
         for subject in subjects:
-            made = {"base": 0, "candidate": 0, "planted": 0}
             for which in CANDIDATE_FIRST if turn % 2 else BASE_FIRST:
                 if which == "planted" and not subject.planted:
                     continue
-                found = subject.side(which, made[which])
-                made[which] += 1
+                found = subject.side(which)
                 for name in subject.names:
                     if name not in found:
                         raise NotMeasured(f"{name}: it was not measured this time")

@@ -5,7 +5,7 @@
 
 Tier 1, counters: those of the tracked cases (experiments/tracking.toml) are what bench/tracking/baseline.toml says. Tier 2, instructions:
 within half a per cent of it, under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
-blocks are measured in turn with those of this build; it tests itself by two copies of each program and by a planted slowdown of 5 %.
+blocks are measured in turn with those of this build; it tests itself by each build beside itself and by a planted slowdown of 5 %.
 
 Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, since the self-test of the times failed; 5: nothing
 was measured, or something broke; 2: a mistake in the command. CONTRIBUTING.md says what to do then.
@@ -77,11 +77,11 @@ def ratio_text(ratio: Estimate) -> str:
 def table(judged: Sequence[Judged]) -> list[str]:
     """A line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = ["`two copies`: of the base's program, the one over the other; `shows`: the smallest slowdown that would be an alarm",
-             f"{'case':{width}}  {'base, ms':>9}  {'candidate / base':>22}  {'two copies':>22}  shows"]
+    lines = ["base / base: its second block in a turn over its first; shows: the smallest slowdown that would be an alarm",
+             f"{'case':{width}}  {'base, ms':>9}  {'candidate / base':>22}  {'base / base':>22}  shows"]
     for one in judged:
         word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
-        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {ratio_text(one.ratio):>22}  {ratio_text(one.copies[0]):>22}  "
+        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {ratio_text(one.ratio):>22}  {ratio_text(one.nulls[0]):>22}  "
                      f"{100 * one.sees:.1f} %  {word}".rstrip())
         if one.planted.n:
             lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {ratio_text(one.planted):>22}")
@@ -119,12 +119,12 @@ def base_of(task: Task) -> Build:
 
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
-    copies = timed.copies_of(base, candidate)
+    programs, kernel_programs = timed.programs_of(base, candidate)
     known = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, copies.programs, task.folder))
-    if task.kernels and copies.kernels:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], copies.kernels, task.folder))
+        known.add(timed.of_case(case, programs, task.folder))
+    if task.kernels and kernel_programs:
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
     known.plant(PLANTED_IN)

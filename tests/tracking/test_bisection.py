@@ -149,6 +149,24 @@ def test_what_lies_in_the_way_is_undone(tmp_path: Path, monkeypatch: pytest.Monk
     assert not git(tree, "status", "--porcelain", "work.json")
 
 
+@pytest.mark.parametrize("state", ["a branch that is gone", "a merge that stopped", "a file that the commit has not"])
+def test_a_worktree_in_any_state_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, state: str) -> None:
+    commits = repository(tmp_path, [work(9), work(9), work(700), work(700)])
+    tree = tmp_path / "build" / "versions" / "bisect"
+    git(tmp_path, "worktree", "add", "--quiet", "-b", "gone", str(tree), commits[3])
+    if state == "a branch that is gone":
+        git(tree, "bisect", "start", commits[3], commits[0])
+        git(tmp_path, "update-ref", "-d", "refs/heads/gone")
+    elif state == "a merge that stopped":
+        git(tree, "read-tree", "-m", commits[0], commits[3], commits[1])
+        assert git(tree, "ls-files", "--unmerged")
+    else:
+        git(tree, "rm", "--quiet", "work.json")
+        git(tree, "commit", "--quiet", "-m", "without")
+        (tree / "work.json").write_text("{}")
+    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0
+
+
 def test_a_measurement_starts_from_what_the_commit_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     repository(tmp_path, [work(100)])
     install_fakes(tmp_path, monkeypatch)
@@ -214,7 +232,7 @@ def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     shallow = tmp_path / "shallow"
     git(tmp_path, "tag", "first", commits[0])
     git(tmp_path, "tag", "last", commits[2])
-    subprocess.run(["git", "clone", "--quiet", "--depth", "1", "--branch", "last", f"file://{tmp_path}", str(shallow)], check=True, capture_output=True)
+    git(tmp_path, "clone", "--quiet", "--depth", "1", "--branch", "last", f"file://{tmp_path}", str(shallow))
     git(shallow, "fetch", "--quiet", "--depth", "1", "origin", "tag", "first")
     (shallow / "tracked.toml").write_text(EXPERIMENT)
     assert run(shallow, monkeypatch, "first", "last") == 2
@@ -262,8 +280,8 @@ def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> No
         (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
     (tmp_path / "question.json").write_text("{}")
     root = str(Path(__file__).resolve().parents[2])
-    done = subprocess.run([*bisection.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, capture_output=True,
-                          text=True, check=False, stdin=subprocess.DEVNULL)
+    done = subprocess.run([*bisection.STEP, str(tmp_path / "question.json")], cwd=tmp_path, env={**os.environ, "PYTHONPATH": root},
+                          capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
     assert done.returncode == bisection.ABORT and "bisect: stopped: TypeError" in done.stderr
 
 

@@ -128,6 +128,13 @@ def test_the_fit_is_the_best_of_all() -> None:
         assert cost(logs, best_starts(logs, 0.04)) == pytest.approx(min(cost(logs, starts) for starts in every), abs=1e-12)
 
 
+def test_of_equally_good_fits_one_with_fewer_levels_is_taken() -> None:
+    assert best_starts([1, 3, 1, 0, 0], 1.0) == [0, 3]  # as good as three levels, [0, 1, 2]
+    assert best_starts([0, 0, 1, 2, 2], 1.1) == [0, 2]  # as good as [0, 3]: the last level is the longest
+    off = math.log(1.3)
+    assert best_starts([0.0] * 3 + [off] + [0.0] * 3, off / 2 * (1 - 1e-13)) == [0]  # rounding is no reason for a step
+
+
 def test_the_cost_of_a_level_is_the_distance_to_its_median() -> None:
     logs = list(np.random.default_rng(3).normal(0, 1, 9))
     for end in range(1, 10):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -10,15 +11,15 @@ from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.timed import Known, Subject, blocks, copies_of, judge_all, of_case
+from bench.tracking.timed import Known, Subject, blocks, fresh_copy, judge_all, of_case, programs_of
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
-Calls = list[tuple[str, str, int]]
+Calls = list[tuple[str, str]]
 
 
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS, planted: bool = False) -> Subject:
-    def side(which: str, copy: int) -> dict[str, float]:
-        calls.append((name, which, copy))
+    def side(which: str) -> dict[str, float]:
+        calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
     return Subject(name, (name,), side, planted, {"base": "shapes"})
@@ -27,11 +28,9 @@ def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS, plante
 def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
     calls: Calls = []
     found = blocks([subject("a", calls), subject("b", calls, planted=True)], 4)
-    plain = [("base", 0), ("candidate", 0), ("candidate", 1), ("base", 1)]
-    turned = [("candidate", 0), ("base", 0), ("base", 1), ("candidate", 1)]
-    assert [call[1:] for call in calls if call[0] == "a"] == plain + turned, "each copy of each program once a turn"
-    assert [call[1:] for call in calls if call[0] == "b"] == [
-        *plain[:2], ("planted", 0), ("planted", 1), *plain[2:], ("planted", 0), *turned, ("planted", 1)]
+    plain, turned = ["base", "candidate", "candidate", "base"], ["candidate", "base", "base", "candidate"]
+    assert [call[1] for call in calls if call[0] == "a"] == plain + turned
+    assert [call[1] for call in calls if call[0] == "b"] == [*plain[:2], "planted", "planted", *plain[2:], "planted", *turned, "planted"]
     assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
     assert len(found["a"].base) == len(found["a"].candidate) == 4 and not found["a"].planted
     assert len(found["b"].planted) == 4
@@ -52,7 +51,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     """In both runs: the second one has few cases, but they were chosen out of all."""
     names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str, copy: int) -> dict[str, float]:
+    def side(which: str) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all([Subject("all", names, side)], 24, lambda line: None)
@@ -60,7 +59,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
 
 
 def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
-    def side(which: str, copy: int) -> dict[str, float]:
+    def side(which: str) -> dict[str, float]:
         found = base if which == "base" else candidate
         if isinstance(found, NotMeasured):
             raise found
@@ -97,7 +96,7 @@ def test_other_shapes_are_left_out() -> None:
 
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
-    kernels = Subject("kernels", ("build",), lambda which, copy: {})
+    kernels = Subject("kernels", ("build",), lambda which: {})
     for wanted, chosen in (("b", "b"), ("not fetched", "a")):
         known = Known([kernels, subject("a", calls), subject("b", calls)])
         known.plant(wanted)
@@ -110,7 +109,7 @@ def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
     calls = []
 
-    def side(which: str, copy: int) -> dict[str, float]:
+    def side(which: str) -> dict[str, float]:
         calls.append(which)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
@@ -128,20 +127,30 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
         return Block(seconds * len(asked), 0.002, 0.0, "shapes")
 
     monkeypatch.setattr(timed, "measure", measure)
-    programs = {"base": (Path("old"), Path("old again")), "candidate": (Path("new"), Path("new again")), "planted": (Path("new"), Path("new again"))}
+    programs = {"base": tmp_path / "old", "candidate": tmp_path / "new", "planted": tmp_path / "new"}
+    for program in programs.values():
+        program.touch()
     one = of_case(Case("case", {"repeats": 3}), programs, tmp_path)
-    for which, copy in (("base", 0), ("candidate", 1), ("planted", 0)):
-        one.side(which, copy)
-    assert asked == [("old", 3, 0), ("new again", repeats, 0), ("new", repeats, 0.05)]
+    for which in ("base", "candidate", "planted"):
+        one.side(which)
+    assert [(name[:4], *rest) for name, *rest in asked] == [("old-", 3, 0), ("new-", repeats, 0), ("new-", repeats, 0.05)]
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"}
 
 
-def test_of_each_program_there_are_two_copies(tmp_path: Path) -> None:
-    for name in ("old/hausbench", "old/commit.json", "new/hausbench", "new/kernel_bench"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(name)
-    copies = copies_of(Build("a", tmp_path / "old/hausbench", None), Build("b", tmp_path / "new/hausbench", tmp_path / "new/kernel_bench"))
-    assert copies.kernels == {}, "kernels need both builds"
-    first, second = copies.programs["base"]
-    assert first != second and first.read_text() == second.read_text() == "old/hausbench" and (second.parent / "commit.json").is_file()
-    assert copies.programs["planted"] == copies.programs["candidate"] and copies.programs["candidate"][0] == tmp_path / "new/hausbench"
+def test_each_block_has_a_copy_of_its_program_that_is_gone_afterwards(tmp_path: Path) -> None:
+    program = tmp_path / "hausbench"
+    program.write_text("#!/bin/sh\necho $0\n")
+    program.chmod(0o755)
+    (tmp_path / "commit.json").write_text("{}")
+    with fresh_copy(program) as one, fresh_copy(program) as other:
+        assert one != other and one.parent == tmp_path / "again" and subprocess.run([one], check=True, capture_output=True, text=True).stdout == f"{one}\n"
+        assert (one.parent / "commit.json").is_file()
+    with pytest.raises(NotMeasured), fresh_copy(program):
+        raise NotMeasured("why")
+    assert [file.name for file in (tmp_path / "again").iterdir()] == ["commit.json"]
+
+
+def test_kernels_need_both_builds() -> None:
+    old, new = Build("a", Path("old"), None), Build("b", Path("new"), Path("bench"))
+    assert programs_of(old, new) == ({"base": Path("old"), "candidate": Path("new"), "planted": Path("new")}, {})
+    assert programs_of(new, new)[1] == {"base": Path("bench"), "candidate": Path("bench")}

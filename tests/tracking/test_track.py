@@ -16,7 +16,7 @@ from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
 from bench.tracking.gate import Verdict
-from bench.tracking.timed import Copies, Subject
+from bench.tracking.timed import Subject
 
 PROGRAM = ROOT / "build/release/hausbench"
 
@@ -36,17 +36,17 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     """Every tier as it is, but for what measures; and what it was asked for."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
-    def of_case(case: Case, programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
-        def side(which: str, copy: int) -> dict[str, float]:
+    def of_case(case: Case, programs: dict[str, Path], folder: Path) -> Subject:
+        def side(which: str) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
 
         asked["timed"].append(case.name)
         return Subject(case.name, (case.name,), side, shapes={"base": "s"})
 
-    def of_kernels(names: list[str], programs: dict[str, tuple[Path, Path]], folder: Path) -> Subject:
+    def of_kernels(names: list[str], programs: dict[str, Path], folder: Path) -> Subject:
         asked["timed"] += names
-        return Subject("kernels", tuple(names), lambda which, copy: dict.fromkeys(names, 1.0))
+        return Subject("kernels", tuple(names), lambda which: dict.fromkeys(names, 1.0))
 
     def jobs_of(found: list[Case], kernels: list[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> counted.Counting:
         asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
@@ -59,7 +59,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     monkeypatch.setattr(track, "commit_of", lambda revision: revision)
     monkeypatch.setattr(track, "build_of", lambda revision: Build("base", Path("old"), Path("kernels"), Path("tree of the base")))
     monkeypatch.setattr(track, "fetch", lambda tree, names: asked["fetched"].append((tree, set(names))))
-    monkeypatch.setattr(timed, "copies_of", lambda base, candidate: Copies({}, {"base": (Path("1"), Path("2"))}))
+    monkeypatch.setattr(timed, "programs_of", lambda base, candidate: ({}, {"base": Path("kernels")}))
     monkeypatch.setattr(timed, "of_case", of_case)
     monkeypatch.setattr(timed, "of_kernels", of_kernels)
     return asked
@@ -126,7 +126,7 @@ def test_a_tier_that_breaks_says_so_and_the_others_run(monkeypatch: pytest.Monke
 def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     tiers(monkeypatch)
 
-    def side(which: str, copy: int) -> dict[str, float]:
+    def side(which: str) -> dict[str, float]:
         if which == "candidate":
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
@@ -139,7 +139,7 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
 def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     calls = []
 
-    def side(which: str, copy: int) -> dict[str, float]:
+    def side(which: str) -> dict[str, float]:
         calls.append(which)
         if len(calls) > 10:
             raise NotMeasured("no end within 120 s")
