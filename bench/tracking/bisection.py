@@ -183,7 +183,7 @@ def checked_out(tree: Path, commit: str) -> None:
     if not (tree / ".git").exists():
         builds.git("worktree", "prune")
         builds.git("worktree", "add", "--detach", "--force", str(tree), commit)
-    restored(tree)  # first: `bisect reset` keeps changed files
+    restored(tree)  # first: `bisect reset` stops at a merge that did not end
     git_in(tree, "bisect", "reset", "HEAD")
     git_in(tree, "checkout", "--quiet", "--force", "--detach", commit)
 

@@ -9,8 +9,11 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -43,11 +46,13 @@ class Block:
     counters: dict[str, int] = field(default_factory=dict)  # all that the program has, zeros too
 
 
-def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None) -> str:
-    """Standard output. NotMeasured where it ends with another exit code than the good ones, or not in time."""
+def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None, root: Path | None = None) -> str:
+    """Standard output. NotMeasured where it ends with another exit code than the good ones, or not in time. `root`: of the program's
+    tree, where that is not to be found above the program.
+    """
     limit = LIMIT if limit is None else limit
     # A root that is set for another program would give it other models.
-    environment = {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"}
+    environment = {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | ({"HAUSBENCH_ROOT": str(root)} if root else {})
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False, stdin=subprocess.DEVNULL,
                               timeout=limit, env=environment)
@@ -69,17 +74,42 @@ def write_case(case: Case, folder: Path) -> Path:
     return Path(name)
 
 
+@contextmanager
+def fresh_copy(program: Path) -> Iterator[Path]:
+    """A copy of the program beside it, so that it finds its own tree above it; gone afterwards.
+
+    Where the pages of a program's file lie in memory can be worth a tenth of a solve's time, run after run, until the file is
+    written again: two copies of one program were that far apart. With a copy for each block this is noise, which intervals know,
+    and no difference between base and candidate.
+    """
+    again = program.parent / "again"
+    try:
+        again.mkdir(exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f"{program.name}-", dir=again)
+        os.close(handle)
+        shutil.copy2(program, name)
+    except OSError as problem:
+        raise NotMeasured(f"{program} cannot be copied: {problem.strerror}") from None
+    if (commit := program.parent / "commit.json").is_file():
+        shutil.copy2(commit, again)
+    try:
+        yield Path(name)
+    finally:
+        os.unlink(name)
+
+
 def run_words(program: Path, file: Path) -> list[str]:
     """All commits know these options."""
     return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet"]
 
 
-def measure(program: Path, case: Case, folder: Path, slowdown: float = 0) -> Block:
+def measure(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Block:
     """Runs the case in `folder`. NotMeasured where it has no answer. An unsound row (exit code 1) has a time all the same."""
     file = write_case(case, folder)
     planted = ["--planted-slowdown", str(slowdown)] if slowdown else []
     try:
-        run(run_words(program, file) + planted, folder, (0, 1))
+        with fresh_copy(program) as copy:
+            run(run_words(copy, file) + planted, folder, (0, 1), root=root)
         return read(file.with_suffix(".planted.h5" if slowdown else ".h5"))
     finally:
         for left in folder.glob(f"{file.stem}*"):
@@ -124,8 +154,9 @@ def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64
 def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:
     """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
-    out = run([str(program), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", "--benchmark_repetitions=8",
-               "--benchmark_min_time=0.002"], folder)
+    with fresh_copy(program) as copy:
+        out = run([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", "--benchmark_repetitions=8",
+                   "--benchmark_min_time=0.002"], folder)
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}
     try:

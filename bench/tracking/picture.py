@@ -175,8 +175,8 @@ def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], in
     taken += [(x, y) for x in shown for y in np.linspace(0, 1, 9)]
 
     def cost(left: float, low: float) -> int:
-        inside = sum(left < place < left + wide and low < y < low + high for place, y in taken)
-        return inside + 100 * int(left < limits[0] or left + wide > limits[1])
+        inside: int = sum(left < place < left + wide and low < y < low + high for place, y in taken)
+        return inside + (0 if limits[0] <= left and left + wide <= limits[1] else 100)
 
     for x, one in shown.items():
         colour = ALONE if one.what == "instructions" else SLOWER if one.ratio > 1 else FASTER

@@ -119,7 +119,7 @@ def base_of(task: Task) -> Build:
 
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
-    programs, kernel_programs = timed.programs_of(base, candidate)
+    programs, kernel_programs = timed.programs_of(base, candidate, task.folder), timed.kernels_of(base, candidate)
     known = timed.Known()
     for case in task.cases:
         known.add(timed.of_case(case, programs, task.folder))

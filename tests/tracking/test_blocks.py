@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from bench.tracking import blocks
-from bench.tracking.blocks import NotMeasured, least_of_passes, measure, measure_kernels, read
+from bench.tracking.blocks import NotMeasured, fresh_copy, least_of_passes, measure, measure_kernels, read
 from bench.tracking.cases import EXPERIMENT, KERNELS, MESH, ROOT, Case, cases, chosen
 
 PROGRAM = ROOT / "build/release/hausbench"
@@ -124,8 +124,21 @@ def script(folder: Path, text: str) -> Path:
 def test_a_program_that_does_not_know_the_case(tmp_path: Path) -> None:
     with pytest.raises(NotMeasured, match="exit code 2: unknown solver 'cover'"):
         measure(script(tmp_path, "echo \"unknown solver 'cover'\" >&2; exit 2"), SMALL, tmp_path)
-    with pytest.raises(NotMeasured, match="does not run: No such file"):
+    with pytest.raises(NotMeasured, match="cannot be copied: No such file"):
         measure(tmp_path / "none", SMALL, tmp_path)
+
+
+def test_each_block_has_a_copy_of_its_program_that_is_gone_afterwards(tmp_path: Path) -> None:
+    program = tmp_path / "hausbench"
+    program.write_text("#!/bin/sh\necho $0\n")
+    program.chmod(0o755)
+    (tmp_path / "commit.json").write_text("{}")
+    with fresh_copy(program) as one, fresh_copy(program) as other:
+        assert one != other and one.parent == tmp_path / "again" and blocks.run([str(one)], tmp_path) == f"{one}\n"
+        assert (one.parent / "commit.json").is_file()
+    with pytest.raises(NotMeasured), fresh_copy(program):
+        raise NotMeasured("why")
+    assert [file.name for file in (tmp_path / "again").iterdir()] == ["commit.json"]
 
 
 def test_a_program_that_hangs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

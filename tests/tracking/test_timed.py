@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,7 @@ from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.timed import Known, Subject, blocks, fresh_copy, judge_all, of_case, programs_of
+from bench.tracking.timed import Known, Placed, Subject, blocks, judge_all, kernels_of, of_case, programs_of
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
@@ -122,35 +121,31 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     """Three, which the experiment asks for, at least."""
     asked: list[tuple[str, int, float]] = []
 
-    def measure(program: Path, case: Case, folder: Path, slowdown: float) -> Block:
+    def measure(program: Path, case: Case, folder: Path, slowdown: float, root: Path) -> Block:
+        assert root == tmp_path / program.name[:3]
         asked.append((program.name, case.experiment["repeats"], slowdown))
         return Block(seconds * len(asked), 0.002, 0.0, "shapes")
 
     monkeypatch.setattr(timed, "measure", measure)
-    programs = {"base": tmp_path / "old", "candidate": tmp_path / "new", "planted": tmp_path / "new"}
-    for program in programs.values():
-        program.touch()
+    old, new = (Placed(tmp_path / f"{name}-program", tmp_path / name) for name in ("old", "new"))
+    programs = {"base": old, "candidate": new, "planted": new}
     one = of_case(Case("case", {"repeats": 3}), programs, tmp_path)
     for which in ("base", "candidate", "planted"):
         one.side(which)
-    assert [(name[:4], *rest) for name, *rest in asked] == [("old-", 3, 0), ("new-", repeats, 0), ("new-", repeats, 0.05)]
+    assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"}
 
 
-def test_each_block_has_a_copy_of_its_program_that_is_gone_afterwards(tmp_path: Path) -> None:
-    program = tmp_path / "hausbench"
-    program.write_text("#!/bin/sh\necho $0\n")
-    program.chmod(0o755)
-    (tmp_path / "commit.json").write_text("{}")
-    with fresh_copy(program) as one, fresh_copy(program) as other:
-        assert one != other and one.parent == tmp_path / "again" and subprocess.run([one], check=True, capture_output=True, text=True).stdout == f"{one}\n"
-        assert (one.parent / "commit.json").is_file()
-    with pytest.raises(NotMeasured), fresh_copy(program):
-        raise NotMeasured("why")
-    assert [file.name for file in (tmp_path / "again").iterdir()] == ["commit.json"]
+def test_paths_of_both_trees_are_of_one_length(tmp_path: Path) -> None:
+    for name in ("a", "a/long/way/down"):
+        (tmp_path / name).mkdir(parents=True, exist_ok=True)
+    old, new = Build("a", Path("old"), None, tmp_path / "a/long/way/down"), Build("b", Path("new"), Path("bench"), tmp_path / "a")
+    programs = programs_of(old, new, tmp_path)
+    assert len(str(programs["base"].root)) == len(str(programs["candidate"].root)) and programs["planted"] == programs["candidate"]
+    assert programs["base"].root.resolve() == old.tree and programs["candidate"].root.resolve() == new.tree
+    assert (programs["base"].program, programs["candidate"].program) == (Path("old"), Path("new"))
 
 
 def test_kernels_need_both_builds() -> None:
     old, new = Build("a", Path("old"), None), Build("b", Path("new"), Path("bench"))
-    assert programs_of(old, new) == ({"base": Path("old"), "candidate": Path("new"), "planted": Path("new")}, {})
-    assert programs_of(new, new)[1] == {"base": Path("bench"), "candidate": Path("bench")}
+    assert kernels_of(old, new) == {} and kernels_of(new, new) == {"base": Path("bench"), "candidate": Path("bench")}

@@ -36,7 +36,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     """Every tier as it is, but for what measures; and what it was asked for."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
-    def of_case(case: Case, programs: dict[str, Path], folder: Path) -> Subject:
+    def of_case(case: Case, programs: dict[str, timed.Placed], folder: Path) -> Subject:
         def side(which: str) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
@@ -59,7 +59,8 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     monkeypatch.setattr(track, "commit_of", lambda revision: revision)
     monkeypatch.setattr(track, "build_of", lambda revision: Build("base", Path("old"), Path("kernels"), Path("tree of the base")))
     monkeypatch.setattr(track, "fetch", lambda tree, names: asked["fetched"].append((tree, set(names))))
-    monkeypatch.setattr(timed, "programs_of", lambda base, candidate: ({}, {"base": Path("kernels")}))
+    monkeypatch.setattr(timed, "programs_of", lambda base, candidate, folder: {})
+    monkeypatch.setattr(timed, "kernels_of", lambda base, candidate: {"base": Path("kernels")})
     monkeypatch.setattr(timed, "of_case", of_case)
     monkeypatch.setattr(timed, "of_kernels", of_kernels)
     return asked
