@@ -70,15 +70,6 @@ private:
 
 }  // namespace
 
-Box Voxels::box_of(const std::array<int, 3>& at, int size) const {
-    Box box;
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.low[Eigen::Index(k)] = grid[k][std::size_t(at[k])];
-        box.high[Eigen::Index(k)] = grid[k][std::size_t(at[k] + size)];
-    }
-    return box;
-}
-
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form) {
     const int n = 1 << depth;
     Voxels voxels;

@@ -28,7 +28,15 @@ struct Voxels {
     std::array<std::vector<double>, 3> low, high;  // by leaf
     std::uint64_t evaluations = 0;
 
-    Box box_of(const std::array<int, 3>& at, int size) const;
+    // Here, since searches ask it for each cell that they look at: a fifth of their instructions where it was not inlined.
+    Box box_of(const std::array<int, 3>& at, int size) const {
+        Box box;
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.low[Eigen::Index(k)] = grid[k][std::size_t(at[k])];
+            box.high[Eigen::Index(k)] = grid[k][std::size_t(at[k] + size)];
+        }
+        return box;
+    }
     Box box_of(const Node& node) const { return box_of(node.at, node.size); }
     Box whole() const { return box_of(nodes.front()); }
 
