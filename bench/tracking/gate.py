@@ -5,9 +5,9 @@ round. Each block of the candidate is paired with the one of the base beside it.
 sign-test interval, which assumes nothing about how times are distributed. With many cases one interval in twenty would be wrong by
 chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 
-A case alarms where the lower end of its ratio is above 1 + LEAST; it is red where a second, independent run alarms too. The gate proves
-itself each time: the two blocks of a build in each turn, the later over the earlier one, must not alarm, and a slowdown of PLANTED that
-is planted in a case must.
+A case alarms where the lower end of its ratio is above 1 + LEAST. Those that alarm run a second time; a case is red where it alarms in
+both, independent runs. The gate proves itself each time: the two blocks of a build in each turn, the later over the earlier one, must
+not alarm, and a slowdown of PLANTED that is planted in a case must.
 """
 
 from __future__ import annotations

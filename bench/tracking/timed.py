@@ -137,7 +137,9 @@ def blocks(subjects: Sequence[Subject], count: int) -> dict[str, Sides]:
 
 
 def judge_all(subjects: Sequence[Subject], count: int, say: Say) -> tuple[list[Judged], list[dict[str, Sides]]]:
-    """Every case, and a second run of those that alarm; and what each run measured."""
+    """Every case, and a second run of those that alarm; and what each run measured. The second run is independent of the first, which
+    chose its cases, so its intervals need the confidence of so few.
+    """
     first = blocks(subjects, count)
     judged = [judge(name, found, len(first)) for name, found in first.items()]
     doubted = {one.name for one in judged if one.alarms}
@@ -147,5 +149,5 @@ def judge_all(subjects: Sequence[Subject], count: int, say: Say) -> tuple[list[J
     again = [replace(subject, names=names, planted=False) for subject in subjects
              if (names := tuple(name for name in subject.names if name in doubted))]
     second = blocks(again, count)
-    seconds = {name: judge(name, found, len(first)).ratio for name, found in second.items()}
+    seconds = {name: judge(name, found, len(second)).ratio for name, found in second.items()}
     return [replace(one, second=seconds[one.name]) if one.name in seconds else one for one in judged], [first, second]

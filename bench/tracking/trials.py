@@ -105,7 +105,7 @@ def trial(name: str, program: Path, load: int) -> dict[str, Any]:
         said = json.loads(record.read_text()) if record.is_file() else {}
     tiers = {tier: said[tier]["verdict"] for tier in ("counters", "instructions", "time") if tier in said}
     return {"kind": name, "load": load, "commit": builds.commit_of("HEAD"), "machine": this_machine(), "exit": done.returncode, "tiers": tiers,
-            "seconds": round(time.monotonic() - begun), "lines": said.get("time", {}).get("lines", [])[:2]}
+            "seconds": round(time.monotonic() - begun), "lines": said.get("time", {}).get("lines", [])}
 
 
 def right(one: dict[str, Any]) -> bool:

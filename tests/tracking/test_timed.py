@@ -47,14 +47,14 @@ def test_only_what_alarms_runs_again() -> None:
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
-    """In both runs: the second one has few cases, but they were chosen out of all."""
+    """The second run is independent of the first, and has one case."""
     names = tuple(f"case {i}" for i in range(60))
 
     def side(which: str) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all([Subject("all", names, side)], 24, lambda line: None)
-    assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 and judged[0].second.coverage >= 1 - 0.05 / 60
+    assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 > judged[0].second.coverage >= 0.95
 
 
 def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
