@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bench.tracking import blocks, builds, progress
+from bench.tracking import blocks, builds, counted, progress
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import NotBuilt
 from bench.tracking.cases import EXPERIMENT, KERNELS, ROOT, Case, cases, chosen
@@ -103,9 +103,7 @@ def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
         block = blocks.measure(build.program, case, Path(folder))
         if by == "counters":
             return Measured(block.counters, block.shapes)
-        from bench.tracking.counted import instructions_of
-
-        return Measured(block.counters, block.shapes, instructions_of(build.program, case, Path(folder)))
+        return Measured(block.counters, block.shapes, counted.instructions_of(build.program, case, Path(folder)))
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
@@ -180,12 +178,8 @@ def locked(file: Path) -> Iterator[int]:
 
 def checked_out(tree: Path, commit: str) -> None:
     """A worktree of its own; what an interrupted search left in it is undone."""
-    if not (tree / ".git").exists():
-        builds.git("worktree", "prune")
-        builds.git("worktree", "add", "--detach", "--force", str(tree), commit)
-    restored(tree)  # first: `bisect reset` stops at a merge that did not end
+    builds.worktree(tree, commit)  # first: `bisect reset` stops at a merge that did not end
     git_in(tree, "bisect", "reset", "HEAD")
-    git_in(tree, "checkout", "--quiet", "--force", "--detach", commit)
 
 
 def in_order(good: str, bad: str) -> None:

@@ -53,14 +53,19 @@ def here(program: Path) -> Build:
     return Build(commit_of("HEAD") + ("+" if changed else ""), program, kernels if kernels.is_file() else None)
 
 
+def worktree(tree: Path, commit: str) -> None:
+    """Has the commit checked out there, whatever else lay there."""
+    if not (tree / ".git").exists():
+        git("worktree", "prune")
+        git("worktree", "add", "--detach", "--force", str(tree), commit)
+    git("-C", str(tree), "checkout", "--quiet", "--force", "--detach", commit)
+
+
 def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
     """Built once: later calls find it. NotBuilt where that fails."""
     commit = commit_of(revision)
     tree = VERSIONS / commit
-    if not (tree / "CMakeLists.txt").exists():
-        git("worktree", "prune")
-        git("worktree", "add", "--detach", "--force", str(tree), commit)
-    git("-C", str(tree), "checkout", "--quiet", "--force", "--detach", commit)  # whatever else lies there
+    worktree(tree, commit)
     return build_in(tree, commit, jobs)
 
 

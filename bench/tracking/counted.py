@@ -161,14 +161,6 @@ def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]
     return callgrind(kernel.function, command, folder), ""
 
 
-def kernel_instructions(program: Path, kernel: Kernel, folder: Path) -> int | None:
-    """None where they cannot be counted."""
-    try:
-        return count_kernel(program, kernel, folder)[0]
-    except NotMeasured:
-        return None
-
-
 def said(now: int, before: int) -> tuple[str, bool]:
     change = now / before - 1
     word = "more: slower" if change > LIMIT else "fewer: keep the gain with --update" if change < -LIMIT else "as before"

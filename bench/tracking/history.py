@@ -24,7 +24,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
@@ -35,7 +34,7 @@ import numpy as np
 
 from analysis.shared.statistics import median
 from bench.tracking import blocks as one_block
-from bench.tracking import builds, progress
+from bench.tracking import builds, counted, progress
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
@@ -327,17 +326,10 @@ def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> l
 
 def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequence[Kernel]) -> None:
     """Of what has a time. Counts are the same each time, whatever else runs: once is enough, and several at once."""
-    from bench.tracking.counted import instructions_of, kernel_instructions
-
-    build, folder, there = version.build, version.folder, version.measured
-    pool = ThreadPoolExecutor(os.cpu_count())
-    try:
-        counts = {case.name: pool.submit(instructions_of, build.program, case, folder) for case in chosen if case.name in there}
-        if build.kernels is not None:
-            counts |= {kernel.name: pool.submit(kernel_instructions, build.kernels, kernel, folder) for kernel in kernels if kernel.name in there}
-        version.instructions = {name: count for name, future in counts.items() if (count := future.result()) is not None}
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)  # after Ctrl-C many are still to come
+    there = version.measured
+    jobs = counted.jobs_of([case for case in chosen if case.name in there], [kernel for kernel in kernels if kernel.name in there],
+                           version.build.program, version.build.kernels, version.folder)
+    version.instructions = {name: count[0] for name, count in counted.in_parallel(jobs).items() if not isinstance(count, NotMeasured)}
 
 
 def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, instructions: bool = True, only: Sequence[Case] | None = None,

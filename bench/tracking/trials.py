@@ -69,10 +69,7 @@ def planted(name: str, jobs: int) -> Path:
     kind = KINDS[name]
     tree = builds.VERSIONS / f"planted_{name}"
     commit = builds.commit_of("HEAD")
-    if not (tree / "CMakeLists.txt").exists():
-        builds.git("worktree", "prune")
-        builds.git("worktree", "add", "--detach", "--force", str(tree), commit)
-    builds.git("-C", str(tree), "checkout", "--quiet", "--force", "--detach", commit)
+    builds.worktree(tree, commit)
     file = tree / kind.file
     source = file.read_text()
     if source.count(kind.text) != 1:

@@ -11,7 +11,8 @@ namespace hausbench {
 // What is known before any case ran: the plan, the build, the machine.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
-// What stands behind the name of the build in a run whose times are not those of the solvers, so that nobody joins it with others; or nothing.
+// What follows the name of the build where times are not those of the solvers (Plan::planted_slowdown): merge and compare refuse such
+// results. Else nothing.
 std::string planted(const Plan& plan);
 
 ModelRecord record_of(const ModelRow& model);

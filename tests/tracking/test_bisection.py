@@ -8,12 +8,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
-from bench.tracking import bisection, blocks, builds
+from bench.tracking import bisection, blocks, builds, counted
 from bench.tracking.bisection import Measured, Unclear, decided_by, differing, is_bad
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build, NotBuilt
@@ -58,13 +57,10 @@ def fake_instructions(program: Path, case: Case, folder: Path) -> int | None:
 
 def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
     """In this process, by monkeypatch; or for good, in the process of a step."""
-    counted = ModuleType("bench.tracking.counted")
-    vars(counted)["instructions_of"] = fake_instructions
     place = pytest.MonkeyPatch() if where is None else where
     for module, name, value in ((builds, "ROOT", scratch), (builds, "VERSIONS", scratch / "build" / "versions"), (builds, "build_in", fake_build),
-                                (blocks, "measure", fake_measure)):
+                                (blocks, "measure", fake_measure), (counted, "instructions_of", fake_instructions)):
         place.setattr(module, name, value)
-    place.setitem(sys.modules, "bench.tracking.counted", counted)
 
 
 STEP = f"""import sys

@@ -7,22 +7,19 @@ import math
 import os
 import re
 import subprocess
-import sys
 import threading
 import time
 import tomllib
 from collections import Counter
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
-from bench.tracking import blocks, builds, history, picture
+from bench.tracking import blocks, builds, counted, history, picture
 from bench.tracking.blocks import Block, NotMeasured
-from bench.tracking.builds import Build, NotBuilt
+from bench.tracking.builds import Build, NotBuilt, fetched_origins
 from bench.tracking.cases import KERNELS, ROOT, Case, cases
-from bench.tracking.builds import fetched_origins
 from bench.tracking.history import COLUMNS, Row, add, in_order, machine, read, write
 
 CPUINFO = """processor\t: 0
@@ -218,10 +215,13 @@ class World:
         patch.setattr(time, "time", lambda: 1767225600.5)
         patch.setattr(blocks, "measure", self.measure)
         patch.setattr(blocks, "measure_kernels", self.measure_kernels)
-        counted = ModuleType("bench.tracking.counted")
-        vars(counted).update(instructions_of=lambda program, case, folder: 1000 if case.name == "old" else None,
-                             kernel_instructions=lambda program, kernel, folder: 77)
-        patch.setitem(sys.modules, "bench.tracking.counted", counted)
+        patch.setattr(counted, "count_case", self.count_case)
+        patch.setattr(counted, "count_kernel", lambda program, kernel, folder: (77, ""))
+
+    def count_case(self, program: Path, one: Case, folder: Path) -> tuple[int, str]:
+        if one.name != "old":
+            raise NotMeasured("it does not run under valgrind")
+        return 1000, "shapes"
 
     def build_of(self, revision: str) -> Build:
         if revision == "broken":
@@ -340,25 +340,25 @@ def test_a_second_run_has_rows_of_its_own(world: World, monkeypatch: pytest.Monk
 
 
 def test_instructions_are_saved_commit_by_commit_and_an_interruption_cancels_the_rest(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
-    counted: list[str] = []
+    begun: list[str] = []
 
-    def count(program: Path, one: Case, folder: Path) -> int:
+    def count(program: Path, one: Case, folder: Path) -> tuple[int, str]:
         commit = program.parents[2].name
-        counted.append(commit)
+        begun.append(commit)
         if commit[0] == "2":
             if one.name == "case 0":
                 raise KeyboardInterrupt
             time.sleep(0.02)
-        return 500
+        return 500, "shapes"
 
-    monkeypatch.setattr(sys.modules["bench.tracking.counted"], "instructions_of", count)
+    monkeypatch.setattr(counted, "count_case", count)
     many: list[Any] = [case(f"case {i}") for i in range(60)]
     with pytest.raises(KeyboardInterrupt):
         history.measure(["1" * 10, "2" * 10], world.folder / "history.csv", 1, True, many, [])
     rows = read(world.folder / "history.csv")
     assert {(row.commit[0], row.instructions) for row in rows} == {("1", 500), ("2", None)}
     time.sleep(0.1)
-    assert counted.count("2" * 10) < 30
+    assert begun.count("2" * 10) < 30
 
 
 def test_reasons_are_short_and_the_same_for_the_same_mistake() -> None:
