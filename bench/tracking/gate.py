@@ -5,9 +5,11 @@ round. Each block of the candidate is paired with the one of the base beside it.
 sign-test interval, which assumes nothing about how times are distributed. With many cases one interval in twenty would be wrong by
 chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 
-A case alarms where the lower end of its ratio is above 1 + LEAST. Those that alarm run a second time; a case is red where it alarms in
-both, independent runs. The gate proves itself each time: the two blocks of a build in each turn, the later over the earlier one, must
-not alarm, and a slowdown of PLANTED that is planted in a case must.
+Every case has SCREENING blocks a side. Those whose median ratio is above 1 + SUSPECT have more of them, since an interval of few blocks
+is wide where the clock of a machine toggles. A case alarms where the lower end of its ratio is above 1 + LEAST. This alarms no more often
+than if all cases had as many blocks as those, so the intervals keep their confidence. Those that alarm run a second time; a case is
+red where it alarms in both, independent runs. The gate proves itself each time: the two blocks of a build in each turn, the later over
+the earlier one, must not alarm, and a slowdown of PLANTED that is planted in a case must.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from analysis.shared.statistics import NO_DATA, Estimate, paired_ratio
 LEAST = 0.03  # a slowdown of less is no alarm
 PLANTED = 0.05  # of the solve time: what the gate must see to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
-LEAST_BLOCKS = 24  # of each side, so that half as many still give the confidence that some dozen cases need
+SCREENING = 24  # blocks of each side, so that half as many still give the confidence that some dozen cases need
+SUSPECT = 0.02  # a median ratio of less is no reason to look closer; an alarm has a median above LEAST
 
 
 class Verdict(IntEnum):
@@ -88,6 +91,11 @@ def compare(candidate: Sequence[float], base: Sequence[float], cases: int) -> Es
 
 def alarms(ratio: Estimate) -> bool:
     return ratio.has_interval and ratio.low > 1 + LEAST
+
+
+def suspected(sides: Sides) -> bool:
+    """Worth more blocks. Every case that alarms is."""
+    return paired_ratio(sides.candidate, sides.base).value > 1 + SUSPECT
 
 
 def judge(name: str, sides: Sides, cases: int) -> Judged:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bench.tracking.blocks import NotMeasured, measure, measure_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.gate import PLANTED, Judged, Sides, judge
+from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, judge, suspected
 from bench.tracking.progress import Progress
 
 BASE_FIRST = ("base", "candidate", "planted", "planted", "candidate", "base")
@@ -23,15 +23,18 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side: seconds by name. What it found
-    of the shapes is in `shapes`, by side.
+    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, of these names: seconds by name.
+    What it found of the shapes is in `shapes`, by side.
     """
 
     name: str
     names: tuple[str, ...]
-    side: Callable[[str], dict[str, float]]
+    side: Callable[[str, Sequence[str]], dict[str, float]]
     planted: bool = False
     shapes: dict[str, str] = field(default_factory=dict)
+
+    def block(self, which: str) -> dict[str, float]:
+        return self.side(which, self.names)
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def of_case(case: Case, programs: dict[str, Placed], folder: Path) -> Subject:
     asked = [case]
     shapes: dict[str, str] = {}
 
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         placed = programs[which]
         block = measure(placed.program, asked[0], folder, PLANTED if which == "planted" else 0, placed.root)
         shapes[which] = block.shapes
@@ -76,8 +79,8 @@ def of_case(case: Case, programs: dict[str, Placed], folder: Path) -> Subject:
 
 
 def of_kernels(names: Sequence[str], programs: dict[str, Path], folder: Path) -> Subject:
-    def side(which: str) -> dict[str, float]:
-        return measure_kernels(programs[which], list(names), folder)
+    def side(which: str, some: Sequence[str]) -> dict[str, float]:
+        return measure_kernels(programs[which], list(some), folder)
 
     return Subject("kernels", tuple(names), side)
 
@@ -93,12 +96,12 @@ class Known:
     def add(self, subject: Subject) -> None:
         """Each side measures once, which warms caches and is not kept."""
         try:
-            base = subject.side("base")
+            base = subject.block("base")
         except NotMeasured as why:
             self.left_out.append(f"{subject.name}: left out, since the base does not measure it: {why}")
             return
         try:
-            candidate = subject.side("candidate")
+            candidate = subject.block("candidate")
         except NotMeasured as why:
             (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, this build does not: {why}")
             return
@@ -118,16 +121,20 @@ class Known:
         self.subjects = [replace(subject, planted=subject is chosen) for subject in self.subjects]
 
 
-def blocks(subjects: Sequence[Subject], count: int) -> dict[str, Sides]:
-    """`count` blocks of each side, an even number: two a turn. Turns begin with the base and with the candidate, alternately."""
-    sides = {name: Sides() for subject in subjects for name in subject.names}
+def blocks(subjects: Sequence[Subject], count: int, sides: dict[str, Sides] | None = None) -> dict[str, Sides]:
+    """`count` blocks of each side, an even number: two a turn. Turns begin with the base and with the candidate, alternately. They are
+    added to `sides`, where there are some already.
+    """
+    sides = {} if sides is None else sides
+    for name in (name for subject in subjects for name in subject.names):
+        sides.setdefault(name, Sides())
     progress = Progress(count // 2, "turns", "time")
     for turn in range(count // 2):
         for subject in subjects:
             for which in CANDIDATE_FIRST if turn % 2 else BASE_FIRST:
                 if which == "planted" and not subject.planted:
                     continue
-                found = subject.side(which)
+                found = subject.block(which)
                 for name in subject.names:
                     if name not in found:
                         raise NotMeasured(f"{name}: it was not measured this time")
@@ -136,18 +143,27 @@ def blocks(subjects: Sequence[Subject], count: int) -> dict[str, Sides]:
     return sides
 
 
+def of_names(subjects: Sequence[Subject], names: Collection[str], planted: bool) -> list[Subject]:
+    """Those names alone; with the plant, if wanted."""
+    return [replace(subject, names=some, planted=subject.planted and planted) for subject in subjects
+            if (some := tuple(name for name in subject.names if name in names or (subject.planted and planted)))]
+
+
 def judge_all(subjects: Sequence[Subject], count: int, say: Say) -> tuple[list[Judged], list[dict[str, Sides]]]:
-    """Every case, and a second run of those that alarm; and what each run measured. The second run is independent of the first, which
-    chose its cases, so its intervals need the confidence of so few.
+    """SCREENING blocks of every case, and `count` of those that are suspected and of the one with the plant; then a second run of those
+    that alarm. And what each run measured. The second run is independent of the first, which chose its cases, so its intervals need
+    the confidence of so few.
     """
-    first = blocks(subjects, count)
+    first = blocks(subjects, min(SCREENING, count))
+    if count > SCREENING:
+        suspects = {name for name, found in first.items() if suspected(found)}
+        say(f"more blocks of {', '.join(sorted(suspects)) or 'nothing but the planted slowdown'}")
+        blocks(of_names(subjects, suspects, planted=True), count - SCREENING, first)
     judged = [judge(name, found, len(first)) for name, found in first.items()]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
         return judged, [first]
     say(f"a second run of {', '.join(sorted(doubted))}")
-    again = [replace(subject, names=names, planted=False) for subject in subjects
-             if (names := tuple(name for name in subject.names if name in doubted))]
-    second = blocks(again, count)
+    second = blocks(of_names(subjects, doubted, planted=False), count)
     seconds = {name: judge(name, found, len(second)).ratio for name, found in second.items()}
     return [replace(one, second=seconds[one.name]) if one.name in seconds else one for one in judged], [first, second]

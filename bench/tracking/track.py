@@ -5,7 +5,8 @@
 
 Tier 1, counters: those of the tracked cases (experiments/tracking.toml) are what bench/tracking/baseline.toml says. Tier 2, instructions:
 within half a per cent of it, under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
-blocks are measured in turn with those of this build; it tests itself by each build beside itself and by a planted slowdown of 5 %.
+blocks are measured in turn with those of this build, more of them where something looks slower; it tests itself by each build
+beside itself and by a planted slowdown of 5 %.
 
 Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, since the self-test of the times failed; 5: nothing
 was measured, or something broke; 2: a mistake in the command. CONTRIBUTING.md says what to do then.
@@ -30,9 +31,10 @@ from bench.tracking import counted, timed
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
-from bench.tracking.gate import LEAST, LEAST_BLOCKS, Judged, Verdict, verdict_of_times, whole
+from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
 
 TIERS = ("counters", "instructions", "time")
+BLOCKS = 96  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
 PLANTED_IN = "guthe on mesh to its half"
 
 
@@ -77,16 +79,16 @@ def ratio_text(ratio: Estimate) -> str:
 def table(judged: Sequence[Judged]) -> list[str]:
     """A line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = ["base / base: its second block in a turn over its first; shows: the smallest slowdown that would be an alarm",
-             f"{'case':{width}}  {'base, ms':>9}  {'candidate / base':>22}  {'base / base':>22}  shows"]
+    lines = ["base / base: its second block in a turn over its first; shows: the smallest slowdown that would be an alarm after as many blocks",
+             f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  {'base / base':>22}  shows"]
     for one in judged:
         word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
-        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {ratio_text(one.ratio):>22}  {ratio_text(one.nulls[0]):>22}  "
-                     f"{100 * one.sees:.1f} %  {word}".rstrip())
+        lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {one.ratio.n:>6}  {ratio_text(one.ratio):>22}  "
+                     f"{ratio_text(one.nulls[0]):>22}  {100 * one.sees:.1f} %  {word}".rstrip())
         if one.planted.n:
-            lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {ratio_text(one.planted):>22}")
+            lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {one.planted.n:>6}  {ratio_text(one.planted):>22}")
         if one.second.n:
-            lines.append(f"{'  in a second run':{width}}  {'':>9}  {ratio_text(one.second):>22}")
+            lines.append(f"{'  in a second run':{width}}  {'':>9}  {one.second.n:>6}  {ratio_text(one.second):>22}")
     return lines
 
 
@@ -136,7 +138,8 @@ def time_tier(report: Report, task: Task) -> None:
         report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
         return
     verdict, reasons = verdict_of_times(judged)
-    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {task.given.blocks} blocks a side"]
+    many = f"{SCREENING} blocks a side, and {task.given.blocks} of what looked slower or has the plant"
+    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
 
@@ -184,8 +187,8 @@ def tiers(text: str) -> list[str]:
 
 
 def block_count(text: str) -> int:
-    if not text.isdecimal() or int(text) < LEAST_BLOCKS or int(text) % 2:
-        raise argparse.ArgumentTypeError(f"{text!r}: give an even number of blocks, at least {LEAST_BLOCKS}")
+    if not text.isdecimal() or int(text) < SCREENING or int(text) % 2:
+        raise argparse.ArgumentTypeError(f"{text!r}: give an even number of blocks, at least {SCREENING}")
     return int(text)
 
 
@@ -194,7 +197,8 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--base", default="HEAD", metavar="REV", help="commit to compare with (default: HEAD)")
     parser.add_argument("--base-program", type=Path, metavar="FILE", help="its program, if it is built already")
     parser.add_argument("--tiers", type=tiers, default=list(TIERS), metavar="T,T", help="of counters, instructions, time (default: all)")
-    parser.add_argument("--blocks", type=block_count, default=36, metavar="N", help="of each side (default: 36)")
+    parser.add_argument("--blocks", type=block_count, default=BLOCKS, metavar="N",
+                        help=f"of each side, of what looks slower after {SCREENING} (default: {BLOCKS})")
     parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin so; may be repeated")
     parser.add_argument("--update", metavar="REASON", help="write the baseline of counters and instructions, and why it changed; no times")
     parser.add_argument("--record", type=Path, default=ROOT / "results" / "tracking.json", metavar="FILE",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ Calls = list[tuple[str, str]]
 
 
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS, planted: bool = False) -> Subject:
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
@@ -46,11 +47,36 @@ def test_only_what_alarms_runs_again() -> None:
     assert [sorted(run) for run in runs] == [["fine", "slow"], ["slow"]], "both runs are kept"
 
 
+def test_what_looks_slower_and_what_has_the_plant_get_more_blocks() -> None:
+    """`doubtful` is slower by 2.5 %, which is no alarm; `slow` alarms, and runs again with as many blocks."""
+    calls: Calls = []
+    doubtful, slow = ({"base": 1.0, "candidate": 1 + much, "planted": 1.0} for much in (0.025, 0.05))
+    subjects = [subject("fine", calls), subject("planted", calls, planted=True), subject("doubtful", calls, doubtful), subject("slow", calls, slow)]
+    said: list[str] = []
+    judged, runs = judge_all(subjects, 72, said.append)
+    assert [one.ratio.n for one in judged] == [24, 72, 72, 72] and [one.second.n for one in judged] == [0, 0, 0, 72]
+    assert [len(side.planted) for side in runs[0].values()] == [0, 72, 0, 0] and not runs[1]["slow"].planted
+    assert [one.name for one in judged if one.red] == ["slow"] and all(one.ratio.coverage >= 1 - 0.05 / 4 for one in judged)
+    assert said == ["more blocks of doubtful, slow", "a second run of slow"]
+    assert {name for name, _ in calls[-144:]} == {"slow"}
+
+
+def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
+    asked: list[Sequence[str]] = []
+
+    def side(which: str, some: Sequence[str]) -> dict[str, float]:
+        asked.append(some)
+        return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
+
+    judged, _ = judge_all([Subject("kernels", ("a", "b", "c"), side)], 26, lambda line: None)
+    assert asked == [("a", "b", "c")] * 48 + [("b",)] * 4 + [("b",)] * 52 and [one.red for one in judged] == [False, True, False]
+
+
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     """The second run is independent of the first, and has one case."""
     names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all([Subject("all", names, side)], 24, lambda line: None)
@@ -58,7 +84,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
 
 
 def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         found = base if which == "base" else candidate
         if isinstance(found, NotMeasured):
             raise found
@@ -95,7 +121,7 @@ def test_other_shapes_are_left_out() -> None:
 
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
-    kernels = Subject("kernels", ("build",), lambda which: {})
+    kernels = Subject("kernels", ("build",), lambda which, names: {})
     for wanted, chosen in (("b", "b"), ("not fetched", "a")):
         known = Known([kernels, subject("a", calls), subject("b", calls)])
         known.plant(wanted)
@@ -108,7 +134,7 @@ def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
     calls = []
 
-    def side(which: str) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append(which)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
@@ -131,7 +157,7 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     programs = {"base": old, "candidate": new, "planted": new}
     one = of_case(Case("case", {"repeats": 3}), programs, tmp_path)
     for which in ("base", "candidate", "planted"):
-        one.side(which)
+        one.block(which)
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"}
 
