@@ -7,9 +7,10 @@ chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 
 Every case has SCREENING blocks a side. Those whose median ratio is above 1 + SUSPECT have more of them, since an interval of few blocks
 is wide where the clock of a machine toggles. A case alarms where the lower end of its ratio is above 1 + LEAST. This alarms no more often
-than if all cases had as many blocks as those, so the intervals keep their confidence. Those that alarm run a second time; a case is
-red where it alarms in both, independent runs. The gate proves itself each time: the two blocks of a build in each turn, the later over
-the earlier one, must not alarm, and a slowdown of PLANTED that is planted in a case must.
+than if all cases had as many blocks as those, so the confidence is kept; and a case has no more blocks once they could not change
+whether it alarms. Those that alarm run a second time; a case is red where it alarms in both, independent runs. The gate proves
+itself each time: the two blocks of a build in each turn, the later over the earlier one, must not alarm, and a slowdown of PLANTED
+that is planted in a case must.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from analysis.shared.statistics import NO_DATA, Estimate, paired_ratio
+from analysis.shared.statistics import NO_DATA, Estimate, order_statistic_rank, paired_ratio
 
 LEAST = 0.03  # a slowdown of less is no alarm
 PLANTED = 0.05  # of the solve time: what the gate must see to be believed
@@ -44,16 +45,15 @@ class Verdict(IntEnum):
 
 @dataclass
 class Sides:
-    """Seconds of one case by block, in the order of time: two a turn. `planted` is the candidate with a slowdown, of one case alone."""
+    """Seconds of one case by block, in the order of time: two a turn. Of a plant, the base is the candidate without it."""
 
     base: list[float] = field(default_factory=list)
     candidate: list[float] = field(default_factory=list)
-    planted: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Judged:
-    """The ratios of one case: candidate to base, base and candidate to themselves, planted to candidate (none where nothing was planted)."""
+    """The ratios of one case: candidate to base, base and candidate to themselves, with a plant to without (none where nothing was planted)."""
 
     name: str
     base_seconds: float
@@ -98,11 +98,20 @@ def suspected(sides: Sides) -> bool:
     return paired_ratio(sides.candidate, sides.base).value > 1 + SUSPECT
 
 
+def decided(sides: Sides, count: int, cases: int) -> bool:
+    """Whether further blocks, up to `count` in all, cannot change whether it alarms: so many ratios are on one side of 1 + LEAST already.
+    SCREENING blocks there are in any case, since fewer give no confidence.
+    """
+    rank = order_statistic_rank(count, confidence(cases))  # of the lower end
+    above = sum(candidate > (1 + LEAST) * base for candidate, base in zip(sides.candidate, sides.base, strict=True))
+    below = len(sides.base) - above
+    return above + below >= min(count, SCREENING) and (above + below >= count or below >= rank or above > count - rank)
+
+
 def judge(name: str, sides: Sides, cases: int) -> Judged:
     """Each turn gives one pair of blocks of each build: more would not be independent."""
     nulls = (compare(sides.base[1::2], sides.base[::2], cases), compare(sides.candidate[1::2], sides.candidate[::2], cases))
-    planted = compare(sides.planted, sides.candidate, cases) if sides.planted else NO_DATA
-    return Judged(name, statistics.median(sides.base), compare(sides.candidate, sides.base, cases), nulls, planted)
+    return Judged(name, statistics.median(sides.base), compare(sides.candidate, sides.base, cases), nulls)
 
 
 def inverse(ratio: Estimate) -> Estimate:

@@ -22,6 +22,11 @@ class Progress:
         elif count % 5 == 0 or count == self.total:
             print(text, file=sys.stderr, flush=True)
 
+    def over(self) -> None:
+        """Sooner than expected: what comes next begins a line."""
+        if sys.stderr.isatty():
+            print(CLEAR, end="", file=sys.stderr, flush=True)
+
 
 def say(who: str, text: str) -> None:
     """A line on standard error, in place of a changing one."""

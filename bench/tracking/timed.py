@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from analysis.shared.statistics import NO_DATA
 from bench.tracking.blocks import NotMeasured, measure, measure_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, judge, suspected
+from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
 from bench.tracking.progress import Progress
 
-BASE_FIRST = ("base", "candidate", "planted", "planted", "candidate", "base")
-CANDIDATE_FIRST = ("planted", "candidate", "base", "base", "candidate", "planted")
 # What the repeats of a block take together: the least of many is steadier than that of few, and a process costs as much by itself.
-SECONDS_OF_REPEATS = 0.04
+SECONDS_OF_REPEATS = 0.02
 MOST_REPEATS = 40
 
 Say = Callable[[str], None]
@@ -30,7 +29,6 @@ class Subject:
     name: str
     names: tuple[str, ...]
     side: Callable[[str, Sequence[str]], dict[str, float]]
-    planted: bool = False
     shapes: dict[str, str] = field(default_factory=dict)
 
     def block(self, which: str) -> dict[str, float]:
@@ -114,56 +112,88 @@ class Known:
         if both:
             self.subjects.append(replace(subject, names=both))
 
-    def plant(self, wanted: str) -> None:
-        """In the case of that name, or else in the first one."""
+    def to_plant_in(self, wanted: str) -> Subject | None:
+        """The case of that name, or else the first one."""
         cases = [subject for subject in self.subjects if subject.shapes]  # kernels have none
-        chosen = next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
-        self.subjects = [replace(subject, planted=subject is chosen) for subject in self.subjects]
+        return next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
 
 
-def blocks(subjects: Sequence[Subject], count: int, sides: dict[str, Sides] | None = None) -> dict[str, Sides]:
-    """`count` blocks of each side, an even number: two a turn. Turns begin with the base and with the candidate, alternately. They are
-    added to `sides`, where there are some already.
-    """
-    sides = {} if sides is None else sides
-    for name in (name for subject in subjects for name in subject.names):
-        sides.setdefault(name, Sides())
+@dataclass(frozen=True)
+class Question:
+    """Is one side of these slower than the other? `sides` has the blocks by name: those of `slower` as the candidate."""
+
+    subject: Subject
+    names: tuple[str, ...]
+    sides: dict[str, Sides]
+    beside: str = "base"
+    slower: str = "candidate"
+
+    def turn(self, number: int, names: Sequence[str]) -> None:
+        """Four blocks. Turns begin with either side, alternately."""
+        first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
+        for which in (first, second, second, first):
+            found = self.subject.side(which, names)
+            for name in names:
+                if name not in found:
+                    raise NotMeasured(f"{name}: it was not measured this time")
+                sides = self.sides[name]
+                (sides.candidate if which == self.slower else sides.base).append(found[name])
+
+
+def question(subject: Subject, names: Sequence[str], beside: str = "base", slower: str = "candidate") -> Question:
+    """Of which nothing is measured yet."""
+    return Question(subject, tuple(names), {name: Sides() for name in names}, beside, slower)
+
+
+def screen(questions: Sequence[Question], count: int) -> None:
+    """`count` blocks of each side, an even number."""
     progress = Progress(count // 2, "turns", "time")
-    for turn in range(count // 2):
-        for subject in subjects:
-            for which in CANDIDATE_FIRST if turn % 2 else BASE_FIRST:
-                if which == "planted" and not subject.planted:
-                    continue
-                found = subject.block(which)
-                for name in subject.names:
-                    if name not in found:
-                        raise NotMeasured(f"{name}: it was not measured this time")
-                    getattr(sides[name], which).append(found[name])
-        progress.done(turn + 1)
-    return sides
+    for number in range(count // 2):
+        for one in questions:
+            one.turn(number, one.names)
+        progress.done(number + 1)
 
 
-def of_names(subjects: Sequence[Subject], names: Collection[str], planted: bool) -> list[Subject]:
-    """Those names alone; with the plant, if wanted."""
-    return [replace(subject, names=some, planted=subject.planted and planted) for subject in subjects
-            if (some := tuple(name for name in subject.names if name in names or (subject.planted and planted)))]
+def answer(questions: Sequence[Question], count: int, cases: int) -> None:
+    """Blocks of each, up to `count` of a side in all, until it is decided whether it alarms among so many cases."""
+    progress = Progress(count // 2, "turns at most", "time")
+    for number in range(count // 2):
+        asked = [(one, names) for one in questions if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])]
+        if not asked:
+            progress.over()
+            return
+        for one, names in asked:
+            one.turn(number, names)
+        progress.done(number + 1)
 
 
-def judge_all(subjects: Sequence[Subject], count: int, say: Say) -> tuple[list[Judged], list[dict[str, Sides]]]:
-    """SCREENING blocks of every case, and `count` of those that are suspected and of the one with the plant; then a second run of those
-    that alarm. And what each run measured. The second run is independent of the first, which chose its cases, so its intervals need
-    the confidence of so few.
+Run = dict[str, Sides]
+
+
+def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
+    """SCREENING blocks of every case; up to `count` of those that are suspected, and of a plant, in the case `wanted` if it is there; then
+    a second run of those that alarm. And what was measured: the first run, the plant, the second run. The second run is
+    independent of the first, which chose its cases, so its intervals need the confidence of so few.
     """
-    first = blocks(subjects, min(SCREENING, count))
-    if count > SCREENING:
-        suspects = {name for name, found in first.items() if suspected(found)}
-        say(f"more blocks of {', '.join(sorted(suspects)) or 'nothing but the planted slowdown'}")
-        blocks(of_names(subjects, suspects, planted=True), count - SCREENING, first)
-    judged = [judge(name, found, len(first)) for name, found in first.items()]
+    first = [question(subject, subject.names) for subject in known.subjects]
+    screen(first, min(SCREENING, count))
+    measured: Run = {name: sides for one in first for name, sides in one.sides.items()}
+    cases = len(measured)
+    suspects = [replace(one, names=names) for one in first if (names := tuple(name for name in one.names if suspected(one.sides[name])))]
+    say(f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the planted slowdown'])}")
+    chosen = known.to_plant_in(wanted)
+    planted = [question(chosen, chosen.names, "candidate", "planted")] if chosen else []
+    answer(suspects + planted, count, cases)
+    judged = [judge(name, sides, cases) for name, sides in measured.items()]
+    runs = [measured, *(one.sides for one in planted)]
+    if chosen:
+        judged = [replace(one, planted=compare(sides.candidate, sides.base, cases)) if (sides := runs[1].get(one.name)) else one for one in judged]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
-        return judged, [first]
+        return judged, runs
     say(f"a second run of {', '.join(sorted(doubted))}")
-    second = blocks(of_names(subjects, doubted, planted=False), count)
-    seconds = {name: judge(name, found, len(second)).ratio for name, found in second.items()}
-    return [replace(one, second=seconds[one.name]) if one.name in seconds else one for one in judged], [first, second]
+    again = [question(one.subject, names) for one in first if (names := tuple(name for name in one.names if name in doubted))]
+    answer(again, count, len(doubted))
+    second: Run = {name: sides for one in again for name, sides in one.sides.items()}
+    ratios = {name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()}
+    return [replace(one, second=ratios.get(one.name, NO_DATA)) for one in judged], [*runs, second]

@@ -27,14 +27,14 @@ from pathlib import Path
 
 from analysis.shared.statistics import Estimate
 from analysis.shared.tables import number
-from bench.tracking import counted, timed
+from bench.tracking import counted, progress, timed
 from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
 
 TIERS = ("counters", "instructions", "time")
-BLOCKS = 96  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
+BLOCKS = 72  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
 PLANTED_IN = "guthe on mesh to its half"
 
 
@@ -129,16 +129,15 @@ def time_tier(report: Report, task: Task) -> None:
         known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
-    known.plant(PLANTED_IN)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
     notes = known.left_out + known.broken
     try:
-        judged, runs = timed.judge_all(known.subjects, task.given.blocks, lambda line: print(f"time: {line}", file=sys.stderr, flush=True))
+        judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))
     except NotMeasured as why:  # after each side has measured it once
         report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
         return
     verdict, reasons = verdict_of_times(judged)
-    many = f"{SCREENING} blocks a side, and {task.given.blocks} of what looked slower or has the plant"
+    many = f"{SCREENING} blocks a side, and up to {task.given.blocks} of what looked slower and of the plant"
     lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
@@ -198,7 +197,7 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--base-program", type=Path, metavar="FILE", help="its program, if it is built already")
     parser.add_argument("--tiers", type=tiers, default=list(TIERS), metavar="T,T", help="of counters, instructions, time (default: all)")
     parser.add_argument("--blocks", type=block_count, default=BLOCKS, metavar="N",
-                        help=f"of each side, of what looks slower after {SCREENING} (default: {BLOCKS})")
+                        help=f"of each side, at most, of what looks slower after {SCREENING} (default: {BLOCKS})")
     parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin so; may be repeated")
     parser.add_argument("--update", metavar="REASON", help="write the baseline of counters and instructions, and why it changed; no times")
     parser.add_argument("--record", type=Path, default=ROOT / "results" / "tracking.json", metavar="FILE",

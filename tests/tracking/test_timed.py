@@ -2,63 +2,78 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
+from analysis.shared.statistics import order_statistic_rank
 from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.timed import Known, Placed, Subject, blocks, judge_all, kernels_of, of_case, programs_of
+from bench.tracking.timed import Known, Placed, Subject, answer, judge_all, kernels_of, of_case, programs_of, question, screen
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
 
 
-def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS, planted: bool = False) -> Subject:
+def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Subject:
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
-    return Subject(name, (name,), side, planted, {"base": "shapes"})
+    return Subject(name, (name,), side, {"base": "shapes"})
+
+
+def slower(much: float, planted: float = 0.05) -> dict[str, float]:
+    return {"base": 1.0, "candidate": 1 + much, "planted": (1 + much) * (1 + planted)}
 
 
 def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
     calls: Calls = []
-    found = blocks([subject("a", calls), subject("b", calls, planted=True)], 4)
+    questions = [question(subject(name, calls), (name,)) for name in ("a", "b")]
+    screen(questions, 4)
     plain, turned = ["base", "candidate", "candidate", "base"], ["candidate", "base", "base", "candidate"]
-    assert [call[1] for call in calls if call[0] == "a"] == plain + turned
-    assert [call[1] for call in calls if call[0] == "b"] == [*plain[:2], "planted", "planted", *plain[2:], "planted", *turned, "planted"]
+    assert [call[1] for call in calls if call[0] == "a"] == plain + turned == [call[1] for call in calls if call[0] == "b"]
     assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
-    assert len(found["a"].base) == len(found["a"].candidate) == 4 and not found["a"].planted
-    assert len(found["b"].planted) == 4
-    assert found["a"].base == sorted(found["a"].base), "in the order of time, so that block i stands beside block i"
+    found = questions[0].sides["a"]
+    assert len(found.base) == len(found.candidate) == 4 and found.base == sorted(found.base), "in the order of time: block i stands beside block i"
+
+
+def test_a_plant_is_measured_beside_the_candidate() -> None:
+    calls: Calls = []
+    one = question(subject("a", calls, slower(0.5)), ("a",), "candidate", "planted")
+    answer([one], 6, 1)
+    assert {call[1] for call in calls} == {"candidate", "planted"}
+    assert one.sides["a"].candidate[0] / one.sides["a"].base[0] == pytest.approx(1.05, abs=1e-4)
 
 
 def test_only_what_alarms_runs_again() -> None:
     calls: Calls = []
-    slow = {"base": 1.0, "candidate": 1.2, "planted": 1.26}
-    judged, runs = judge_all([subject("fine", calls, planted=True), subject("slow", calls, slow)], 24, lambda line: None)
-    assert [call[0] for call in calls].count("fine") == 72 and [call[0] for call in calls].count("slow") == 96
+    judged, runs = judge_all(Known([subject("fine", calls), subject("slow", calls, slower(0.2))]), "fine", 24, lambda line: None)
+    asked = [call[0] for call in calls]
     by_name = {one.name: one for one in judged}
-    assert by_name["slow"].red and not by_name["fine"].alarms and by_name["fine"].planted.n == 24
-    assert [sorted(run) for run in runs] == [["fine", "slow"], ["slow"]], "both runs are kept"
+    assert by_name["slow"].red and not by_name["fine"].alarms
+    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["slow"]], "the first run, the plant, the second run"
+    pairs = [[len(sides.base) for sides in run.values()] for run in runs]
+    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] and asked.count("slow") == 48 + 2 * pairs[2][0]
+    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[2][0]
 
 
-def test_what_looks_slower_and_what_has_the_plant_get_more_blocks() -> None:
-    """`doubtful` is slower by 2.5 %, which is no alarm; `slow` alarms, and runs again with as many blocks."""
+def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
+    """`doubtful` is slower by 2.5 %, which is no alarm; `slow` alarms, and runs again."""
     calls: Calls = []
-    doubtful, slow = ({"base": 1.0, "candidate": 1 + much, "planted": 1.0} for much in (0.025, 0.05))
-    subjects = [subject("fine", calls), subject("planted", calls, planted=True), subject("doubtful", calls, doubtful), subject("slow", calls, slow)]
+    subjects = [subject("fine", calls), subject("planted", calls), subject("doubtful", calls, slower(0.025)), subject("slow", calls, slower(0.05))]
     said: list[str] = []
-    judged, runs = judge_all(subjects, 72, said.append)
-    assert [one.ratio.n for one in judged] == [24, 72, 72, 72] and [one.second.n for one in judged] == [0, 0, 0, 72]
-    assert [len(side.planted) for side in runs[0].values()] == [0, 72, 0, 0] and not runs[1]["slow"].planted
+    judged, runs = judge_all(Known(subjects), "planted", 72, said.append)
+    rank = order_statistic_rank(72, 1 - 0.05 / 4)
+    assert [one.ratio.n for one in judged] == [24, 24, max(24, 2 * math.ceil(rank / 2)), 2 * math.ceil((73 - rank) / 2)]
+    assert [one.planted.n for one in judged] == [0, judged[3].ratio.n, 0, 0]
     assert [one.name for one in judged if one.red] == ["slow"] and all(one.ratio.coverage >= 1 - 0.05 / 4 for one in judged)
-    assert said == ["more blocks of doubtful, slow", "a second run of slow"]
-    assert {name for name, _ in calls[-144:]} == {"slow"}
+    assert judged[3].second.n == 2 * math.ceil((73 - order_statistic_rank(72, 0.95)) / 2), "of one case alone, fewer blocks decide it"
+    assert said == ["more blocks of doubtful, slow, the planted slowdown", "a second run of slow"] and len(runs) == 3
 
 
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
@@ -68,8 +83,9 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
         asked.append(some)
         return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
 
-    judged, _ = judge_all([Subject("kernels", ("a", "b", "c"), side)], 26, lambda line: None)
-    assert asked == [("a", "b", "c")] * 48 + [("b",)] * 4 + [("b",)] * 52 and [one.red for one in judged] == [False, True, False]
+    judged, _ = judge_all(Known([Subject("kernels", ("a", "b", "c"), side)]), "", 60, lambda line: None)
+    assert [tuple(names) for names in asked[:48]] == [("a", "b", "c")] * 48 and {tuple(names) for names in asked[48:]} == {("b",)}
+    assert [one.red for one in judged] == [False, True, False]
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
@@ -79,7 +95,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
-    judged, _ = judge_all([Subject("all", names, side)], 24, lambda line: None)
+    judged, _ = judge_all(Known([Subject("all", names, side)]), "", 24, lambda line: None)
     assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 > judged[0].second.coverage >= 0.95
 
 
@@ -122,13 +138,9 @@ def test_other_shapes_are_left_out() -> None:
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
     kernels = Subject("kernels", ("build",), lambda which, names: {})
-    for wanted, chosen in (("b", "b"), ("not fetched", "a")):
-        known = Known([kernels, subject("a", calls), subject("b", calls)])
-        known.plant(wanted)
-        assert [one.name for one in known.subjects if one.planted] == [chosen]
-    known = Known([kernels])
-    known.plant("b")
-    assert not known.subjects[0].planted
+    known = Known([kernels, subject("a", calls), subject("b", calls)])
+    assert [getattr(known.to_plant_in(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
+    assert Known([kernels]).to_plant_in("b") is None
 
 
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
@@ -139,10 +151,10 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
     with pytest.raises(NotMeasured, match="new: it was not measured this time"):
-        blocks([Subject("kernels", ("old", "new"), side)], 24)
+        screen([question(Subject("kernels", ("old", "new"), side), ("old", "new"))], 24)
 
 
-@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 20), (1.0, 3), (0.0001, 40)])
+@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 10), (1.0, 3), (0.0001, 40)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
     """Three, which the experiment asks for, at least."""
     asked: list[tuple[str, int, float]] = []

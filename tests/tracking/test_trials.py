@@ -10,8 +10,11 @@ from bench.tracking.cases import ROOT
 from bench.tracking.trials import KINDS, busy, right, table_of
 
 
-def trial(kind: str, tiers: dict[str, str], load: int = 0) -> dict[str, Any]:
-    return {"kind": kind, "load": load, "commit": "abc", "machine": "here", "exit": 0, "tiers": tiers, "seconds": 200, "lines": []}
+SLOWER = "kang on mesh to its half: slower by 5.0 %, and in a second run by 5.1 %"
+
+
+def trial(kind: str, tiers: dict[str, str], load: int = 0, line: str = SLOWER) -> dict[str, Any]:
+    return {"kind": kind, "load": load, "commit": "abc", "machine": "here", "exit": 0, "tiers": tiers, "seconds": 200, "lines": [line]}
 
 
 @pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.text])
@@ -27,6 +30,10 @@ def test_each_plant_has_one_place(name: str) -> None:
     ("visit", {"counters": "red", "time": "passed"}, 0, True), ("visit", {"counters": "passed", "time": "red"}, 0, False), ("visit", {}, 0, False)])
 def test_what_is_right(kind: str, tiers: dict[str, str], load: int, good: bool) -> None:
     assert right(trial(kind, tiers, load)) is good
+
+
+def test_a_slowdown_is_seen_where_it_was_planted() -> None:
+    assert not right(trial("slower", {"time": "red"}, line=SLOWER.replace("kang", "guthe")))
 
 
 def test_the_table_counts_each_kind_and_load_apart() -> None:
