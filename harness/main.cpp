@@ -1,4 +1,4 @@
-// The program: verbs run, explain, list, measure, export, verify, merge, compare, show, track; `hausbench VERB --help` says what each takes.
+// The program: verbs run, explain, list, measure, export, verify, merge, compare, show, status, track; `hausbench VERB --help` says what each takes.
 #include "commands/verb.h"
 #include "error.h"
 #include "registry.h"
@@ -52,7 +52,7 @@ int run_verb(int argc, char** argv) {
     app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
     int code = 0;
     for (const auto add : {add_run, add_explain, add_list, add_measure, add_export, add_verify, add_merge, add_compare,
-                           add_show, add_track, add_hidden})
+                           add_show, add_status, add_track, add_hidden})
         add(app, code);
     try {
         app.parse(argc, argv);

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -20,6 +21,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <stdexcept>
 
 namespace hausbench {
@@ -32,19 +34,35 @@ using std::chrono::milliseconds;
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
 constexpr milliseconds between_looks_at_memory(20);
 
-// SIGPIPE is ignored meanwhile, and only then: the program's own output may still end it, as in `show | head`.
+// SIGPIPE is held back meanwhile, of this thread, and only then: the program's own output may still end it, as in `show | head`.
 void write_all(int descriptor, const std::string& text) {
-    struct sigaction ignore {
-    }, before{};
-    ignore.sa_handler = SIG_IGN;
-    ::sigaction(SIGPIPE, &ignore, &before);
+    sigset_t pipe, before;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe, &before);
     for (std::size_t done = 0; done < text.size();) {
         const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) break;  // it ended early: listen() and wait() report this
         done += std::size_t(n);
     }
-    ::sigaction(SIGPIPE, &before, nullptr);
+    const timespec none{};
+    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // one that came is gone with that
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+// Children of all threads that live. Who starts one, or ends what a child left behind, holds the lock: else a child that was
+// just started could be taken for an orphan.
+std::mutex living_lock;
+std::vector<pid_t> living;
+
+// In a child between fork and exec.
+void run_on(const std::vector<int>& cores) {
+    if (cores.empty()) return;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (const int core : cores) CPU_SET(core, &set);
+    ::sched_setaffinity(0, sizeof set, &set);
 }
 
 // The environment of this process, with another TMPDIR.
@@ -81,10 +99,14 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
     if (launch_.dies_with_parent) watch_group(0);  // it starts before `before_` is looked up, and is spared
     own_bytes_ = resident_of(::getpid());
     const pid_t parent = ::getpid();
+    std::unique_lock lock(living_lock);
     before_ = family_of(parent);
     pid_ = ::fork();
+    if (pid_ > 0) living.push_back(pid_);
+    if (pid_ != 0) lock.unlock();
     if (pid_ == 0) {
         ::setpgid(0, 0);
+        run_on(launch_.cores);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
         ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, and count as its own
         if (::getppid() != parent) ::_exit(127);
@@ -243,8 +265,14 @@ void Child::look_for_end(int flags) {
     if (peak > own_bytes_ + (1 << 20)) peak_bytes_ = peak;
     if (launch_.dies_with_parent) watch_group(0);
     ::kill(-pid_, SIGKILL);  // the rest of its group
-    end_family(before_);     // and processes that left the group
-    read_output();           // its last; the pipe may have no end yet
+    {
+        const std::lock_guard lock(living_lock);  // and processes that left the group
+        std::erase(living, pid_);
+        std::vector<pid_t> spared = before_;
+        spared.insert(spared.end(), living.begin(), living.end());
+        end_family(spared);
+    }
+    read_output();  // its last; the pipe may have no end yet
 }
 
 void Child::kill() {

@@ -27,6 +27,7 @@ struct Launch {
     std::size_t kept = 4096;        // characters of the end of its output
     std::string scratch;            // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
     bool dies_with_parent = false;  // its process group too, even if SIGKILL ends this process; one child at a time
+    std::vector<int> cores;         // that it may run on, by the kernel's numbers; empty: as this process
 };
 
 struct ChildLimits {
@@ -36,6 +37,7 @@ struct ChildLimits {
 
 // It runs in a process group of its own, so that Ctrl-C at the terminal reaches only this process. It ends with this process, and
 // with it all its descendants, even those that left the group: this process becomes a subreaper (prctl), so they are found.
+// Several threads may each have a child of their own; it ends with the thread that started it (PR_SET_PDEATHSIG).
 class Child {
 public:
     // Throws InputError where its scratch folder, std::runtime_error where the process cannot be made.
@@ -82,7 +84,7 @@ private:
     pid_t pid_ = -1;
     int events_ = -1, output_ = -1;
     std::string buffer_, said_;  // events not yet returned; the end of its output
-    std::vector<pid_t> before_;  // this process and its descendants from before
+    std::vector<pid_t> before_;  // this process and its descendants from before; other children that live are spared too
     std::int64_t own_bytes_ = 0, peak_bytes_ = -1;
     std::optional<int> status_;
 };

@@ -1,6 +1,7 @@
 #include "process/interrupts.h"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 
 namespace hausbench {
@@ -10,7 +11,7 @@ namespace {
 constexpr std::array<int, 2> held_signals = {SIGINT, SIGTERM};
 
 int holders = 0;
-volatile std::sig_atomic_t signal_that_came = 0;
+std::atomic<int> signal_that_came = 0;  // lock-free, so a handler may write it
 std::array<struct sigaction, held_signals.size()> actions_before;
 
 }  // namespace
@@ -32,7 +33,7 @@ HoldInterrupts::~HoldInterrupts() {
     for (std::size_t i = 0; i < held_signals.size(); ++i) {
         if (actions_before[i].sa_handler == SIG_DFL) ::sigaction(held_signals[i], &actions_before[i], nullptr);
     }
-    if (const int number = signal_that_came) ::raise(number);
+    if (const int number = signal_that_came.load()) ::raise(number);
 }
 
 bool HoldInterrupts::came() { return signal_that_came != 0; }

@@ -4,7 +4,7 @@
 namespace hausbench {
 
 // While an instance exists, SIGINT (Ctrl-C) and SIGTERM are deferred; poll came() and stop. The last instance to be
-// destroyed delivers the signal, unless somebody said that it is handled. For one thread.
+// destroyed delivers the signal, unless somebody said that it is handled. For one thread; came() for all of them.
 class HoldInterrupts {
 public:
     HoldInterrupts();

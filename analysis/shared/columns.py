@@ -80,6 +80,7 @@ class Cases:
     peak_bytes: Ints
     clock: Texts
     from_trace: Ints
+    side_by_side: Ints
     extras: Texts
     facts: Texts
     fields_sha256: Texts
@@ -227,6 +228,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/peak_bytes": -1,
     "cases/clock": "",
     "cases/from_trace": 0,
+    "cases/side_by_side": 0,
     "cases/extras": "{}",
     "cases/facts": "{}",
     "cases/fields_sha256": "",

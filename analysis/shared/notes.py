@@ -23,6 +23,12 @@ def unchecked_line(results: Results) -> str:
     return "; ".join(f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items()))
 
 
+def side_by_side_line(results: Results) -> str:
+    """For a table or figure of rows that were run beside others: their times say little. Empty where there are none."""
+    several = int((results.cases.side_by_side != 0).sum())
+    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times compare with none" if several else ""
+
+
 def machine_line(results: Results) -> str:
     """Where and with what the rows were measured, and which bounds were not checked, for the end of a note."""
     unchecked = unchecked_line(results)

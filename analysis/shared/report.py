@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
 from analysis.shared import style, tables
-from analysis.shared.notes import unchecked_line
+from analysis.shared.notes import side_by_side_line, unchecked_line
 from analysis.shared.results import Results
 
 
@@ -26,10 +26,12 @@ class Report:
     def save(self, results: Results, out: Path, stem: str = "") -> list[Path]:
         """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
         stem = stem or results.stem
+        beside = side_by_side_line(results)
         if self.table is None:
-            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")))
-        footnote = ". ".join(filter(None, [self.key, unchecked_line(results)]))
-        return tables.save(self.table, self.records, out, stem) + save_figure(self.draw(), out, stem, self.table.caption, footnote)
+            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside)
+        footnote = ". ".join(filter(None, [self.key, unchecked_line(results), beside]))
+        noted = replace(self.table, notes=[*self.table.notes, beside]) if beside else self.table
+        return tables.save(noted, self.records, out, stem) + save_figure(self.draw(), out, stem, self.table.caption, footnote)
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:

@@ -2,18 +2,15 @@
 
 #include "contract.h"
 #include "error.h"
-#include "plan/lookup.h"
+#include "plan/estimate.h"
+#include "process/memory.h"
 #include "registry.h"
-#include "result/provenance.h"
-#include "result/result_file.h"
 #include "session.h"
 #include "shape_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <set>
 
 namespace hausbench {
@@ -21,89 +18,6 @@ namespace hausbench {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double start_seconds = 0.02;         // of a worker, loading a middling shape included
-constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
-constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
-
-double expected_work(const Case& c) {
-    const double a = double(c.source_elements), b = double(c.target_elements);
-    if (c.solver == "naive") return a * b;
-    for (const SolverEntry& entry : solvers()) {
-        if (entry.info.name == c.solver)
-            return (entry.info.target.mesh ? distances_per_triangle : distances_per_point) * (a + b);
-    }
-    return distances_per_point * (a + b);
-}
-
-struct Known {
-    double prepare = 0, solve = 0;
-    double work = 0;
-    bool answered = false;
-};
-
-// What earlier runs on this machine took.
-class Memory {
-public:
-    explicit Memory(const fs::path& results) {
-        if (!fs::is_directory(results)) return;
-        for (const auto& entry : fs::directory_iterator(results)) {
-            if (entry.path().extension() != ".h5") continue;
-            try {
-                for (const Row& row : read_result(entry.path()).rows) learn(row);
-            } catch (const InputError&) {  // a damaged file only costs us its times
-            }
-        }
-    }
-
-    Known of(const Case& asked) const {
-        if (const auto at = cases_.find(asked.identity); at != cases_.end()) return at->second;
-        const auto others = solvers_.find(asked.solver);
-        const double work = expected_work(asked);
-        if (others == solvers_.end()) return {0, work * seconds_per_distance, work, false};
-        const Known& near = others->second.nearest(work);  // scaled to this case
-        return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
-    }
-
-private:
-    void learn(const Row& row) {
-        const Outcome& o = row.outcome;
-        if (o.machine != this_machine().id || o.from_trace) return;
-        const bool killed = o.status == RowStatus::timeout && !std::isfinite(o.solve_seconds);
-        if (!killed && !std::isfinite(o.solve_seconds)) return;
-        Known known{killed ? 0 : o.prepare_seconds, killed ? row.asked.limits.case_seconds : o.solve_seconds,
-                    expected_work(row.asked), true};
-        cases_[row.asked.identity] = known;
-        if (known.work > 0) solvers_[row.asked.solver].add(known.work, known);
-    }
-
-    std::map<std::string, Known> cases_;
-    std::map<std::string, NearestByWork<Known>> solvers_;
-};
-
-struct JobEstimate {
-    double seconds = 0;
-    std::size_t known = 0;  // cases that an earlier run answered
-};
-
-JobEstimate estimate(const Plan& plan, const Job& job, const Memory& memory) {
-    const Experiment& e = plan.experiment;
-    JobEstimate out;
-    double prepare = 0;
-    for (std::size_t row : job.cases) {
-        const Case& asked = plan.cases[row];
-        const Known known = memory.of(asked);
-        prepare = std::max(prepare, known.prepare);
-        out.known += known.answered;
-        const double once = std::min(known.solve, asked.limits.case_seconds);
-        const bool in_time = known.solve < asked.limits.case_seconds;
-        const double repeats =
-            in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * asked.limits.case_seconds + once) : 0;
-        out.seconds += e.rounds * (once + repeats) + (e.trace && !plan.marks(row).empty() ? once : 0);
-    }
-    out.seconds += e.rounds * (start_seconds + prepare);
-    return out;
-}
 
 std::string clock_text(double seconds) {
     return seconds < 10    ? fmt::format("{:.1f} s", seconds)
@@ -135,7 +49,7 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
 }  // namespace
 
 std::string explain(const Plan& plan, const fs::path& results) {
-    const Memory memory(results);
+    const Estimates estimates(results);
     const Experiment& e = plan.experiment;
     std::size_t run = 0, known = 0;
     for (const Job& job : plan.jobs) run += job.cases.size();
@@ -153,12 +67,15 @@ std::string explain(const Plan& plan, const fs::path& results) {
     }
     text += "RUN\n";
     double total = 0;
+    std::int64_t most = 0;
     for (const Job& job : plan.jobs) {
-        const JobEstimate one = estimate(plan, job, memory);
+        const JobEstimate one = estimates.of(plan, job);
         total += one.seconds;
         known += one.known;
-        text += fmt::format("  {:<44} {:>4} cases, about {}{}\n", job.label, job.cases.size(), clock_text(one.seconds),
-                            one.known == job.cases.size() ? "" : " (a guess)");
+        most = std::max(most, one.bytes);
+        text += fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", job.label, job.cases.size(),
+                            clock_text(one.seconds), one.known == job.cases.size() ? "" : " (a guess)",
+                            one.bytes >> 20);
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
@@ -180,6 +97,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     if (text.ends_with("LEFT OUT\n")) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
                         clock_text(total), known, run);
+    text += fmt::format("MEMORY  about {} MB for the largest worker; {} MB are free\n", most >> 20, spare_bytes() >> 20);
     return text;
 }
 

@@ -8,9 +8,7 @@
 
 namespace hausbench {
 
-// Times come from result files in `results` (this machine's): of the same case; else of the same solver on other shapes,
-// scaled by the work to be expected; else from that work alone and a rough cost of one distance. The work to be expected
-// is |A| |B| distances for naive and k (|A| + |B|) for the others.
+// Times and memory are those of Estimates, from the result files in `results`.
 std::string explain(const Plan& plan, const std::filesystem::path& results);
 
 }  // namespace hausbench

@@ -1,29 +1,66 @@
 // `hausbench run`: runs an experiment and writes its results.
 #include "run/runner.h"
 
+#include "commands/cluster.h"
 #include "commands/experiment_arguments.h"
 #include "commands/summary.h"
+#include "error.h"
+#include "plan/estimate.h"
+#include "plan/split.h"
+#include "process/memory.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace hausbench {
 
 namespace {
 
 struct RunArguments : ExperimentArguments {
-    std::string shard = "1/1";
-    bool fresh = false, any_build = false, quiet = false;
+    std::string shard = "1/1", engine = "here";
+    std::filesystem::path split;
+    int jobs = 1;
+    bool fresh = false, any_build = false, quiet = false, cluster = false, collect = false;
+    ClusterArguments slurm;
 };
+
+void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& split_file) {
+    const Split parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
+    if (parts.of != shard.of)
+        throw InputError(fmt::format("{}: has {} shards, not {}: submit again", split_file.string(), parts.of, shard.of));
+    take_shard(plan, shard, parts.of_jobs(plan));
+}
+
+std::size_t count_missing(const std::vector<Row>& rows) {
+    return std::size_t(std::count_if(rows.begin(), rows.end(),
+                                     [](const Row& row) { return row.outcome.reason == not_run_yet; }));
+}
 
 int run(const RunArguments& arguments) {
     Plan plan = plan_of(arguments, arguments.quiet);
+    if (arguments.engine == "slurm") return submit(arguments, plan, arguments.slurm);
     const Shard shard = parse_shard(arguments.shard);
-    take_shard(plan, shard);
+    if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
     if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // no times of a solver: never among other results
-    if (!shard.whole()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
-    const RunSummary summary =
-        run_plan(plan, {results_of(arguments), arguments.fresh, arguments.any_build, arguments.quiet, suffix});
+    if (!shard.whole() || !arguments.split.empty()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
+    const std::filesystem::path results = results_of(arguments);
+    refuse_what_does_not_fit(plan, Estimates(results), spare_bytes());
+    RunOptions options{.results = results,
+                       .fresh = arguments.fresh,
+                       .any_build = arguments.any_build,
+                       .quiet = arguments.quiet,
+                       .jobs = arguments.jobs,
+                       .cluster = arguments.cluster,
+                       .suffix = suffix};
+    if (arguments.collect) {
+        options.collect = shard_names(results, plan.experiment.stem);
+        if (options.collect.empty())
+            throw InputError(fmt::format("{}: has no journal of a shard of {}: submit it with --engine slurm first",
+                                         results.string(), plan.experiment.stem));
+    }
+    const RunSummary summary = run_plan(plan, options);
     print(show_summary(summary.result, paper_of_output()));
     const auto expected = summary.unsound_expected;
     print(fmt::format("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),
@@ -34,7 +71,30 @@ int run(const RunArguments& arguments) {
         fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
         return 130;
     }
+    if (const std::size_t missing = count_missing(summary.result.rows); arguments.collect && missing > 0) {
+        say({fmt::format("{} of {} cases are missing: submit again", missing, summary.result.rows.size())});
+        return 1;
+    }
     return summary.unsound.empty() ? 0 : 1;
+}
+
+void take_cluster_options(CLI::App* verb, RunArguments& arguments) {
+    verb->add_option("--engine", arguments.engine,
+                     "here, or slurm: give it to a cluster, as an array with a task for each shard and a job that collects "
+                     "their results; again: only what is missing")
+        ->check(CLI::IsMember({"here", "slurm"}))
+        ->capture_default_str();
+    verb->add_option("--shards", arguments.slurm.shards, "of --engine slurm: how many parts (default: as before, or at most 16)")
+        ->check(CLI::PositiveNumber);
+    verb->add_option("--sbatch", arguments.slurm.sbatch,
+                     "of --engine slurm: one more option for sbatch, such as --sbatch=--partition=long; may be repeated")
+        ->allow_extra_args(false);
+    verb->add_flag("--wait", arguments.slurm.wait, "of --engine slurm: until the result is there");
+    verb->add_flag("--cluster", arguments.cluster,
+                   "the machine is one of several that others use too: rows of the others stay, and rows say that their "
+                   "times compare with none");
+    verb->add_flag("--collect", arguments.collect, "run nothing: make one result of what shards have finished");
+    verb->add_option("--split", arguments.split, "which shard has which jobs, as --engine slurm wrote it")->group("");
 }
 
 }  // namespace
@@ -49,6 +109,11 @@ void add_run(CLI::App& app, int& code) {
                      "folder for the result file (default: results of the project, or of the working directory)");
     verb->add_option("--shard", arguments.shard, "run only part i of n, written i/n; join the parts with `merge`")
         ->capture_default_str();
+    verb->add_option("--jobs", arguments.jobs,
+                     "run so many cases at a time, each on a core of its own, as memory allows; for answers, not for "
+                     "times: rows say that theirs compare with none")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
     verb->add_flag("--fresh", arguments.fresh, "start over: discard the finished cases of an earlier run");
     verb->add_flag("--any-build", arguments.any_build,
                    "keep rows that were measured by another build or on another machine");
@@ -60,6 +125,7 @@ void add_run(CLI::App& app, int& code) {
         ->check(CLI::Range(0.0, 10.0))
         ->group("");
     verb->add_flag("--quiet", arguments.quiet, "show no progress");
+    take_cluster_options(verb, arguments);
     take_plugins(verb);
     verb->callback([&code] { code = run(arguments); });
 }

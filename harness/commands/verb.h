@@ -20,6 +20,7 @@ void add_export(CLI::App& app, int& code);
 void add_verify(CLI::App& app, int& code);
 void add_merge(CLI::App& app, int& code);
 void add_compare(CLI::App& app, int& code);
+void add_status(CLI::App& app, int& code);
 void add_show(CLI::App& app, int& code);
 void add_track(CLI::App& app, int& code);
 

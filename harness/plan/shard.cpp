@@ -21,12 +21,12 @@ Shard parse_shard(const std::string& text) {
 
 std::string to_string(const Shard& shard) { return fmt::format("{}/{}", shard.number, shard.of); }
 
-void take_shard(Plan& plan, const Shard& shard) {
+void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards) {
     plan.shard = shard;
     if (shard.whole()) return;
     std::vector<Job> mine;
     for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
-        if (int(i % std::size_t(shard.of)) == shard.number - 1) {
+        if (shards.at(i) == shard.number) {
             mine.push_back(std::move(plan.jobs[i]));
             continue;
         }

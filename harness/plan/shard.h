@@ -2,12 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace hausbench {
 
 struct Plan;
 
-struct Shard {  // --shard 2/3: every third worker, from the second on
+struct Shard {  // --shard 2/3: the second of three
     int number = 1, of = 1;
     bool whole() const { return of == 1; }
 };
@@ -17,7 +18,8 @@ inline constexpr const char* in_another_shard = "in another shard";  // the reas
 // Throws InputError for anything but "i/n" with 1 <= i <= n.
 Shard parse_shard(const std::string& text);
 
-// The rows of other shards become `skipped` and say so; `merge` puts shards together.
-void take_shard(Plan& plan, const Shard& shard);
+// The rows of other shards become `skipped` and say so; `merge` puts shards together. `shards` has the number of each job's shard, from 1
+// on (split.h).
+void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards);
 
 }  // namespace hausbench

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "hash.h"
+#include "record/json.h"
 #include "registry.h"
 #include "result/field_file.h"
 #include "result/provenance.h"
@@ -31,9 +32,9 @@ const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name, bool start_over,
-                   bool any_build)
+                   const Accepted& accepted)
     : plan_(plan),
-      any_build_(any_build),
+      accepted_(accepted),
       journal_(made_folder(folder) / (name + ".journal"), start_over && plan.whole),
       fields_(folder / (name + ".fields")) {
     if (start_over) {
@@ -69,13 +70,47 @@ Row Finished::row(std::size_t number) const {
     return row;
 }
 
+Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name,
+                   const Accepted& accepted, Journal::ReadOnly read_only)
+    : plan_(plan), accepted_(accepted), journal_(folder / (name + ".journal"), read_only), fields_(folder / (name + ".fields")) {}
+
+std::size_t Finished::open_cases(const Job& job) const {
+    return std::size_t(std::count_if(job.cases.begin(), job.cases.end(), [&](std::size_t row) {
+        for (int round = 0; round < plan_.experiment.rounds; ++round) {
+            if (is_open(row, round)) return true;
+        }
+        return false;
+    }));
+}
+
+void Finished::take_over(const std::filesystem::path& folder, const std::string& name) {
+    std::map<std::string, std::size_t> rows;
+    for (std::size_t row = 0; row < plan_.cases.size(); ++row) rows.emplace(plan_.cases[row].identity, row);
+    const Journal other(folder / (name + ".journal"), Journal::ReadOnly{});
+    for (const auto& [key, outcome] : other.outcomes()) {
+        const auto at = rows.find(key.first);
+        if (at == rows.end()) continue;
+        const auto known = journal_.outcomes().find(key);
+        if (known == journal_.outcomes().end() || to_json(known->second) != to_json(outcome)) journal_.append(key, outcome);
+        const auto mine = fields_file(at->second);
+        const auto theirs = folder / (name + ".fields") / mine.filename();
+        if (!mine.empty() && !outcome.fields_sha256.empty() && std::filesystem::exists(theirs))
+            std::filesystem::copy_file(theirs, mine, std::filesystem::copy_options::overwrite_existing);
+    }
+}
+
+bool Finished::will_do(std::size_t row, const Outcome& outcome) const {
+    if (accepted_.any_build) return true;
+    if (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_)) return false;
+    if (outcome.machine != this_machine().id && !accepted_.any_machine) return false;
+    return accepted_.side_by_side || !outcome.side_by_side || !is_timed(outcome.status);
+}
+
 const Outcome* Finished::kept(std::size_t row, int round) const {
     const auto at = journal_.outcomes().find({plan_.cases[row].identity, round});
     if (at == journal_.outcomes().end()) return nullptr;
     const Outcome& outcome = at->second;
-    if (!any_build_ &&
-        (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_) || outcome.machine != this_machine().id))
-        return nullptr;
+    if (!will_do(row, outcome)) return nullptr;
     // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
     if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
     if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;

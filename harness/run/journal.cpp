@@ -53,7 +53,7 @@ Journal::Journal(std::filesystem::path file, bool start_over) : file_(std::move(
     }
     try {
         try {
-            read();
+            read(false);
         } catch (const InputError&) {
             if (!start_over) throw;
             clear();
@@ -64,14 +64,29 @@ Journal::Journal(std::filesystem::path file, bool start_over) : file_(std::move(
     }
 }
 
-Journal::~Journal() { ::close(descriptor_); }
+Journal::~Journal() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) {
+    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor_ < 0 && errno == ENOENT) return;
+    if (descriptor_ < 0)
+        throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
+    try {
+        read(true);
+    } catch (...) {
+        ::close(descriptor_);
+        throw;
+    }
+}
 
 void Journal::begin() {
     started_ = utc_now();
     write_line(json{{"hausbench_journal", journal_schema}, {"started", started_}}.dump());
 }
 
-void Journal::read() {
+void Journal::read(bool read_only) {
     std::string text;
     char buffer[1 << 16];
     for (;;) {
@@ -106,6 +121,7 @@ void Journal::read() {
         }
         good = end + 1;
     }
+    if (read_only) return;
     if (::ftruncate(descriptor_, off_t(good)) != 0 || ::lseek(descriptor_, 0, SEEK_END) < 0) {
         throw InputError(
             fmt::format("{}: cannot remove its incomplete last line: {}", file_.string(), std::strerror(errno)));

@@ -20,6 +20,12 @@ public:
     // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is damaged, of
     // another schema, not a journal, or cannot be written. `start_over`: a file that cannot be read is emptied instead.
     explicit Journal(std::filesystem::path file, bool start_over = false);
+
+    // What a file holds that another run may be writing: it is neither locked nor changed. An incomplete last line is passed over, and a
+    // file that is not there is empty. Throws InputError as above. Nothing may be appended.
+    struct ReadOnly {};
+    Journal(std::filesystem::path file, ReadOnly);
+
     ~Journal();
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
@@ -38,7 +44,7 @@ public:
 
 private:
     void write_line(const std::string& text);
-    void read();
+    void read(bool read_only);
     bool take(int number, std::string_view text);  // reads a line; false if it is not a record
     void clear();
     void erase(const std::set<std::string>& identities);

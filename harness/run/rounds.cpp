@@ -56,6 +56,7 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds) {
     for (const auto& [round, next] : rounds) {
         if (std::isfinite(next->prepare_seconds)) prepare_seconds.push_back(next->prepare_seconds);
         if (next->clock == "wall") outcome.clock = "wall";
+        outcome.side_by_side = outcome.side_by_side || next->side_by_side;
         if (round == 0) continue;
         outcome.answers.insert(outcome.answers.end(), next->answers.begin(), next->answers.end());
         outcome.repeats.insert(outcome.repeats.end(), next->repeats.begin(), next->repeats.end());

@@ -2,12 +2,15 @@
 
 #include "check/verify.h"
 #include "error.h"
+#include "plan/estimate.h"
 #include "process/interrupts.h"
+#include "process/memory.h"
 #include "result/provenance.h"
 #include "result/result_file.h"
 #include "run/describe.h"
 #include "run/earlier.h"
 #include "run/finished.h"
+#include "run/lanes.h"
 #include "run/ledger.h"
 #include "run/progress.h"
 #include "run/supervise.h"
@@ -18,6 +21,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
 #include <numeric>
 #include <set>
 
@@ -30,16 +34,24 @@ public:
     Runner(const Plan& plan, const RunOptions& options)
         : plan_(plan),
           options_(options),
-          finished_(plan, options.results, plan.experiment.stem + options.suffix, options.fresh, options.any_build),
+          side_by_side_(options.jobs > 1 || options.cluster),
+          finished_(plan, options.results, plan.experiment.stem + options.suffix, options.fresh,
+                    {options.any_build, options.cluster, side_by_side_}),
           progress_(options.quiet) {}
 
     RunSummary run() {
         const HoldInterrupts hold;
+        for (const std::string& name : options_.collect) finished_.take_over(options_.results, name);
+        if (!options_.collect.empty()) return finish();
         const int rounds = plan_.experiment.rounds;
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
         progress_.total(wanted);
 
+        if (options_.jobs > 1) {
+            run_several();
+            return finish();
+        }
         // Scene by scene, so that solvers that are compared run close in time; every other round in reverse (ABBA).
         std::map<std::size_t, std::vector<const Job*>> by_scene;
         for (const Job& job : plan_.jobs) by_scene[job.scene].push_back(&job);
@@ -56,6 +68,23 @@ public:
     }
 
 private:
+    // All rounds of a job after each other: nothing compares their times with those of another job.
+    void run_several() {
+        const Estimates estimates(options_.results);
+        std::vector<Demand> demands;
+        for (const Job& job : plan_.jobs) {
+            const JobEstimate one = estimates.of(plan_, job);
+            demands.push_back({one.seconds, plan_.cases[job.cases.front()].threads, one.bytes});
+        }
+        run_side_by_side(
+            demands, Room(cores_here(options_.jobs), spare_bytes()),
+            [&](std::size_t number, const std::vector<int>& cores) {
+                for (int round = 0; round < plan_.experiment.rounds && !HoldInterrupts::came(); ++round)
+                    run_job(plan_.jobs[number], round, cores);
+            },
+            HoldInterrupts::came);
+    }
+
     // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head; so is a
     // search, but only once: later rounds ask with the cutoffs of round 0.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
@@ -85,7 +114,9 @@ private:
         return least;
     }
 
-    void run_job(const Job& job, int round) {
+    // On these cores; without any, wherever there is one. All that several jobs share is looked at under the lock.
+    void run_job(const Job& job, int round, const std::vector<int>& cores = {}) {
+        std::unique_lock lock(lock_);
         std::vector<std::size_t> places = places_to_run(job, round);
         progress_.done(job.cases.size() - places.size());
         if (places.empty()) return;
@@ -93,10 +124,19 @@ private:
         std::map<RowStatus, std::size_t> statuses;
         while (!places.empty() && !HoldInterrupts::came()) {
             std::set<std::size_t> ended;
-            supervise(order(job, round, places),
-                      {.prepared = [&](const std::vector<std::string>& left_out) { note_left_out(job, left_out); },
+            WorkOrder asked = order(job, round, places);
+            asked.cores = cores;
+            lock.unlock();
+            supervise(asked,
+                      {.prepared =
+                           [&](const std::vector<std::string>& left_out) {
+                               const std::lock_guard held(lock_);
+                               note_left_out(job, left_out);
+                           },
                        .finished =
                            [&](std::size_t row, Outcome outcome) {
+                               const std::lock_guard held(lock_);
+                               outcome.side_by_side = side_by_side_;
                                outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
                                outcome.machine = this_machine().id;
                                outcome.repeats_asked = plan_.experiment.repeats;
@@ -107,6 +147,7 @@ private:
                                ended.insert(row);
                            },
                        .interrupted = HoldInterrupts::came});
+            lock.lock();
             std::erase_if(places, [&](std::size_t place) { return ended.contains(job.cases[place]); });
         }
         if (!statuses.empty()) progress_.line(fmt::format("{}: {}", job.label, to_string(statuses)));
@@ -256,6 +297,8 @@ private:
 
     const Plan& plan_;
     const RunOptions& options_;
+    const bool side_by_side_;
+    std::mutex lock_;
     Finished finished_;
     Progress progress_;
     std::vector<LedgerEntry> ledger_;

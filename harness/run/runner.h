@@ -16,6 +16,9 @@ struct RunOptions {
     bool fresh = false;             // forget what an earlier run finished of what this one is asked for
     bool any_build = false;         // keep rows of other builds of this program
     bool quiet = false;
+    int jobs = 1;               // at a time; of more than one, rows say that their times compare with none
+    bool cluster = false;       // they say so in any case, and rows of other machines stay
+    std::vector<std::string> collect = {};  // runs nothing: takes over the journals of these names in the folder
     std::string suffix;  // after the stem in the names of journal and result (shards)
 };
 

@@ -29,6 +29,7 @@ Launch launch(const WorkOrder& order) {
     launch.input = packed(order);
     launch.events = true;
     launch.scratch = "worker";
+    launch.cores = order.cores;
     return launch;
 }
 

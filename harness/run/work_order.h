@@ -27,6 +27,7 @@ struct WorkOrder {
     int round = 0, repeats = 0;
     Leave leave = Leave::out_what_is_not_needed;
     double slowdown = 0;  // Plan::planted_slowdown
+    std::vector<int> cores = {};  // that the worker may run on; empty: any. For who starts it, not sent
     struct Item {
         std::size_t row;
         std::size_t pair;   // items of one pair stand together

@@ -38,7 +38,7 @@ CASE: dict[str, Any] = {
     "status": "ok", "reason": "",
     "solver_status": "converged", "cutoff_used": float("inf"), "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
-    "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0,
+    "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0, "side_by_side": 0,
     "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked", "fields_sha256": "", "fields_check": "not checked",
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 

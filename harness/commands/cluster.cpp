@@ -1,0 +1,245 @@
+#include "commands/cluster.h"
+
+#include "commands/text_table.h"
+#include "error.h"
+#include "hash.h"
+#include "paths.h"
+#include "plan/split.h"
+#include "process/child.h"
+#include "process/whole_file.h"
+#include "run/finished.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int usual_shards = 16;
+constexpr double seconds_for_slurm = 120;  // until one of its commands is given up
+
+// For a shell.
+std::string quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+// What a command of Slurm says. `seconds`: how long it may take.
+std::string ask(std::vector<std::string> words, double seconds = seconds_for_slurm) {
+    const std::string name = words.front();
+    words.insert(words.begin(), "/usr/bin/env");
+    Launch launch;
+    launch.command = std::move(words);
+    launch.kept = std::size_t(1) << 22;
+    Child child(std::move(launch));
+    const Child::End end = child.wait({.seconds = seconds});
+    if (end == Child::End::time) throw InputError(fmt::format("{}: no answer within {} s: is slurmctld up?", name, seconds));
+    const std::string how = child.how_it_ended();
+    if (child.exit_code() == 127)
+        throw InputError(fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
+                                     "i/n and join them with `hausbench merge`",
+                                     name));
+    if (!how.empty()) throw InputError(fmt::format("{}: {}: {}", name, how, child.last_words()));
+    return child.output();
+}
+
+class Cluster {
+public:
+    Cluster(const ExperimentArguments& arguments, const Plan& plan)
+        : arguments_(arguments),
+          plan_(plan),
+          results_(fs::absolute(results_of(arguments))),
+          stem_(plan.experiment.stem),
+          folder_(cluster_folder(results_, stem_)),
+          name_(fmt::format("hausbench-{}-{}", stem_,
+                            Sha256().add(results_.string()).add(plan.experiment.profile).hex().substr(0, 8))) {}
+
+    bool is_split() const { return fs::exists(split_file()); }
+
+    // Keeps what an earlier split knows, unless another number of shards is asked for.
+    void divide(int shards) {
+        const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
+        const int jobs = std::max(1, int(plan_.jobs.size()));
+        const int of = shards > 0 ? shards : earlier.of > 0 ? earlier.of : std::min(jobs, usual_shards);
+        fs::create_directories(folder_ / "logs");
+        write_split(split_file(), split(plan_, Estimates(results_), of, earlier));
+    }
+
+    struct Shard {
+        std::size_t cases = 0, open = 0;
+        std::string state;  // in the queue; empty: it is not there
+    };
+
+    std::vector<Shard> shards() const {
+        const Split split = read_split(split_file());
+        const std::vector<int> of_jobs = split.of_jobs(plan_);
+        const auto states = queue();
+        std::vector<Shard> all(std::size_t(split.of));
+        for (int number = 1; number <= split.of; ++number) {
+            Shard& shard = all[std::size_t(number - 1)];
+            const Finished finished(plan_, results_, shard_name(number, split.of), {.any_machine = true, .side_by_side = true},
+                                    Journal::ReadOnly{});
+            for (std::size_t i = 0; i < of_jobs.size(); ++i) {
+                if (of_jobs[i] != number) continue;
+                shard.cases += plan_.jobs[i].cases.size();
+                shard.open += finished.open_cases(plan_.jobs[i]);
+            }
+            if (const auto at = states.find(number); at != states.end()) shard.state = at->second;
+        }
+        return all;
+    }
+
+    // Its number, as sbatch gives it.
+    std::string submit_array(const std::vector<int>& numbers, int of, const std::vector<std::string>& options) const {
+        int threads = 1;
+        for (const Case& asked : plan_.cases) threads = std::max(threads, asked.threads);
+        const fs::path script = folder_ / "shard.sh";
+        write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --split {}\n",
+                                             run_words(), of, quoted(split_file().string())));
+        std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + name_,
+                                       fmt::format("--array={}", fmt::join(numbers, ",")),
+                                       fmt::format("--cpus-per-task={}", threads), "--requeue", "--open-mode=append",
+                                       "--output=" + (folder_ / "logs" / "shard-%a.log").string()};
+        words.insert(words.end(), options.begin(), options.end());
+        words.push_back(script.string());
+        return number_in(ask(std::move(words)));
+    }
+
+    void submit_collection(const std::string& after, const ClusterArguments& cluster) const {
+        const fs::path script = folder_ / "collect.sh";
+        write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
+        std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + name_ + "-collect",
+                                       "--dependency=afterany:" + after, "--requeue",
+                                       "--output=" + (folder_ / "logs" / "collect.log").string()};
+        words.insert(words.end(), cluster.sbatch.begin(), cluster.sbatch.end());
+        if (cluster.wait) words.push_back("--wait");
+        words.push_back(script.string());
+        ask(std::move(words), cluster.wait ? std::numeric_limits<double>::infinity() : seconds_for_slurm);
+    }
+
+    const fs::path& folder() const { return folder_; }
+
+private:
+    fs::path split_file() const { return folder_ / "split.json"; }
+
+    std::string shard_name(int number, int of) const { return fmt::format("{}.shard-{}-of-{}", stem_, number, of); }
+
+    std::string run_words() const {
+        std::string words =
+            fmt::format("{} run {} --profile {} --results {} --cluster --quiet", quoted(program_path().string()),
+                        quoted(fs::absolute(arguments_.file).string()), quoted(arguments_.profile), quoted(results_.string()));
+        for (const std::string& solver : arguments_.choice.solvers) words += " --solver " + quoted(solver);
+        for (const std::string& scene : arguments_.choice.scenes) words += " --scene " + quoted(scene);
+        return words;
+    }
+
+    // What squeue says of each shard that it knows.
+    std::map<int, std::string> queue() const {
+        std::map<int, std::string> states;
+        std::istringstream lines(ask({"squeue", "--noheader", "--array", "--format=%j|%K|%T", "--name=" + name_}));
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t first = line.find('|'), second = line.find('|', first + 1);
+            if (second == std::string::npos || line.substr(0, first) != name_) continue;
+            states[std::atoi(line.substr(first + 1).c_str())] = line.substr(second + 1);
+        }
+        return states;
+    }
+
+    // "12;cluster", after whatever sbatch warned of.
+    static std::string number_in(const std::string& said) {
+        const std::size_t last = said.find_last_not_of(" \n");
+        const std::size_t begin = said.find_last_of('\n', last);
+        std::string line = said.substr(begin == std::string::npos ? 0 : begin + 1, last - begin);
+        line = line.substr(0, line.find(';'));
+        if (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)
+            throw InputError(fmt::format("sbatch: gave no number of a job: {}", one_line(said)));
+        return line;
+    }
+
+    const ExperimentArguments& arguments_;
+    const Plan& plan_;
+    fs::path results_;
+    std::string stem_;
+    fs::path folder_;
+    std::string name_;
+};
+
+}  // namespace
+
+fs::path cluster_folder(const fs::path& results, const std::string& stem) { return results / (stem + ".slurm"); }
+
+std::vector<std::string> shard_names(const fs::path& results, const std::string& stem) {
+    std::vector<std::string> names;
+    const std::string begin = stem + ".shard-";
+    std::error_code none;
+    for (fs::directory_iterator entry(results, none), end; !none && entry != end; entry.increment(none)) {
+        const std::string name = entry->path().stem().string();
+        if (entry->path().extension() == ".journal" && name.starts_with(begin)) names.push_back(name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+int submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster) {
+    Cluster here(arguments, plan);
+    here.divide(cluster.shards);
+    const auto shards = here.shards();
+    std::vector<int> numbers;
+    std::size_t open = 0, queued = 0;
+    for (std::size_t i = 0; i < shards.size(); ++i) {
+        if (!shards[i].state.empty()) {
+            ++queued;
+        } else if (shards[i].open > 0) {
+            numbers.push_back(int(i) + 1);
+            open += shards[i].open;
+        }
+    }
+    if (queued > 0) print(fmt::format("{} shards are in the queue already\n", queued));
+    if (numbers.empty() && queued > 0) return 0;
+    if (numbers.empty()) {
+        print("every case is finished: `hausbench run` with --collect makes the result\n");
+        return 0;
+    }
+    const std::string job = here.submit_array(numbers, int(shards.size()), cluster.sbatch);
+    print(fmt::format("job {}: {} cases in {} of {} shards; logs in {}\n", job, open, numbers.size(), shards.size(),
+                      (here.folder() / "logs").string()));
+    here.submit_collection(job, cluster);
+    return 0;
+}
+
+std::string cluster_status(const ExperimentArguments& arguments, const Plan& plan) {
+    const Cluster here(arguments, plan);
+    TextTable table({{"shard"}, {"cases", true}, {"finished", true}, {"state"}});
+    std::size_t cases = 0, open = 0;
+    const auto add = [&](const std::string& name, std::size_t all, std::size_t left, const std::string& state) {
+        table.add({{name, fmt::format("{}", all), fmt::format("{}", all - left), state}});
+    };
+    if (here.is_split()) {
+        const auto shards = here.shards();
+        for (std::size_t i = 0; i < shards.size(); ++i) {
+            const auto& one = shards[i];
+            cases += one.cases;
+            open += one.open;
+            add(fmt::format("{}/{}", i + 1, shards.size()), one.cases, one.open,
+                !one.state.empty() ? one.state : one.open == 0 ? "finished" : "not in the queue: submit again");
+        }
+    } else {
+        const Finished finished(plan, results_of(arguments), plan.experiment.stem, {}, Journal::ReadOnly{});
+        for (const Job& job : plan.jobs) {
+            cases += job.cases.size();
+            open += finished.open_cases(job);
+        }
+    }
+    add("all", cases, open, open == 0 ? "finished" : "");
+    return table.text(paper_of_output());
+}
+
+}  // namespace hausbench

@@ -1,0 +1,35 @@
+// `hausbench run S.toml --engine slurm` and `hausbench status S.toml`: an experiment as jobs of a cluster.
+//
+// The jobs of the plan are dealt out to shards (split.h). Slurm runs an array with one task a shard, each of them
+// `hausbench run --shard i/n` with a journal of its own, and then `hausbench run --collect`, which makes one result of all journals.
+// So a task that is killed, requeued or lost with its node costs the cases that it was at, and what is submitted
+// again runs only what no journal has. Folder of results and program must be the same on all nodes.
+#pragma once
+
+#include "commands/experiment_arguments.h"
+
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct ClusterArguments {
+    int shards = 0;                   // 0: as before, or else one for each job, but at most 16
+    std::vector<std::string> sbatch;  // more options for it
+    bool wait = false;                // until the result is there
+};
+
+// In the folder of results: the split, scripts and logs of an experiment's tasks.
+std::filesystem::path cluster_folder(const std::filesystem::path& results, const std::string& stem);
+
+// Submits the shards that have open cases and are not in the queue, and prints what it submitted. Returns the exit code: with `wait` that
+// of `run --collect`. Throws InputError where Slurm's commands do not run or refuse.
+int submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster);
+
+// How many cases each shard has finished, and what the queue says of it.
+std::string cluster_status(const ExperimentArguments& arguments, const Plan& plan);
+
+// The names of the journals of all shards, without their ending.
+std::vector<std::string> shard_names(const std::filesystem::path& results, const std::string& stem);
+
+}  // namespace hausbench

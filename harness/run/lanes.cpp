@@ -1,0 +1,126 @@
+#include "run/lanes.h"
+
+#include "error.h"
+
+#include <fmt/format.h>
+
+#include <sched.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <numeric>
+#include <thread>
+
+namespace hausbench {
+
+Room::Room(std::vector<int> cores, std::int64_t bytes)
+    : all_cores_(cores.size()), all_bytes_(bytes), free_bytes_(bytes), free_(std::move(cores)) {}
+
+std::size_t Room::cores_of(const Demand& demand) const {
+    return std::clamp<std::size_t>(std::size_t(std::max(1, demand.cores)), 1, all_cores_);
+}
+
+std::int64_t Room::bytes_of(const Demand& demand) const { return std::min(demand.bytes, all_bytes_); }
+
+bool Room::fits(const Demand& demand) const {
+    return cores_of(demand) <= free_.size() && bytes_of(demand) <= free_bytes_;
+}
+
+std::vector<int> Room::take(const Demand& demand) {
+    const auto end = free_.begin() + std::ptrdiff_t(cores_of(demand));
+    std::vector<int> taken(free_.begin(), end);
+    free_.erase(free_.begin(), end);
+    free_bytes_ -= bytes_of(demand);
+    return taken;
+}
+
+void Room::give_back(const Demand& demand, const std::vector<int>& cores) {
+    free_.insert(free_.end(), cores.begin(), cores.end());
+    free_bytes_ += bytes_of(demand);
+}
+
+std::vector<int> cores_here(int count) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    std::vector<int> cores;
+    if (::sched_getaffinity(0, sizeof set, &set) == 0) {
+        for (int core = 0; core < CPU_SETSIZE && cores.size() < std::size_t(count); ++core) {
+            if (CPU_ISSET(core, &set)) cores.push_back(core);
+        }
+    }
+    if (cores.size() < std::size_t(count))
+        throw InputError(fmt::format("--jobs {}: this process may run on {} cores: ask for no more", count, cores.size()));
+    return cores;
+}
+
+namespace {
+
+class Lanes {
+public:
+    Lanes(const std::vector<Demand>& demands, Room room,
+          const std::function<void(std::size_t, const std::vector<int>&)>& work, const std::function<bool()>& stop)
+        : demands_(demands), room_(std::move(room)), work_(work), stop_(stop), waiting_(demands.size()) {
+        std::iota(waiting_.begin(), waiting_.end(), 0);
+        std::stable_sort(waiting_.begin(), waiting_.end(), [&](std::size_t a, std::size_t b) {
+            return demands_[a].seconds > demands_[b].seconds;
+        });
+    }
+
+    void lane() {
+        std::unique_lock lock(lock_);
+        for (;;) {
+            const auto next = std::find_if(waiting_.begin(), waiting_.end(),
+                                           [&](std::size_t i) { return room_.fits(demands_[i]); });
+            if (waiting_.empty() || failure_ || stop_()) return;
+            if (next == waiting_.end()) {
+                room_made_.wait(lock);  // something runs, or it would fit
+                continue;
+            }
+            const std::size_t number = *next;
+            waiting_.erase(next);
+            const std::vector<int> cores = room_.take(demands_[number]);
+            lock.unlock();
+            std::exception_ptr failure;
+            try {
+                work_(number, cores);
+            } catch (...) {
+                failure = std::current_exception();
+            }
+            lock.lock();
+            if (!failure_) failure_ = failure;
+            room_.give_back(demands_[number], cores);
+            room_made_.notify_all();
+        }
+    }
+
+    void rethrow() const {
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    const std::vector<Demand>& demands_;
+    Room room_;
+    const std::function<void(std::size_t, const std::vector<int>&)>& work_;
+    const std::function<bool()>& stop_;
+    std::mutex lock_;
+    std::condition_variable room_made_;
+    std::vector<std::size_t> waiting_;  // the longest first
+    std::exception_ptr failure_;
+};
+
+}  // namespace
+
+void run_side_by_side(const std::vector<Demand>& demands, Room room,
+                      const std::function<void(std::size_t, const std::vector<int>&)>& work,
+                      const std::function<bool()>& stop) {
+    const std::size_t most = std::min(demands.size(), room.cores());
+    Lanes lanes(demands, std::move(room), work, stop);
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < most; ++i) threads.emplace_back([&] { lanes.lane(); });
+    for (std::thread& thread : threads) thread.join();
+    lanes.rethrow();
+}
+
+}  // namespace hausbench

@@ -1,0 +1,249 @@
+// Work side by side: what fits at a time, how it is dealt out, and that children of several threads do not end each other.
+#include "error.h"
+#include "plan/split.h"
+#include "process/child.h"
+#include "run/lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <sched.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <numeric>
+#include <set>
+#include <thread>
+
+namespace hausbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Room, CoresAndMemoryAreTakenAndGivenBack) {
+    Room room({4, 7, 9}, 100);
+    const Demand large{.cores = 2, .bytes = 70}, small{.cores = 1, .bytes = 40};
+    ASSERT_TRUE(room.fits(large));
+    const auto cores = room.take(large);
+    EXPECT_EQ(cores, (std::vector<int>{4, 7}));
+    EXPECT_FALSE(room.fits(small)) << "a core is free, but its memory is not";
+    EXPECT_TRUE(room.fits({.cores = 1, .bytes = 30}));
+    EXPECT_FALSE(room.fits({.cores = 2, .bytes = 1}));
+    room.give_back(large, cores);
+    EXPECT_TRUE(room.fits({.cores = 3, .bytes = 100}));
+}
+
+TEST(Room, WhatIsTooLargeForTheMachineRunsAlone) {
+    Room room({0, 1}, 100);
+    const Demand giant{.cores = 64, .bytes = 500};
+    ASSERT_TRUE(room.fits(giant));
+    const auto cores = room.take(giant);
+    EXPECT_EQ(cores.size(), 2u);
+    EXPECT_FALSE(room.fits({.cores = 1, .bytes = 0}));
+    room.give_back(giant, cores);
+    EXPECT_TRUE(room.fits(giant));
+}
+
+// What is busy at a time, while `run_side_by_side` runs.
+class Watch {
+public:
+    explicit Watch(const std::vector<Demand>& demands) : demands_(demands) {}
+
+    void operator()(std::size_t number, const std::vector<int>& cores) {
+        {
+            const std::lock_guard held(lock_);
+            begun_.push_back(number);
+            bytes_ += demands_[number].bytes;
+            most_bytes_ = std::max(most_bytes_, bytes_);
+            for (const int core : cores) EXPECT_TRUE(busy_.insert(core).second) << "two share core " << core;
+            most_cores_ = std::max(most_cores_, busy_.size());
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        const std::lock_guard held(lock_);
+        bytes_ -= demands_[number].bytes;
+        for (const int core : cores) busy_.erase(core);
+    }
+
+    std::vector<std::size_t> begun_;
+    std::int64_t most_bytes_ = 0;
+    std::size_t most_cores_ = 0;
+
+private:
+    const std::vector<Demand>& demands_;
+    std::mutex lock_;
+    std::int64_t bytes_ = 0;
+    std::set<int> busy_;
+};
+
+TEST(SideBySide, EachRunsOnceOnCoresOfItsOwnAndTwoGiantsNeverTogether) {
+    std::vector<Demand> demands;
+    for (int i = 0; i < 20; ++i) demands.push_back({double(i), 1 + i % 2, i % 5 == 0 ? 60 : 10});
+    Watch watch(demands);
+    run_side_by_side(demands, Room({0, 1, 2}, 100), std::ref(watch), [] { return false; });
+    std::vector<std::size_t> all(demands.size());
+    std::iota(all.begin(), all.end(), 0);
+    EXPECT_EQ(watch.begun_.front(), 19u) << "the longest first";
+    std::sort(watch.begun_.begin(), watch.begun_.end());
+    EXPECT_EQ(watch.begun_, all);
+    EXPECT_LE(watch.most_bytes_, 100);
+    EXPECT_EQ(watch.most_cores_, 3u);
+}
+
+TEST(SideBySide, NothingBeginsOnceItIsStopped) {
+    const std::vector<Demand> demands(50);
+    std::atomic<int> begun = 0;
+    run_side_by_side(
+        demands, Room({0, 1}, 1), [&](std::size_t, const std::vector<int>&) { ++begun; }, [&] { return begun >= 5; });
+    EXPECT_GE(begun, 5);
+    EXPECT_LE(begun, 6) << "one may have begun on the other core";
+}
+
+TEST(SideBySide, WhatIsThrownComesOutOnceTheOthersHaveEnded) {
+    const std::vector<Demand> demands(10);
+    std::atomic<int> running = 0;
+    const auto work = [&](std::size_t number, const std::vector<int>&) {
+        ++running;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        --running;
+        if (number == 0) throw InputError("the disk is full");
+    };
+    EXPECT_THROW(run_side_by_side(demands, Room({0, 1}, 1), work, [] { return false; }), InputError);
+    EXPECT_EQ(running, 0);
+}
+
+TEST(SideBySide, NothingToDo) {
+    run_side_by_side({}, Room({0}, 1), [](std::size_t, const std::vector<int>&) { FAIL(); }, [] { return false; });
+}
+
+TEST(CoresHere, AreThoseThatThisProcessMayRunOn) {
+    cpu_set_t set;
+    ASSERT_EQ(::sched_getaffinity(0, sizeof set, &set), 0);
+    EXPECT_TRUE(CPU_ISSET(cores_here(1).front(), &set));
+    EXPECT_THROW(cores_here(1 << 20), InputError);
+}
+
+TEST(Balanced, TheLongestGoFirstEachToWhoHasLeast) {
+    EXPECT_EQ(balanced({1, 5, 4, 3, 3}, 2), (std::vector<int>{1, 0, 1, 1, 0}));
+    EXPECT_EQ(balanced({2, 2, 2}, 5), (std::vector<int>{0, 1, 2}));
+    EXPECT_TRUE(balanced({}, 3).empty());
+}
+
+// Jobs of one case each, of expected work in proportion to the elements.
+Plan plan_of(const std::vector<std::int64_t>& elements) {
+    Plan plan;
+    plan.experiment.repeats = 1;
+    for (const std::int64_t count : elements) {
+        Case asked;
+        asked.solver = "scan";
+        asked.source_elements = count;
+        asked.identity = "case of " + std::to_string(count);
+        Job job;
+        job.label = asked.identity;
+        job.cases = {plan.cases.size()};
+        job.pairs = {{}};
+        plan.cases.push_back(asked);
+        plan.jobs.push_back(job);
+    }
+    return plan;
+}
+
+TEST(SplitOfAPlan, AJobStaysWhereItIsWhileOthersComeAndGo) {
+    const Estimates estimates("/no/such/folder");
+    const Split first = split(plan_of({100, 200, 300, 400}), estimates, 2);
+    const Plan changed = plan_of({400, 50, 300, 1000000});
+    const Split second = split(changed, estimates, 2, first);
+    EXPECT_EQ(second.of_jobs(changed)[0], first.of_jobs(plan_of({400})).front());
+    EXPECT_EQ(second.of_jobs(changed)[2], first.of_jobs(plan_of({300})).front());
+    EXPECT_EQ(second.shards.size(), 4u);
+    EXPECT_THROW(first.of_jobs(changed), InputError) << "it does not know the new ones";
+    EXPECT_EQ(split(changed, estimates, 3, first).of_jobs(changed), split(changed, estimates, 3).of_jobs(changed));
+}
+
+TEST(SplitOfAPlan, IsReadAsItWasWritten) {
+    const fs::path file = fs::path(testing::TempDir()) / "split.json";
+    const Split one = split(plan_of({10, 20, 30}), Estimates(""), 2);
+    write_split(file, one);
+    const Split again = read_split(file);
+    EXPECT_EQ(again.of, 2);
+    EXPECT_EQ(again.shards, one.shards);
+    for (const char* text : {"", "{}", "[1]", R"({"hausbench_split": 2, "of": 1, "shards": {}})",
+                             R"({"hausbench_split": 1, "of": 0, "shards": {}})",
+                             R"({"hausbench_split": 1, "of": 2, "shards": {"a": 3}})"}) {
+        std::ofstream(file) << text;
+        EXPECT_THROW(read_split(file), InputError) << text;
+    }
+}
+
+TEST(RefuseWhatDoesNotFit, GivesARowAndALineOfTheLedger) {
+    Plan plan = plan_of({1000, 2'000'000});
+    ModelInfo info;
+    info.name = "large";
+    ResolvedModel large;
+    large.shape_file = "large.h5";
+    large.kind = ShapeKind::points;
+    large.elements = large.vertices = 2'000'000;
+    plan.models.push_back({&info, large});
+    plan.jobs[1].pairs.front().source_file = "large.h5";
+    const std::int64_t needed = loaded_bytes(plan, plan.jobs[1]);
+    EXPECT_GT(needed, 2'000'000 * 24);
+    Plan fits = plan;
+    refuse_what_does_not_fit(fits, Estimates(""), needed);
+    EXPECT_EQ(fits.jobs.size(), 2u);
+    refuse_what_does_not_fit(plan, Estimates(""), needed - 1);
+    ASSERT_EQ(plan.jobs.size(), 1u);
+    ASSERT_TRUE(plan.decided.contains(1));
+    EXPECT_EQ(plan.decided.at(1).status, RowStatus::out_of_memory);
+    EXPECT_NE(plan.decided.at(1).reason.find("not started"), std::string::npos);
+    EXPECT_EQ(plan.ledger.size(), 1u);
+}
+
+Launch shell(const std::string& words) {
+    Launch launch;
+    launch.command = {"/bin/sh", "-c", words};
+    return launch;
+}
+
+// Each leaves an orphan behind, which is ended with it; and none ends the children of other threads, which end by themselves.
+TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
+    std::atomic<int> wrong = 0, ended = 0;
+    const fs::path folder = fs::path(testing::TempDir()) / "orphans";
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t) {
+        threads.emplace_back([&, t] {
+            for (int k = 0; k < 15; ++k) {
+                const std::string file = (folder / (std::to_string(t) + "-" + std::to_string(k))).string();
+                Child child(shell("setsid sh -c 'sleep 3; touch " + file + "' & sleep 0.0" + std::to_string(1 + (t + k) % 9)));
+                if (child.wait({.seconds = 60}) != Child::End::by_itself || !child.how_it_ended().empty()) ++wrong;
+                ++ended;
+            }
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(ended, 60);
+    EXPECT_EQ(wrong, 0) << "a child was ended by another thread";
+    std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+    EXPECT_TRUE(fs::is_empty(folder)) << "an orphan lived on";
+}
+
+TEST(ChildrenOfThreads, RunOnTheCoresThatAreTheirs) {
+    const int core = cores_here(1).front();
+    Launch launch = shell("grep Cpus_allowed_list /proc/self/status");
+    launch.cores = {core};
+    Child child(std::move(launch));
+    EXPECT_EQ(child.wait({.seconds = 60}), Child::End::by_itself);
+    EXPECT_EQ(child.output(), "Cpus_allowed_list:\t" + std::to_string(core) + "\n");
+}
+
+TEST(ChildrenOfThreads, AClosedPipeDoesNotEndTheProgram) {
+    Launch launch = shell("exec 0<&-; sleep 0.2");
+    launch.input = std::string(1 << 20, 'x');
+    Child child(std::move(launch));
+    EXPECT_EQ(child.wait({.seconds = 60}), Child::End::by_itself);
+}
+
+}  // namespace
+}  // namespace hausbench

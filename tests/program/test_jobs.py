@@ -1,0 +1,151 @@
+"""`hausbench run --jobs`: several cases at a time have the answers of one go, and say that their times compare with none."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import pytest
+
+from conftest import ROOT, Program
+
+SMOKE = ROOT / "experiments" / "smoke.toml"
+ANSWERS = ("identity", "status", "reason", "lower", "upper", "witness_source", "counter_node_visits")
+
+needs_two_cores = pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="this machine has one core")
+
+
+def answers(file: Path) -> list[list[object]]:
+    with h5py.File(file) as result:
+        return [result["cases"][name][()].tolist() for name in ANSWERS]
+
+
+def column(file: Path, name: str) -> list[int]:
+    with h5py.File(file) as result:
+        return [int(value) for value in result["cases"][name][()]]
+
+
+@needs_two_cores
+def test_several_at_a_time_give_the_answers_of_one_go(hausbench: Program, tmp_path: Path) -> None:
+    for folder, more in (("one", ()), ("two", ("--jobs", "2"))):
+        assert hausbench("run", SMOKE, "--results", tmp_path / folder, *more).returncode == 0
+    one, two = tmp_path / "one" / "smoke.h5", tmp_path / "two" / "smoke.h5"
+    assert repr(answers(one)) == repr(answers(two))
+    ran = [status in (b"ok",) for status in answers(two)[1]]
+    assert sum(ran) > 10 and [bool(said) for said in column(two, "side_by_side")] == ran
+    assert not any(column(one, "side_by_side"))
+
+
+@needs_two_cores
+def test_times_that_compare_with_none_are_taken_again_by_a_run_of_one_at_a_time(hausbench: Program, tmp_path: Path) -> None:
+    command = ("run", SMOKE, "--results", tmp_path)
+    assert hausbench(*command, "--jobs", "2").returncode == 0
+    journal = tmp_path / "smoke.journal"
+    size = journal.stat().st_size
+    for more in (("--jobs", "2"), ("--any-build",)):
+        assert hausbench(*command, *more).returncode == 0 and journal.stat().st_size == size, "finished cases are not run again"
+    assert any(column(tmp_path / "smoke.h5", "side_by_side"))
+    assert hausbench(*command).returncode == 0 and journal.stat().st_size > size
+    assert not any(column(tmp_path / "smoke.h5", "side_by_side"))
+    size = journal.stat().st_size
+    assert hausbench(*command, "--jobs", "2").returncode == 0 and journal.stat().st_size == size, "times that do compare are kept"
+
+
+def test_more_than_there_are_cores_is_a_mistake(hausbench: Program, tmp_path: Path) -> None:
+    assert "ask for no more" in hausbench.fails("run", SMOKE, "--results", tmp_path, "--quiet", "--jobs", "4096")
+    assert "--jobs" in hausbench.fails("run", SMOKE, "--results", tmp_path, "--jobs", "0")
+
+
+SLOW = """\
+title = "slow"
+tolerances = [1e-3]
+of = "diagonal"
+repeats = 1
+[[scene]]
+name = "clouds"
+source = "a"
+target = "b"
+[[solver]]
+name = "naive"
+[[solver]]
+name = "earlybreak"
+parameters = { seed = [1, 2, 3, 4, 5, 6] }
+[model.a]
+source = "generated"
+recipe = "gaussian_points"
+count = 40000
+seed = 1
+sigma = 1.0
+x = 0.0
+y = 0.0
+z = 0.0
+[model.b]
+source = "generated"
+recipe = "gaussian_points"
+count = 40000
+seed = 2
+sigma = 1.0
+x = 0.0
+y = 0.0
+z = 0.0
+"""
+
+
+@needs_two_cores
+def test_ctrl_c_ends_all_of_them_and_the_same_command_goes_on(hausbench: Program, tmp_path: Path) -> None:
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW)
+    command = hausbench.command("run", file, "--results", tmp_path / "two", "--jobs", "2")
+    journal = tmp_path / "two" / "slow.journal"
+    with subprocess.Popen(command, cwd=tmp_path, env=hausbench.environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        end = time.monotonic() + 60
+        while time.monotonic() < end and (not journal.exists() or len(journal.read_bytes().splitlines()) < 3):
+            time.sleep(0.01)
+        running.send_signal(signal.SIGINT)
+        running.communicate(timeout=60)
+    assert running.returncode == 130
+    left = subprocess.run(["pgrep", "-f", f"{hausbench.path} worker.*{tmp_path}"], capture_output=True, text=True, check=False)
+    assert not left.stdout
+    assert hausbench("run", file, "--results", tmp_path / "two", "--jobs", "2").returncode == 0
+    assert hausbench("run", file, "--results", tmp_path / "one", "--jobs", "1").returncode == 0
+    assert repr(answers(tmp_path / "two" / "slow.h5")) == repr(answers(tmp_path / "one" / "slow.h5"))
+
+
+def test_what_needs_more_memory_than_is_allowed_is_not_started(hausbench: Program, tmp_path: Path) -> None:
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW + "[limits]\nmemory_mb = 50\n")
+    assert hausbench("run", file, "--results", tmp_path).returncode == 0
+    with h5py.File(tmp_path / "slow.h5") as result:
+        assert set(result["cases/status"][()]) == {b"out_of_memory"} and all(b"not started: about" in why for why in result["cases/reason"][()])
+
+
+def test_status_counts_what_is_finished(hausbench: Program, tmp_path: Path) -> None:
+    def last() -> list[str]:
+        return hausbench("status", SMOKE, "--results", tmp_path).stdout.strip().splitlines()[-1].split()
+
+    assert last()[:3] == ["all", "17", "0"]
+    assert hausbench("run", SMOKE, "--results", tmp_path, "--solver", "guthe").returncode == 0
+    assert last()[0] == "all" and 0 < int(last()[2]) < 17
+    assert hausbench("run", SMOKE, "--results", tmp_path).returncode == 0
+    assert last() == ["all", "17", "17", "finished"]
+
+
+def test_what_shards_have_finished_is_collected(hausbench: Program, tmp_path: Path) -> None:
+    """As a cluster does it, without one; a shard that is missing is told, and what there is is in the result."""
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert hausbench("run", SMOKE, "--results", whole).returncode == 0
+    collect = ("run", SMOKE, "--results", parts, "--collect", "--cluster")
+    assert "has no journal of a shard" in hausbench.fails(*collect, "--quiet")
+    for number in (1, 3):
+        assert hausbench("run", SMOKE, "--results", parts, "--shard", f"{number}/3", "--cluster").returncode == 0
+    done = hausbench(*collect)
+    assert done.returncode == 1 and "cases are missing: submit again" in done.stderr
+    assert hausbench("run", SMOKE, "--results", parts, "--shard", "2/3", "--cluster").returncode == 0
+    assert hausbench(*collect).returncode == 0
+    assert repr(answers(whole / "smoke.h5")) == repr(answers(parts / "smoke.h5"))
+    size = (parts / "smoke.journal").stat().st_size
+    assert hausbench(*collect).returncode == 0 and (parts / "smoke.journal").stat().st_size == size, "nothing is taken over twice"
