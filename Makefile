@@ -29,6 +29,7 @@ CASE ?=
 GOOD ?=
 BAD ?= HEAD
 SKIP_DEPS ?=
+ENGINE ?= here
 
 export MPLBACKEND := Agg
 export MUTANTS
@@ -46,7 +47,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus recordings test hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets corpus recordings test test-slurm hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -56,6 +57,7 @@ help:
 	@echo 'make recordings   simulate the recorded scenes of experiments/tang2009 again (needs libbullet-dev; what it writes is committed)'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
+	@echo 'make test-slurm   run an experiment on a Slurm of one machine and two nodes, kill a task and lose a node (root; installs slurm-wlm and munge)'
 	@echo 'make certificates write and check the proofs of 40 pairs of real meshes, and false claims, which must be refused; fewer of guthe and sacht'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
@@ -77,6 +79,7 @@ help:
 	@echo
 	@echo 'Variables: PROFILE=quick|paper (now $(PROFILE))  JOBS=$(JOBS)  PYTHON=$(PYTHON)  RUN_ARGS= (for hausbench run)'
 	@echo '           MUTANTS= (only those whose name or file contains it)'
+	@echo '           ENGINE=here|slurm (where make STEM and make experiments run; slurm: on a cluster)'
 	@echo '           FUZZ_SECONDS=60  TARGET= (for make fuzz: one of tests/fuzz/*.cpp, default all)'
 	@echo '           BASE=HEAD  TRACK_ARGS= (for make track: --tiers time ...)  REVS= (for make history)  CASE= GOOD= BAD=HEAD (for make bisect)'
 	@echo '           BENCH_ARGS= (for kernel_bench: --benchmark_filter=closest ...)  VERSIONS_ARGS= (for bench.tracking.versions)'
@@ -95,18 +98,7 @@ deps: $(DEPS)
 .stamps/deps: packages.txt $(wildcard /var/lib/dpkg/status)
 	@command -v dpkg-query >/dev/null || { \
 	    echo 'deps: this is not a Debian system: install what packages.txt lists, then run make SKIP_DEPS=1 ...' >&2; exit 1; }
-	@installed=" $$(dpkg-query -W -f='$${db:Status-Status} $${Package}\n' $(PACKAGES) 2>/dev/null | sed -n 's/^installed //p' | tr '\n' ' ' || true)"; \
-	missing=; for package in $(PACKAGES); do [[ $$installed == *" $$package "* ]] || missing+=" $$package"; done; \
-	if [ -n "$$missing" ] && [ "$$(id -u)" -ne 0 ]; then \
-	    echo "deps: Debian packages are missing, and only root may install them. Please run" >&2; \
-	    echo "  sudo apt-get update && sudo apt-get install --no-install-recommends$$missing" >&2; exit 1; \
-	elif [ -n "$$missing" ]; then \
-	    echo "deps: installing, which takes a minute or two:$$missing"; \
-	    mkdir -p $(@D); export DEBIAN_FRONTEND=noninteractive; \
-	    apt-get update -qq || echo 'deps: apt-get update failed; going on with the package lists at hand' >&2; \
-	    apt-get install -qq -y --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $$missing > $(@D)/apt.log 2>&1 || { \
-	        tail -n 20 $(@D)/apt.log >&2; echo 'deps: apt-get install failed; its output is in $(@D)/apt.log' >&2; exit 1; }; \
-	fi
+	$(call install,$(PACKAGES))
 	@mkdir -p $(@D) && touch $@
 
 # --- building --------------------------------------------------------------------------------------------------------
@@ -114,6 +106,22 @@ deps: $(DEPS)
 build/%/build.ninja: $(DEPS)
 	cmake --preset $* $(LAUNCHER) $(CMAKE_ARGS)
 	@touch $@
+
+# Debian packages that are missing, as root; the others are not touched.
+define install
+@installed=" $$(dpkg-query -W -f='$${db:Status-Status} $${Package}\n' $(1) 2>/dev/null | sed -n 's/^installed //p' | tr '\n' ' ' || true)"; \
+missing=; for package in $(1); do [[ $$installed == *" $$package "* ]] || missing+=" $$package"; done; \
+if [ -n "$$missing" ] && [ "$$(id -u)" -ne 0 ]; then \
+    echo "deps: Debian packages are missing, and only root may install them. Please run" >&2; \
+    echo "  sudo apt-get update && sudo apt-get install --no-install-recommends$$missing" >&2; exit 1; \
+elif [ -n "$$missing" ]; then \
+    echo "deps: installing, which takes a minute or two:$$missing"; \
+    mkdir -p .stamps; export DEBIAN_FRONTEND=noninteractive; \
+    apt-get update -qq || echo 'deps: apt-get update failed; going on with the package lists at hand' >&2; \
+    apt-get install -qq -y --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $$missing > .stamps/apt.log 2>&1 || { \
+        tail -n 20 .stamps/apt.log >&2; echo 'deps: apt-get install failed; its output is in .stamps/apt.log' >&2; exit 1; }; \
+fi
+endef
 
 # cmake runs again by itself when a CMakeLists.txt changes; here it runs again for options given to this make.
 define compile
@@ -160,7 +168,7 @@ define walk
 $(if $(2),$(2) || failed+=" datasets";) \
 for stem in $(1); do \
     echo "== $$stem"; \
-    code=0; "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(RUN_ARGS) || code=$$?; \
+    code=0; "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(if $(filter slurm,$(ENGINE)),--engine slurm --wait) $(RUN_ARGS) || code=$$?; \
     case $$code in 0) ;; 1) failed+=" $$stem (unsound rows)";; *) failed+=" $$stem (run)"; continue;; esac; \
     [ -z "$$(find analysis -name "$$stem.py")" ] || $(PYTHON) -m analysis "$$stem" || failed+=" $$stem (analysis)"; \
 done; \
@@ -203,6 +211,11 @@ test: build/release/build.ninja
 	$(PYTHON) -m pytest -q tests
 
 # All of tests/hostile/files.toml, some of which are in packages that nothing else needs (50 MB).
+# A Slurm of one machine with two nodes; what it needs is installed for it alone.
+test-slurm: build
+	$(if $(SKIP_DEPS),,$(call install,slurm-wlm munge))
+	$(PYTHON) -m pytest -q -rs tests/slurm
+
 hostile: build
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs tests/hostile
 
@@ -217,6 +230,7 @@ types: $(DEPS)
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
 	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
 	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
+	MYPYPATH=tests/slurm $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/slurm
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}

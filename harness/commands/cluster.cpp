@@ -13,6 +13,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -32,8 +34,14 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
-// What a command of Slurm says. `seconds`: how long it may take.
-std::string ask(std::vector<std::string> words, double seconds = seconds_for_slurm) {
+// Of a file; empty where it cannot be read.
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// What a command of Slurm says. `seconds`: how long it may take. `code`, if given, gets its exit code; else any but 0 is an error.
+std::string ask(std::vector<std::string> words, double seconds = seconds_for_slurm, int* code = nullptr) {
     const std::string name = words.front();
     words.insert(words.begin(), "/usr/bin/env");
     Launch launch;
@@ -47,7 +55,11 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
         throw InputError(fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
                                      "i/n and join them with `hausbench merge`",
                                      name));
-    if (!how.empty()) throw InputError(fmt::format("{}: {}: {}", name, how, child.last_words()));
+    if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted", name));
+    if (code && !child.signal())
+        *code = child.exit_code();
+    else if (!how.empty())
+        throw InputError(fmt::format("{}: {}: {}", name, how, child.last_words()));
     return child.output();
 }
 
@@ -113,7 +125,8 @@ public:
         return number_in(ask(std::move(words)));
     }
 
-    void submit_collection(const std::string& after, const ClusterArguments& cluster) const {
+    // The exit code of the job, if it is waited for.
+    int submit_collection(const std::string& after, const ClusterArguments& cluster) const {
         const fs::path script = folder_ / "collect.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
         std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + name_ + "-collect",
@@ -122,7 +135,12 @@ public:
         words.insert(words.end(), cluster.sbatch.begin(), cluster.sbatch.end());
         if (cluster.wait) words.push_back("--wait");
         words.push_back(script.string());
-        ask(std::move(words), cluster.wait ? std::numeric_limits<double>::infinity() : seconds_for_slurm);
+        int code = 0;
+        if (cluster.wait)
+            ask(std::move(words), std::numeric_limits<double>::infinity(), &code);
+        else
+            ask(std::move(words));
+        return code;
     }
 
     const fs::path& folder() const { return folder_; }
@@ -188,7 +206,7 @@ std::vector<std::string> shard_names(const fs::path& results, const std::string&
     return names;
 }
 
-int submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster) {
+std::optional<int> submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster) {
     Cluster here(arguments, plan);
     here.divide(cluster.shards);
     const auto shards = here.shards();
@@ -204,15 +222,13 @@ int submit(const ExperimentArguments& arguments, const Plan& plan, const Cluster
     }
     if (queued > 0) print(fmt::format("{} shards are in the queue already\n", queued));
     if (numbers.empty() && queued > 0) return 0;
-    if (numbers.empty()) {
-        print("every case is finished: `hausbench run` with --collect makes the result\n");
-        return 0;
-    }
+    if (numbers.empty()) return std::nullopt;
     const std::string job = here.submit_array(numbers, int(shards.size()), cluster.sbatch);
     print(fmt::format("job {}: {} cases in {} of {} shards; logs in {}\n", job, open, numbers.size(), shards.size(),
                       (here.folder() / "logs").string()));
-    here.submit_collection(job, cluster);
-    return 0;
+    const int code = here.submit_collection(job, cluster);
+    if (cluster.wait) print(fmt::format("{}", text_of(here.folder() / "logs" / "collect.log")));
+    return code;
 }
 
 std::string cluster_status(const ExperimentArguments& arguments, const Plan& plan) {

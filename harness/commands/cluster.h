@@ -8,6 +8,7 @@
 
 #include "commands/experiment_arguments.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct ClusterArguments {
 std::filesystem::path cluster_folder(const std::filesystem::path& results, const std::string& stem);
 
 // Submits the shards that have open cases and are not in the queue, and prints what it submitted. Returns the exit code: with `wait` that
-// of `run --collect`. Throws InputError where Slurm's commands do not run or refuse.
-int submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster);
+// of `run --collect`. Nothing where every case is finished: what there is has only to be collected. Throws InputError where Slurm's
+// commands do not run or refuse.
+std::optional<int> submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster);
 
 // How many cases each shard has finished, and what the queue says of it.
 std::string cluster_status(const ExperimentArguments& arguments, const Plan& plan);

@@ -37,9 +37,12 @@ std::size_t count_missing(const std::vector<Row>& rows) {
                                      [](const Row& row) { return row.outcome.reason == not_run_yet; }));
 }
 
-int run(const RunArguments& arguments) {
+int run(RunArguments& arguments) {
     Plan plan = plan_of(arguments, arguments.quiet);
-    if (arguments.engine == "slurm") return submit(arguments, plan, arguments.slurm);
+    if (arguments.engine == "slurm") {
+        if (const auto code = submit(arguments, plan, arguments.slurm)) return *code;
+        arguments.collect = arguments.cluster = true;
+    }
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
