@@ -13,6 +13,7 @@ namespace hausbench {
 namespace {
 
 constexpr int most_power = 40;
+constexpr std::size_t most_products = 10'000'000;  // of terms, in all: seconds; the densest of power 40 takes half as many
 constexpr int deepest = 100;  // parentheses within parentheses: each takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
@@ -26,18 +27,6 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
     std::replace_if(
         message.begin(), message.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
     throw InputError(message);
-}
-
-Sum product(const Sum& a, const Sum& b) {
-    Sum out;
-    for (const auto& [p, x] : a) {
-        for (const auto& [q, y] : b) {
-            const Powers powers{p[0] + q[0], p[1] + q[1], p[2] + q[2]};
-            const auto [at, fresh] = out.emplace(powers, x * y);
-            if (!fresh) at->second += x * y;
-        }
-    }
-    return out;
 }
 
 // Recursive descent, one character ahead.
@@ -91,6 +80,22 @@ private:
                 if (!fresh) at->second += x;
             }
         }
+    }
+
+    Sum product(const Sum& a, const Sum& b) {
+        products_ += a.size() * b.size();
+        if (products_ > most_products)
+            fail(fmt::format("multiplying it out takes more than {} products of terms: use lower powers or fewer parentheses",
+                             most_products));
+        Sum out;
+        for (const auto& [p, x] : a) {
+            for (const auto& [q, y] : b) {
+                const Powers powers{p[0] + q[0], p[1] + q[1], p[2] + q[2]};
+                const auto [at, fresh] = out.emplace(powers, x * y);
+                if (!fresh) at->second += x * y;
+            }
+        }
+        return out;
     }
 
     static void negate(Sum& of) {
@@ -214,6 +219,7 @@ private:
     std::string_view text_;
     std::size_t at_ = 0;
     int depth_ = 0;  // parentheses open
+    std::size_t products_ = 0;
 };
 
 }  // namespace

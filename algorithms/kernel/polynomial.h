@@ -27,7 +27,8 @@ public:
     };
 
     // Throws InputError for text that is none of the above (the column, from 1, and the remedy), powers above 40, more
-    // than 100 nested parentheses, a polynomial without x, y and z, or coefficients that are not finite. Sets the rounding mode for itself.
+    // than 100 nested parentheses or 10 million products of terms, a polynomial without x, y and z, or coefficients that are not finite.
+    // Sets the rounding mode for itself.
     explicit Polynomial(std::string_view text);
 
     // In the order of powers; no term's coefficient is exactly 0.
