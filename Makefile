@@ -248,7 +248,7 @@ asan-kernels: build/asan/build.ninja
 
 # Sessions that several threads share. `planted_race` is a race, and passes only where the sanitizer reports it. What is left out by
 # --gtest_filter has no threads, and would take minutes.
-TSAN_TESTS = cover_test mesh_motion_test kernel_blocks_test session_quantities_test session_directions_test session_test kernel_structures_test kernel_parallel_test solver_contract_test planted_race
+TSAN_TESTS = cover_test mesh_motion_test kernel_blocks_test session_quantities_test session_directions_test session_test lanes_test kernel_structures_test kernel_parallel_test solver_contract_test planted_race
 
 tsan: build/tsan/build.ninja
 	$(call compile,tsan,$(TSAN_TESTS))
