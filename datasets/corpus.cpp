@@ -12,8 +12,15 @@
 namespace hausbench {
 namespace {
 
-// The models of manifest.toml that belong to the corpus.
-std::vector<std::string> of_manifest(const TomlReader& corpus) { return corpus.texts("manifest", "names of models"); }
+// Of the corpus, and of the whole corpus besides: the tables, and the list of models of manifest.toml.
+struct Part {
+    const char *models, *manifest;
+};
+constexpr Part chosen = {"model", "manifest"}, rest = {"whole", "whole_manifest"};
+
+std::vector<std::string> of_manifest(const TomlReader& corpus, const Part& part) {
+    return corpus.texts(part.manifest, "names of models");
+}
 
 ModelInfo by_rule(const CorpusRule& rule, const std::string& from) {
     ModelInfo model;
@@ -46,37 +53,43 @@ std::filesystem::path corpus_beside(const std::filesystem::path& manifest) {
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest) {
     const toml::table root = parse_toml(file);
     const TomlReader reader(file, root);
-    reader.allow({"manifest", "model"});
+    reader.allow({chosen.manifest, chosen.models, rest.manifest, rest.models});
     reader.refuse_other_keys();
-    Corpus corpus;
-    corpus.models = read_models(file, root, ModelsOf::manifest);
-    for (ModelInfo& model : corpus.models) {
-        model.of_corpus = true;
-        corpus.names.push_back(model.name);
-    }
     std::set<std::string> there;
     for (const ModelInfo& model : manifest) there.insert(model.name);
-    for (std::size_t i = 0; const std::string& name : of_manifest(reader)) {
-        const toml::node& at = *reader.find("manifest")->as_array()->get(i++);
-        if (!there.contains(name))
-            reader.fail(at, fmt::format("'manifest' names '{}', which datasets/manifest.toml does not have{}", name,
-                                        nearest_hint(name, {there.begin(), there.end()})));
-        corpus.names.push_back(name);
+    Corpus corpus;
+    for (const Part& part : {chosen, rest}) {
+        for (ModelInfo& model : read_models(file, root, ModelsOf::manifest, part.models)) {
+            model.of_corpus = true;
+            corpus.whole.push_back(model.name);
+            corpus.models.push_back(std::move(model));
+        }
+        for (std::size_t i = 0; const std::string& name : of_manifest(reader, part)) {
+            const toml::node& at = *reader.find(part.manifest)->as_array()->get(i++);
+            if (!there.contains(name))
+                reader.fail(at, fmt::format("'{}' names '{}', which datasets/manifest.toml does not have{}", part.manifest,
+                                            name, nearest_hint(name, {there.begin(), there.end()})));
+            corpus.whole.push_back(name);
+        }
+        if (corpus.names.empty()) corpus.names = corpus.whole;  // the first part
     }
-    std::sort(corpus.names.begin(), corpus.names.end());
-    const auto twice = std::adjacent_find(corpus.names.begin(), corpus.names.end());
-    if (twice != corpus.names.end()) reader.fail(fmt::format("'{}' is listed twice: remove one", *twice));
-    for (const std::string& name : corpus.names)
+    for (auto* names : {&corpus.names, &corpus.whole}) std::sort(names->begin(), names->end());
+    const auto twice = std::adjacent_find(corpus.whole.begin(), corpus.whole.end());
+    if (twice != corpus.whole.end()) reader.fail(fmt::format("'{}' is listed twice: remove one", *twice));
+    for (const std::string& name : corpus.whole)
         for (const CorpusRule& rule : corpus_rules())
             if (!there.contains(name + rule.ending)) corpus.models.push_back(by_rule(rule, name));
     return corpus;
 }
 
-std::vector<std::string> corpus_names(const std::filesystem::path& file) {
+std::vector<std::string> corpus_names(const std::filesystem::path& file, bool whole) {
     const toml::table root = parse_toml(file);
-    std::vector<std::string> names = of_manifest(TomlReader(file, root));
-    if (const toml::table* models = root["model"].as_table())
-        for (const auto& [key, table] : *models) names.emplace_back(key.str());
+    std::vector<std::string> names;
+    for (const Part& part : whole ? std::vector{chosen, rest} : std::vector{chosen}) {
+        for (const std::string& name : of_manifest(TomlReader(file, root), part)) names.push_back(name);
+        if (const toml::table* models = root[part.models].as_table())
+            for (const auto& [key, table] : *models) names.emplace_back(key.str());
+    }
     std::sort(names.begin(), names.end());
     return names;
 }

@@ -11,10 +11,11 @@ namespace hausbench {
 
 struct Corpus {
     std::vector<std::string> names;  // of its meshes, sorted
+    std::vector<std::string> whole;  // of those of the whole corpus, sorted: `names` too
     std::vector<ModelInfo> models;   // those that the manifest does not have, and what the rules derive from all
 };
 
-// What every mesh NAME of the corpus has without a table of its own, unless the manifest has a model of that name:
+// What every mesh NAME of the whole corpus has without a table of its own, unless the manifest has a model of that name:
 // NAME_half      half of its triangles, by edge collapse
 // NAME_remeshed  even edges, 0.01 of its diagonal
 struct CorpusRule {
@@ -29,7 +30,7 @@ std::filesystem::path corpus_beside(const std::filesystem::path& manifest);
 // Throws InputError with file and line for an unknown key, a name in `manifest` that the manifest does not have, a bad table.
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest);
 
-// Names alone, sorted; nothing of the tables is checked.
-std::vector<std::string> corpus_names(const std::filesystem::path& file);
+// Names alone, sorted, of the corpus or of the whole corpus; nothing of the tables is checked.
+std::vector<std::string> corpus_names(const std::filesystem::path& file, bool whole);
 
 }  // namespace hausbench

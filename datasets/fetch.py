@@ -81,26 +81,28 @@ class Catalogue:
     models: dict[str, dict[str, Any]]  # of both, with what the rules derive
     manifest: list[str]
     corpus: list[str]  # sorted
+    whole: list[str]  # the whole corpus, sorted
 
 
 def read_catalogue(manifest: Path) -> Catalogue:
     models, file = read_manifest(manifest), manifest.with_name("corpus.toml")
     names = list(models)
     if not file.is_file():
-        return Catalogue(models, names, [])
+        return Catalogue(models, names, [], [])
     try:
         with file.open("rb") as stream:
             root = tomllib.load(stream)
     except (OSError, tomllib.TOMLDecodeError) as error:
         raise ManifestError(f"{file}: {error}") from error
-    own: dict[str, dict[str, Any]] = root.get("model", {})
-    shared: list[str] = root.get("manifest", [])
+    chosen, rest = ((dict[str, dict[str, Any]](root.get(models_key, {})), list[str](root.get(manifest_key, [])))
+                    for models_key, manifest_key in (("model", "manifest"), ("whole", "whole_manifest")))
+    own, shared = {**chosen[0], **rest[0]}, [*chosen[1], *rest[1]]
     for name in [n for n in own if n in models] + [n for n in shared if n not in models]:
         raise ManifestError(f"{file}: {name}: " + ("the manifest has it too: list it under 'manifest'" if name in own else
                                                    "'manifest' names it, and the manifest does not have it"))
-    corpus = sorted([*own, *shared])
-    derived = {name + ending: {"source": "derived", "from": name} for name in corpus for ending in RULES}
-    return Catalogue({**derived, **models, **own}, names, corpus)
+    whole = sorted([*own, *shared])
+    derived = {name + ending: {"source": "derived", "from": name} for name in whole for ending in RULES}
+    return Catalogue({**derived, **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole)
 
 
 def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
@@ -142,7 +144,7 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
         each = [severity_text(value) for value in severity] if isinstance(severity, list) else scene.get("each", [""])
         sides = [_named(scene.get(key, "")) for key in ("source", "target")]
         names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
-        for one in catalogue.corpus if each == "corpus" else each:
+        for one in catalogue.corpus if each == "corpus" else catalogue.whole if each == "whole_corpus" else each:
             found.update(dict.fromkeys(name.replace("{}", one) for name in names))
     own = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}
     return [name for name in [*found, *own] if name in catalogue.models]

@@ -158,14 +158,15 @@ ModelInfo read_model(const std::filesystem::path& file, const std::string& name,
     return ModelTable(file, name, table, filling, from).read(of);
 }
 
-std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of) {
+std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of,
+                                   const std::string& group) {
     const TomlReader reader(file, root);
-    const toml::node* models = reader.find("model");
+    const toml::node* models = reader.find(group);
     if (!models) return {};
-    if (!models->is_table()) reader.fail(*models, "'model' is not [model.NAME]");
+    if (!models->is_table()) reader.fail(*models, fmt::format("'{0}' is not [{0}.NAME]", group));
     std::vector<ModelInfo> read;
     for (const auto& [key, table] : *models->as_table()) {
-        if (!table.is_table()) reader.fail(table, fmt::format("'{}' is not [model.NAME]", key.str()));
+        if (!table.is_table()) reader.fail(table, fmt::format("'{}' is not [{}.NAME]", key.str(), group));
         read.push_back(read_model(file, std::string(key.str()), *table.as_table(), of));
     }
     return read;

@@ -21,8 +21,9 @@ enum class ModelsOf { manifest, experiment };
 ModelInfo read_model(const std::filesystem::path& file, const std::string& name, const toml::table& table, ModelsOf of,
                      const std::optional<Filling>& filling = {}, const std::string& from = "");
 
-// All tables of `root`, a file that has been parsed; relative paths count from the file's folder. Throws InputError with file, line and
+// All tables [GROUP.NAME] of `root`, a file that has been parsed; relative paths count from the file's folder. Throws InputError with file, line and
 // model for an unknown key or value (names the nearest).
-std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of);
+std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of,
+                                   const std::string& group = "model");
 
 }  // namespace hausbench

@@ -28,11 +28,12 @@ std::string with(std::string text, const std::string& name) {
 }
 
 std::vector<std::string> names_of_corpus(const ExperimentTable& table, const toml::node& node) {
-    if (node.value<std::string>() != "corpus")
-        table.fail(node, "'each' must be \"corpus\" or a list of names of models");
+    const bool whole = node.value<std::string>() == "whole_corpus";
+    if (!whole && node.value<std::string>() != "corpus")
+        table.fail(node, "'each' must be \"corpus\", \"whole_corpus\" or a list of names of models");
     const std::filesystem::path file = corpus_beside(manifest_file());
     if (file.empty()) table.fail(node, "'each': there is no datasets/corpus.toml beside the manifest: add it");
-    return corpus_names(file);
+    return corpus_names(file, whole);
 }
 
 // One scene for each model that `each` names.

@@ -43,7 +43,7 @@ name = "b"
 source = []
 target = { points = [[0, 0, 0]] }
 """)
-    catalogue = fetch.Catalogue({name: {"source": "generated"} for name in ("man1", "man2", "bunny", "other")}, [], [])
+    catalogue = fetch.Catalogue({name: {"source": "generated"} for name in ("man1", "man2", "bunny", "other")}, [], [], [])
     assert fetch.asked_by(file, "quick", catalogue) == ["man1", "bunny", "man2"]
 
 
