@@ -1,0 +1,114 @@
+"""Every solver on every mesh of the packages: how many answers within how long, and what became of all that have none."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import median
+from analysis.shared.verdicts import Verdict, never
+
+NEVER_RAN: Final = ("skipped", "not_built")
+ANSWERS: Final = "ok"
+MOST_NAMED: Final = 6  # meshes of one reason, by name; the CSV has all
+
+
+def seconds(results: Results, row: int) -> float:
+    """Of preparing and of the first answer of the process; NaN where it did not come to the tolerance."""
+    return results.total_by_round(row).get(0, np.nan) if results.cases.status[row] == ANSWERS else np.nan
+
+
+def shown_reason(reason: str) -> str:
+    """Without what is different for each mesh: files and numbers, so that like reasons stand together."""
+    words = ["…" if any(character.isdigit() for character in word) or "/" in word else word for word in reason.split(";")[0].split()]
+    return " ".join(word for word, before in zip(words, [None, *words]) if (word, before) != ("…", "…"))
+
+
+def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
+    """Scenes without a single run, whose mesh or derived mesh could not be had: status and reason."""
+    cases = results.cases
+    found: dict[str, tuple[str, str]] = {}
+    for scene in results.scenes:
+        rows = results.rows(scene=scene)
+        if all(np.isnan(cases.solve_seconds[row]) and cases.source_elements[row] * cases.target_elements[row] == 0 for row in rows):
+            found[scene] = (cases.status[rows[0]], cases.reason[rows[0]])
+    return found
+
+
+def sound(results: Results) -> Verdict:
+    """No certified solver is wrong, crashes or is refused an answer on a mesh that could be read."""
+    cases, lost = results.cases, unmeasured(results)
+    rows = [row for row in range(len(cases)) if cases.certified[row] == 1 and cases.scene[row] not in lost]
+    ill = [row for row in rows if cases.status[row] in ("unsound", "signal", "failed")]
+    return never("no certified solver is wrong, fails or crashes on a mesh that could be read", len(ill), len(rows), "cases")
+
+
+def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
+    """A sentence for each reason why rows are not `ok`, the most frequent first: of meshes, and of single solvers."""
+    cases = results.cases
+    meshes: dict[str, list[str]] = {}
+    for scene, (status, reason) in lost.items():
+        meshes.setdefault(f"{status}: {shown_reason(reason)}", []).append(scene)
+    lines = []
+    for why, scenes in sorted(meshes.items(), key=lambda one: -len(one[1])):
+        named = ", ".join(scenes[:MOST_NAMED]) + (", …" if len(scenes) > MOST_NAMED else "")
+        lines.append(f"Not measured, {why} ({len(scenes)}: {named}).")
+    single = Counter((style.title(cases.solver[row], cases.label[row]), cases.status[row], shown_reason(cases.reason[row]))
+                     for row in range(len(cases)) if cases.scene[row] not in lost and cases.status[row] != ANSWERS)
+    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({count})." for (solver, status, reason), count in single.most_common()]
+    return lines
+
+
+def make(results: Results) -> Report:
+    cases, lost = results.cases, unmeasured(results)
+    measured = [scene for scene in results.scenes if scene not in lost]
+    labels = style.order(zip(cases.solver, cases.label))
+    times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
+    statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
+    table = tables.Table(
+        f"{results.meta.get('title', '')}: answers to {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} of {len(results.scenes)} "
+        f"meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
+        ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
+    records: list[tables.Record] = []
+    for solver, label in labels:
+        rows = [row for scene in measured for row in results.rows(scene=scene, label=label)]
+        counts, known = Counter(cases.status[row] for row in rows), np.array([x for x in times[label] if np.isfinite(x)])
+        middle = median(known)
+        table.rows.append([style.title(solver, label), f"{counts[ANSWERS]} of {len(rows)}", *[str(counts[status]) for status in statuses],
+                           tables.estimate(middle, 1e3), quantile(known, 0.9), tables.number(1e3 * float(known.max())) if len(known) else tables.NOTHING])
+    for row in range(len(cases)):
+        records.append({"mesh": cases.source[row], "triangles": int(cases.source_elements[row]), "solver": cases.solver[row], "label": cases.label[row],
+                        "status": cases.status[row], "reason": cases.reason[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
+                        "diagonal": float(cases.source_diagonal[row]), "seconds": seconds(results, row)})
+    table.notes += ["Times are those of preparing and of the first answer, of the answers within tolerance alone; the interval of a median is over meshes.",
+                    *explained(results, lost), sound(results).line(), f"{machine_line(results)}."]
+    return Report(lambda: draw(labels, times, len(measured)), table, records)
+
+
+def quantile(values: Sequence[float] | np.ndarray[Any, Any], share: float) -> str:
+    return tables.number(1e3 * float(np.quantile(values, share))) if len(values) else tables.NOTHING
+
+
+def draw(labels: list[tuple[str, str]], times: dict[str, list[float]], meshes: int) -> Any:
+    """The share of meshes that are answered within a time: what stands higher answers more, what begins further left answers sooner."""
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
+    for solver, label in labels:
+        known = np.sort([x for x in times[label] if np.isfinite(x)])
+        looks = style.look(solver, label)
+        ax.step(1e3 * known, 100 * np.arange(1, len(known) + 1) / max(1, meshes), where="post", color=looks.colour, linestyle=looks.line,
+                label=style.title(solver, label))
+    ax.set_xscale("log")
+    ax.set_ylim(0, 101)
+    ax.set_xlabel("time to prepare and answer, ms")
+    ax.set_ylabel("meshes answered, %")
+    style.legend_above(figure, style.handles(labels), columns=4)
+    return figure
+
