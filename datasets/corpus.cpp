@@ -67,8 +67,8 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
         for (std::size_t i = 0; const std::string& name : of_manifest(reader, part)) {
             const toml::node& at = *reader.find(part.manifest)->as_array()->get(i++);
             if (!there.contains(name))
-                reader.fail(at, fmt::format("'{}' names '{}', which datasets/manifest.toml does not have{}", part.manifest,
-                                            name, nearest_hint(name, {there.begin(), there.end()})));
+                reader.fail(at, fmt::format("'{}' names '{}', which datasets/manifest.toml does not have{}",
+                                            part.manifest, name, nearest_hint(name, {there.begin(), there.end()})));
             corpus.whole.push_back(name);
         }
         if (corpus.names.empty()) corpus.names = corpus.whole;  // the first part

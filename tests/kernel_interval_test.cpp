@@ -62,7 +62,8 @@ TEST(Polynomial, PointsAtTheColumn) {
     EXPECT_NE(message(deep + "x").find("column 101: parentheses are nested more than 100 deep"), std::string::npos);
     EXPECT_EQ(message(fits + "x" + std::string(100, ')')), "");
     EXPECT_EQ(message("((x + 1)*(y + 1)*(z + 1))^40"), "") << "the densest that there is";
-    EXPECT_NE(message("(((x + 1)*(y + 1)*(z + 1))^20)^2 - 1").find("column 33: multiplying it out takes more than 10000000 products"),
+    EXPECT_NE(message("(((x + 1)*(y + 1)*(z + 1))^20)^2 - 1")
+                  .find("column 33: multiplying it out takes more than 10000000 products"),
               std::string::npos);
     EXPECT_EQ(message("(x) + (y)" +
                       [] {

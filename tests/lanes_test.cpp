@@ -1,8 +1,8 @@
 // Work side by side: what fits at a time, how it is dealt out, and that children of several threads do not end each other.
+#include "run/lanes.h"
 #include "error.h"
 #include "plan/split.h"
 #include "process/child.h"
-#include "run/lanes.h"
 
 #include <gtest/gtest.h>
 
@@ -114,7 +114,8 @@ TEST(SideBySide, WhatIsThrownComesOutOnceTheOthersHaveEnded) {
 }
 
 TEST(SideBySide, NothingToDo) {
-    run_side_by_side({}, Room({0}, 1), [](std::size_t, const std::vector<int>&) { FAIL(); }, [] { return false; });
+    run_side_by_side(
+        {}, Room({0}, 1), [](std::size_t, const std::vector<int>&) { FAIL(); }, [] { return false; });
 }
 
 TEST(CoresHere, AreThoseThatThisProcessMayRunOn) {
@@ -156,7 +157,7 @@ TEST(SplitOfAPlan, AJobStaysWhereItIsWhileOthersComeAndGo) {
     const Split second = split(changed, estimates, 2, first);
     EXPECT_EQ(second.of_jobs(changed)[0], first.of_jobs(plan_of({400})).front());
     EXPECT_EQ(second.of_jobs(changed)[2], first.of_jobs(plan_of({300})).front());
-    EXPECT_EQ(second.shards.size(), 4u);
+    EXPECT_EQ(second.shards.size(), 6u) << "what was dealt out before stays: tasks may wait for it";
     EXPECT_THROW(first.of_jobs(changed), InputError) << "it does not know the new ones";
     EXPECT_EQ(split(changed, estimates, 3, first).of_jobs(changed), split(changed, estimates, 3).of_jobs(changed));
 }
@@ -176,27 +177,25 @@ TEST(SplitOfAPlan, IsReadAsItWasWritten) {
     }
 }
 
-TEST(RefuseWhatDoesNotFit, GivesARowAndALineOfTheLedger) {
+TEST(DoesNotFit, CountsTheShapesOfTheLargestPairOnceAndNothingElse) {
     Plan plan = plan_of({1000, 2'000'000});
     ModelInfo info;
-    info.name = "large";
-    ResolvedModel large;
-    large.shape_file = "large.h5";
-    large.kind = ShapeKind::points;
-    large.elements = large.vertices = 2'000'000;
-    plan.models.push_back({&info, large});
-    plan.jobs[1].pairs.front().source_file = "large.h5";
-    const std::int64_t needed = loaded_bytes(plan, plan.jobs[1]);
-    EXPECT_GT(needed, 2'000'000 * 24);
-    Plan fits = plan;
-    refuse_what_does_not_fit(fits, Estimates(""), needed);
-    EXPECT_EQ(fits.jobs.size(), 2u);
-    refuse_what_does_not_fit(plan, Estimates(""), needed - 1);
-    ASSERT_EQ(plan.jobs.size(), 1u);
-    ASSERT_TRUE(plan.decided.contains(1));
-    EXPECT_EQ(plan.decided.at(1).status, RowStatus::out_of_memory);
-    EXPECT_NE(plan.decided.at(1).reason.find("not started"), std::string::npos);
-    EXPECT_EQ(plan.ledger.size(), 1u);
+    std::vector<ResolvedModel> models(3);
+    for (int i = 0; i < 3; ++i) {
+        models[std::size_t(i)].shape_file = std::string(1, char('a' + i));
+        models[std::size_t(i)].kind = ShapeKind::points;
+        models[std::size_t(i)].vertices = 1'000'000 * (i + 1);
+        plan.models.push_back({&info, models[std::size_t(i)]});
+    }
+    Job& job = plan.jobs[1];
+    job.pairs = {{"a", "b", {}, 1}, {"b", "c", {}, 1}, {"c", "c", {}, 1}};
+    const std::int64_t least = least_bytes(plan, job);
+    EXPECT_EQ(least, 5'000'000 * 24) << "of a matrix one pair at a time";
+    EXPECT_EQ(does_not_fit(plan, job, least), "");
+    EXPECT_NE(does_not_fit(plan, job, least - 1).find("this machine has 114 MB: take a larger one"), std::string::npos);
+    plan.cases[1].limits.memory_bytes = 100 << 20;
+    EXPECT_NE(does_not_fit(plan, job, least).find("100 MB are allowed: raise memory_mb"), std::string::npos);
+    EXPECT_GT(Estimates("").of(plan, job).bytes, 2 * 6'000'000 * 24) << "to run beside others, all of them count";
 }
 
 Launch shell(const std::string& words) {
@@ -216,7 +215,8 @@ TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
         threads.emplace_back([&, t] {
             for (int k = 0; k < 15; ++k) {
                 const std::string file = (folder / (std::to_string(t) + "-" + std::to_string(k))).string();
-                Child child(shell("setsid sh -c 'sleep 3; touch " + file + "' & sleep 0.0" + std::to_string(1 + (t + k) % 9)));
+                Child child(
+                    shell("setsid sh -c 'sleep 3; touch " + file + "' & sleep 0.0" + std::to_string(1 + (t + k) % 9)));
                 if (child.wait({.seconds = 60}) != Child::End::by_itself || !child.how_it_ended().empty()) ++wrong;
                 ++ended;
             }

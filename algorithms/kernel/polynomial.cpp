@@ -13,7 +13,8 @@ namespace hausbench {
 namespace {
 
 constexpr int most_power = 40;
-constexpr std::size_t most_products = 10'000'000;  // of terms, in all: seconds; the densest of power 40 takes half as many
+constexpr std::size_t most_products =
+    10'000'000;               // of terms, in all: seconds; the densest of power 40 takes half as many
 constexpr int deepest = 100;  // parentheses within parentheses: each takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
@@ -85,8 +86,9 @@ private:
     Sum product(const Sum& a, const Sum& b) {
         products_ += a.size() * b.size();
         if (products_ > most_products)
-            fail(fmt::format("multiplying it out takes more than {} products of terms: use lower powers or fewer parentheses",
-                             most_products));
+            fail(fmt::format(
+                "multiplying it out takes more than {} products of terms: use lower powers or fewer parentheses",
+                most_products));
         Sum out;
         for (const auto& [p, x] : a) {
             for (const auto& [q, y] : b) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
@@ -63,7 +64,8 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
         lines.append(f"Not measured, {why} ({len(scenes)}: {named}).")
     single = Counter((style.title(cases.solver[row], cases.label[row]), cases.status[row], shown_reason(cases.reason[row]))
                      for row in range(len(cases)) if cases.scene[row] not in lost and cases.status[row] != ANSWERS)
-    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({count})." for (solver, status, reason), count in single.most_common()]
+    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({count})."
+              for (solver, status, reason), count in single.most_common()]
     return lines
 
 
@@ -74,21 +76,23 @@ def make(results: Results) -> Report:
     times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
     statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
     table = tables.Table(
-        f"{results.meta.get('title', '')}: answers to {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} of {len(results.scenes)} "
-        f"meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
+        f"{results.meta.get('title', '')}: answers to {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} "
+        f"of {len(results.scenes)} meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
         ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
     records: list[tables.Record] = []
     for solver, label in labels:
         rows = [row for scene in measured for row in results.rows(scene=scene, label=label)]
         counts, known = Counter(cases.status[row] for row in rows), np.array([x for x in times[label] if np.isfinite(x)])
-        middle = median(known)
+        middle, slowest = median(known), 1e3 * float(known.max()) if len(known) else math.nan
         table.rows.append([style.title(solver, label), f"{counts[ANSWERS]} of {len(rows)}", *[str(counts[status]) for status in statuses],
-                           tables.estimate(middle, 1e3), quantile(known, 0.9), tables.number(1e3 * float(known.max())) if len(known) else tables.NOTHING])
+                           tables.estimate(middle, 1e3), quantile(known, 0.9), tables.number(slowest)])
     for row in range(len(cases)):
-        records.append({"mesh": cases.source[row], "triangles": int(cases.source_elements[row]), "solver": cases.solver[row], "label": cases.label[row],
-                        "status": cases.status[row], "reason": cases.reason[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
+        records.append({"mesh": cases.source[row], "triangles": int(cases.source_elements[row]), "solver": cases.solver[row],
+                        "label": cases.label[row], "status": cases.status[row], "reason": cases.reason[row],
+                        "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                         "diagonal": float(cases.source_diagonal[row]), "seconds": seconds(results, row)})
-    table.notes += ["Times are those of preparing and of the first answer, of the answers within tolerance alone; the interval of a median is over meshes.",
+    table.notes += ["Times are those of preparing and of the first answer, of the answers within tolerance alone; the interval of a median "
+                    "is over meshes.",
                     *explained(results, lost), sound(results).line(), f"{machine_line(results)}."]
     return Report(lambda: draw(labels, times, len(measured)), table, records)
 

@@ -13,6 +13,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -49,12 +51,14 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     launch.kept = std::size_t(1) << 22;
     Child child(std::move(launch));
     const Child::End end = child.wait({.seconds = seconds});
-    if (end == Child::End::time) throw InputError(fmt::format("{}: no answer within {} s: is slurmctld up?", name, seconds));
+    if (end == Child::End::time)
+        throw InputError(fmt::format("{}: no answer within {} s: is slurmctld up?", name, seconds));
     const std::string how = child.how_it_ended();
     if (child.exit_code() == 127)
-        throw InputError(fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
-                                     "i/n and join them with `hausbench merge`",
-                                     name));
+        throw InputError(
+            fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
+                        "i/n and join them with `hausbench merge`",
+                        name));
     if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted", name));
     if (code && !child.signal())
         *code = child.exit_code();
@@ -63,22 +67,52 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     return child.output();
 }
 
+// In the folder of results: the split, scripts and logs of an experiment's tasks.
+fs::path cluster_folder(const fs::path& results, const Experiment& experiment) {
+    return results / fmt::format("{}.{}.slurm", experiment.stem, experiment.profile);
+}
+
+// However it is spelled.
+fs::path one_spelling(const fs::path& folder) {
+    const fs::path text = fs::weakly_canonical(fs::absolute(folder));
+    return text.has_filename() ? text : text.parent_path();
+}
+
+// Of a job: lists of names are separated by commas.
+std::string safe(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-'; }, '_');
+    return text;
+}
+
+// A % begins a pattern in the name of a log.
+std::string log_name(const fs::path& folder, const std::string& name) {
+    std::string text;
+    for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+    return "--output=" + text + "/logs/" + name;
+}
+
 class Cluster {
 public:
-    Cluster(const ExperimentArguments& arguments, const Plan& plan)
+    Cluster(const ExperimentArguments& arguments, const Plan& plan, bool any_build = false)
         : arguments_(arguments),
           plan_(plan),
-          results_(fs::absolute(results_of(arguments))),
-          stem_(plan.experiment.stem),
-          folder_(cluster_folder(results_, stem_)),
-          name_(fmt::format("hausbench-{}-{}", stem_,
-                            Sha256().add(results_.string()).add(plan.experiment.profile).hex().substr(0, 8))) {}
+          any_build_(any_build),
+          results_(one_spelling(results_of(arguments))),
+          folder_(cluster_folder(results_, plan.experiment)),
+          name_(safe(fmt::format("hausbench-{}-{}", plan.experiment.stem,
+                                 Sha256().add(results_.string()).add(plan.experiment.profile).hex().substr(0, 8)))) {}
 
     bool is_split() const { return fs::exists(split_file()); }
 
     // Keeps what an earlier split knows, unless another number of shards is asked for.
     void divide(int shards) {
         const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
+        if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
+            throw InputError(
+                fmt::format("--shards {}: tasks of {} shards are in the queue: wait until they end, or "
+                            "`scancel --name={}` first",
+                            shards, earlier.of, name_));
         const int jobs = std::max(1, int(plan_.jobs.size()));
         const int of = shards > 0 ? shards : earlier.of > 0 ? earlier.of : std::min(jobs, usual_shards);
         fs::create_directories(folder_ / "logs");
@@ -90,15 +124,14 @@ public:
         std::string state;  // in the queue; empty: it is not there
     };
 
-    std::vector<Shard> shards() const {
+    std::vector<Shard> shards(const std::map<int, std::string>& states) const {
         const Split split = read_split(split_file());
         const std::vector<int> of_jobs = split.of_jobs(plan_);
-        const auto states = queue();
         std::vector<Shard> all(std::size_t(split.of));
         for (int number = 1; number <= split.of; ++number) {
             Shard& shard = all[std::size_t(number - 1)];
-            const Finished finished(plan_, results_, shard_name(number, split.of), {.any_machine = true, .side_by_side = true},
-                                    Journal::ReadOnly{});
+            const std::string name = plan_.experiment.stem + shard_suffix(plan_.experiment, {number, split.of}, true);
+            const Finished finished(plan_, results_, name, {any_build_, true, true}, Journal::ReadOnly{});
             for (std::size_t i = 0; i < of_jobs.size(); ++i) {
                 if (of_jobs[i] != number) continue;
                 shard.cases += plan_.jobs[i].cases.size();
@@ -116,22 +149,29 @@ public:
         const fs::path script = folder_ / "shard.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --split {}\n",
                                              run_words(), of, quoted(split_file().string())));
-        std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + name_,
+        std::vector<std::string> words{"sbatch",
+                                       "--parsable",
+                                       "--job-name=" + name_,
                                        fmt::format("--array={}", fmt::join(numbers, ",")),
-                                       fmt::format("--cpus-per-task={}", threads), "--requeue", "--open-mode=append",
-                                       "--output=" + (folder_ / "logs" / "shard-%a.log").string()};
+                                       fmt::format("--cpus-per-task={}", threads),
+                                       "--requeue",
+                                       "--open-mode=append",
+                                       log_name(folder_, "shard-%a.log")};
         words.insert(words.end(), options.begin(), options.end());
         words.push_back(script.string());
         return number_in(ask(std::move(words)));
     }
 
-    // The exit code of the job, if it is waited for.
-    int submit_collection(const std::string& after, const ClusterArguments& cluster) const {
+    // It begins when all tasks and collections of this name have ended. The exit code, if it is waited for.
+    int submit_collection(const ClusterArguments& cluster) const {
         const fs::path script = folder_ / "collect.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
-        std::vector<std::string> words{"sbatch", "--parsable", "--job-name=" + name_ + "-collect",
-                                       "--dependency=afterany:" + after, "--requeue",
-                                       "--output=" + (folder_ / "logs" / "collect.log").string()};
+        std::vector<std::string> words{"sbatch",
+                                       "--parsable",
+                                       "--job-name=" + name_,
+                                       "--dependency=singleton",
+                                       "--requeue",
+                                       log_name(folder_, "collect.log")};
         words.insert(words.end(), cluster.sbatch.begin(), cluster.sbatch.end());
         if (cluster.wait) words.push_back("--wait");
         words.push_back(script.string());
@@ -143,32 +183,49 @@ public:
         return code;
     }
 
+    struct Queue {
+        std::map<int, std::string> shards;  // their states
+        bool collection = false;
+    };
+
+    Queue queue() const {
+        Queue all;
+        std::istringstream lines(ask({"squeue", "--noheader", "--array", "--format=%j|%K|%T", "--name=" + name_}));
+        for (std::string line; std::getline(lines, line);) {
+            const std::size_t first = line.find('|'), second = line.find('|', first + 1);
+            if (second == std::string::npos || line.substr(0, first) != name_) continue;
+            if (const int number = std::atoi(line.substr(first + 1).c_str()))
+                all.shards[number] = line.substr(second + 1);
+            else
+                all.collection = true;
+        }
+        return all;
+    }
+
+    // `trouble`: why it is not known.
+    Queue queue_if_it_answers(std::string& trouble) const {
+        try {
+            return queue();
+        } catch (const InputError& error) {
+            trouble = error.what();
+            return {};
+        }
+    }
+
     const fs::path& folder() const { return folder_; }
 
 private:
     fs::path split_file() const { return folder_ / "split.json"; }
 
-    std::string shard_name(int number, int of) const { return fmt::format("{}.shard-{}-of-{}", stem_, number, of); }
-
     std::string run_words() const {
-        std::string words =
-            fmt::format("{} run {} --profile {} --results {} --cluster --quiet", quoted(program_path().string()),
-                        quoted(fs::absolute(arguments_.file).string()), quoted(arguments_.profile), quoted(results_.string()));
+        std::string words = fmt::format("{} run {} --profile {} --results {} --cluster --quiet",
+                                        quoted(program_path().string()), quoted(fs::absolute(arguments_.file).string()),
+                                        quoted(arguments_.profile), quoted(results_.string()));
+        if (any_build_) words += " --any-build";
+        for (const fs::path& plugin : plugins_given()) words += " --plugin " + quoted(fs::absolute(plugin).string());
         for (const std::string& solver : arguments_.choice.solvers) words += " --solver " + quoted(solver);
         for (const std::string& scene : arguments_.choice.scenes) words += " --scene " + quoted(scene);
         return words;
-    }
-
-    // What squeue says of each shard that it knows.
-    std::map<int, std::string> queue() const {
-        std::map<int, std::string> states;
-        std::istringstream lines(ask({"squeue", "--noheader", "--array", "--format=%j|%K|%T", "--name=" + name_}));
-        for (std::string line; std::getline(lines, line);) {
-            const std::size_t first = line.find('|'), second = line.find('|', first + 1);
-            if (second == std::string::npos || line.substr(0, first) != name_) continue;
-            states[std::atoi(line.substr(first + 1).c_str())] = line.substr(second + 1);
-        }
-        return states;
     }
 
     // "12;cluster", after whatever sbatch warned of.
@@ -184,50 +241,56 @@ private:
 
     const ExperimentArguments& arguments_;
     const Plan& plan_;
+    bool any_build_;
     fs::path results_;
-    std::string stem_;
     fs::path folder_;
     std::string name_;
 };
 
 }  // namespace
 
-fs::path cluster_folder(const fs::path& results, const std::string& stem) { return results / (stem + ".slurm"); }
+std::string shard_suffix(const Experiment& experiment, const Shard& shard, bool of_cluster) {
+    return fmt::format("{}.shard-{}-of-{}", of_cluster ? "." + experiment.profile : "", shard.number, shard.of);
+}
 
-std::vector<std::string> shard_names(const fs::path& results, const std::string& stem) {
+std::vector<std::string> shard_names(const fs::path& results, const Experiment& experiment) {
     std::vector<std::string> names;
-    const std::string begin = stem + ".shard-";
+    const fs::path file = cluster_folder(results, experiment) / "split.json";
+    const bool split = fs::exists(file);
+    const std::string begin = experiment.stem + (split ? "." + experiment.profile : "") + ".shard-";
+    const std::string end = split ? fmt::format("-of-{}", read_split(file).of) : "";
     std::error_code none;
-    for (fs::directory_iterator entry(results, none), end; !none && entry != end; entry.increment(none)) {
+    for (fs::directory_iterator entry(results, none), last; !none && entry != last; entry.increment(none)) {
         const std::string name = entry->path().stem().string();
-        if (entry->path().extension() == ".journal" && name.starts_with(begin)) names.push_back(name);
+        if (entry->path().extension() == ".journal" && name.starts_with(begin) && name.ends_with(end))
+            names.push_back(name);
     }
     std::sort(names.begin(), names.end());
     return names;
 }
 
 std::optional<int> submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster) {
-    Cluster here(arguments, plan);
+    Cluster here(arguments, plan, cluster.any_build);
     here.divide(cluster.shards);
-    const auto shards = here.shards();
+    const auto queue = here.queue();
+    const auto shards = here.shards(queue.shards);
     std::vector<int> numbers;
-    std::size_t open = 0, queued = 0;
+    std::size_t open = 0;
     for (std::size_t i = 0; i < shards.size(); ++i) {
-        if (!shards[i].state.empty()) {
-            ++queued;
-        } else if (shards[i].open > 0) {
-            numbers.push_back(int(i) + 1);
-            open += shards[i].open;
-        }
+        if (!shards[i].state.empty() || shards[i].open == 0) continue;
+        numbers.push_back(int(i) + 1);
+        open += shards[i].open;
     }
-    if (queued > 0) print(fmt::format("{} shards are in the queue already\n", queued));
-    if (numbers.empty() && queued > 0) return 0;
-    if (numbers.empty()) return std::nullopt;
-    const std::string job = here.submit_array(numbers, int(shards.size()), cluster.sbatch);
-    print(fmt::format("job {}: {} cases in {} of {} shards; logs in {}\n", job, open, numbers.size(), shards.size(),
-                      (here.folder() / "logs").string()));
-    const int code = here.submit_collection(job, cluster);
-    if (cluster.wait) print(fmt::format("{}", text_of(here.folder() / "logs" / "collect.log")));
+    if (!queue.shards.empty()) print(fmt::format("{} shards are in the queue already\n", queue.shards.size()));
+    if (numbers.empty() && queue.shards.empty() && !queue.collection) return std::nullopt;
+    if (!numbers.empty()) {
+        const std::string job = here.submit_array(numbers, int(shards.size()), cluster.sbatch);
+        print(fmt::format("job {}: {} cases in {} of {} shards; logs in {}\n", job, open, numbers.size(), shards.size(),
+                          (here.folder() / "logs").string()));
+    }
+    if (numbers.empty() && queue.collection && !cluster.wait) return 0;
+    const int code = here.submit_collection(cluster);
+    if (cluster.wait) print(text_of(here.folder() / "logs" / "collect.log"));
     return code;
 }
 
@@ -239,16 +302,22 @@ std::string cluster_status(const ExperimentArguments& arguments, const Plan& pla
         table.add({{name, fmt::format("{}", all), fmt::format("{}", all - left), state}});
     };
     if (here.is_split()) {
-        const auto shards = here.shards();
+        std::string trouble;
+        const auto shards = here.shards(here.queue_if_it_answers(trouble).shards);
+        if (!trouble.empty()) say({"the queue is not known: " + trouble});
         for (std::size_t i = 0; i < shards.size(); ++i) {
             const auto& one = shards[i];
             cases += one.cases;
             open += one.open;
             add(fmt::format("{}/{}", i + 1, shards.size()), one.cases, one.open,
-                !one.state.empty() ? one.state : one.open == 0 ? "finished" : "not in the queue: submit again");
+                !one.state.empty() ? one.state
+                : one.open == 0    ? "finished"
+                : !trouble.empty() ? ""
+                                   : "not in the queue: submit again");
         }
     } else {
-        const Finished finished(plan, results_of(arguments), plan.experiment.stem, {}, Journal::ReadOnly{});
+        const Finished finished(plan, results_of(arguments), plan.experiment.stem, {false, true, true},
+                                Journal::ReadOnly{});
         for (const Job& job : plan.jobs) {
             cases += job.cases.size();
             open += finished.open_cases(job);

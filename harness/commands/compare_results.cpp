@@ -14,7 +14,7 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     std::map<std::string, const Row*> by_key;
     for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
     std::string differing, table;
-    std::size_t matched = 0, untimed = 0;
+    std::size_t matched = 0, untimed = 0, beside = 0;
     std::vector<double> all;
     for (const Row& row : candidate.rows) {
         const auto at = by_key.find(row.asked.identity + row.asked.scene);
@@ -25,6 +25,10 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
             differing += fmt::format("  {}: {} [{:.17g}, {:.17g}] -> {} [{:.17g}, {:.17g}]\n", name_of(row.asked),
                                      to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
                                      b.bounds.lower, b.bounds.upper);
+        }
+        if (a.side_by_side || b.side_by_side) {
+            ++beside;
+            continue;
         }
         if (b.from_trace) continue;                             // its times are those of the row it was read off
         const bool cpu = a.clock == "cpu" && b.clock == "cpu";  // one thread in both, see timing.h
@@ -61,6 +65,9 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                 "cases without times)\n",
                 untimed) +
             table;
+    if (beside > 0)
+        text +=
+            fmt::format("  {} cases were run beside others (--jobs, or a cluster): their times are left out\n", beside);
     if (!all.empty()) text += fmt::format("  geometric mean over {} cases: {:.4g}\n", all.size(), geometric_mean(all));
     return text;
 }

@@ -90,6 +90,10 @@ struct Ratios {
 
     void add(const Row& a, const Row& b, const std::string& name) {
         const bool cpu = cpu_clock(a.outcome) && cpu_clock(b.outcome);
+        if (a.outcome.side_by_side || b.outcome.side_by_side) {  // times that compare with none
+            ++untimed;
+            return;
+        }
         const Estimate once = ratio_by_round(total_by_round(a.outcome, cpu), total_by_round(b.outcome, cpu));
         const Estimate repeated = ratio_by_round(again_by_round(a.outcome, cpu), again_by_round(b.outcome, cpu));
         if (once.n == 0 && repeated.n == 0) {

@@ -5,6 +5,7 @@
 #include "plan/estimate.h"
 #include "process/memory.h"
 #include "registry.h"
+#include "result/provenance.h"
 #include "session.h"
 #include "shape_file.h"
 
@@ -73,9 +74,11 @@ std::string explain(const Plan& plan, const fs::path& results) {
         total += one.seconds;
         known += one.known;
         most = std::max(most, one.bytes);
-        text += fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", job.label, job.cases.size(),
-                            clock_text(one.seconds), one.known == job.cases.size() ? "" : " (a guess)",
-                            one.bytes >> 20);
+        if (const std::string reason = does_not_fit(plan, job, this_machine().memory_bytes); !reason.empty())
+            text += fmt::format("  {}: {}\n", job.label, reason);
+        text +=
+            fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", job.label, job.cases.size(),
+                        clock_text(one.seconds), one.known == job.cases.size() ? "" : " (a guess)", one.bytes >> 20);
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
@@ -97,7 +100,8 @@ std::string explain(const Plan& plan, const fs::path& results) {
     if (text.ends_with("LEFT OUT\n")) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
                         clock_text(total), known, run);
-    text += fmt::format("MEMORY  about {} MB for the largest worker; {} MB are free\n", most >> 20, spare_bytes() >> 20);
+    text +=
+        fmt::format("MEMORY  about {} MB for the largest worker; {} MB are free\n", most >> 20, spare_bytes() >> 20);
     return text;
 }
 

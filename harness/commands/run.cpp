@@ -7,11 +7,10 @@
 #include "error.h"
 #include "plan/estimate.h"
 #include "plan/split.h"
-#include "process/memory.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <utility>
 
 namespace hausbench {
 
@@ -28,28 +27,41 @@ struct RunArguments : ExperimentArguments {
 void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& split_file) {
     const Split parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
     if (parts.of != shard.of)
-        throw InputError(fmt::format("{}: has {} shards, not {}: submit again", split_file.string(), parts.of, shard.of));
+        throw InputError(
+            fmt::format("{}: has {} shards, not {}: submit again", split_file.string(), parts.of, shard.of));
     take_shard(plan, shard, parts.of_jobs(plan));
 }
 
-std::size_t count_missing(const std::vector<Row>& rows) {
-    return std::size_t(std::count_if(rows.begin(), rows.end(),
-                                     [](const Row& row) { return row.outcome.reason == not_run_yet; }));
+// What --engine slurm cannot hand on to its tasks.
+void refuse_with_slurm(const RunArguments& arguments) {
+    const std::pair<bool, const char*> others[] = {
+        {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
+        {arguments.collect, "--collect"},
+        {arguments.jobs > 1, "--jobs (each task runs one case at a time)"},
+        {arguments.shard != "1/1", "--shard"},
+        {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
+        {arguments.choice.planted_slowdown > 0, "--planted-slowdown"}};
+    for (const auto& [given, name] : others) {
+        if (given) throw InputError(fmt::format("--engine slurm does not go with {}: leave one of them out", name));
+    }
 }
 
 int run(RunArguments& arguments) {
+    if (arguments.engine == "slurm") refuse_with_slurm(arguments);
     Plan plan = plan_of(arguments, arguments.quiet);
     if (arguments.engine == "slurm") {
+        arguments.slurm.any_build = arguments.any_build;
         if (const auto code = submit(arguments, plan, arguments.slurm)) return *code;
-        arguments.collect = arguments.cluster = true;
+        arguments.collect = true;
     }
+    if (arguments.collect) arguments.cluster = true;
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
     if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // no times of a solver: never among other results
-    if (!shard.whole() || !arguments.split.empty()) suffix += fmt::format(".shard-{}-of-{}", shard.number, shard.of);
+    if (!shard.whole() || !arguments.split.empty())
+        suffix += shard_suffix(plan.experiment, shard, !arguments.split.empty());
     const std::filesystem::path results = results_of(arguments);
-    refuse_what_does_not_fit(plan, Estimates(results), spare_bytes());
     RunOptions options{.results = results,
                        .fresh = arguments.fresh,
                        .any_build = arguments.any_build,
@@ -58,7 +70,11 @@ int run(RunArguments& arguments) {
                        .cluster = arguments.cluster,
                        .suffix = suffix};
     if (arguments.collect) {
-        options.collect = shard_names(results, plan.experiment.stem);
+        if (!suffix.empty())
+            throw InputError(
+                "--collect makes one result of whole shards: leave out --shard, --leave-nothing-out and "
+                "--planted-slowdown");
+        options.collect = shard_names(results, plan.experiment);
         if (options.collect.empty())
             throw InputError(fmt::format("{}: has no journal of a shard of {}: submit it with --engine slurm first",
                                          results.string(), plan.experiment.stem));
@@ -74,28 +90,32 @@ int run(RunArguments& arguments) {
         fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");
         return 130;
     }
-    if (const std::size_t missing = count_missing(summary.result.rows); arguments.collect && missing > 0) {
-        say({fmt::format("{} of {} cases are missing: submit again", missing, summary.result.rows.size())});
+    if (arguments.collect && summary.open > 0) {
+        say({fmt::format("{} of {} cases are missing: submit again", summary.open, summary.result.rows.size())});
         return 1;
     }
     return summary.unsound.empty() ? 0 : 1;
 }
 
 void take_cluster_options(CLI::App* verb, RunArguments& arguments) {
-    verb->add_option("--engine", arguments.engine,
-                     "here, or slurm: give it to a cluster, as an array with a task for each shard and a job that collects "
-                     "their results; again: only what is missing")
+    verb->add_option(
+            "--engine", arguments.engine,
+            "here, or slurm: give it to a cluster, as an array with a task for each shard and a job that collects "
+            "their results; again: only what is missing")
         ->check(CLI::IsMember({"here", "slurm"}))
         ->capture_default_str();
-    verb->add_option("--shards", arguments.slurm.shards, "of --engine slurm: how many parts (default: as before, or at most 16)")
+    verb->add_option("--shards", arguments.slurm.shards,
+                     "of --engine slurm: how many parts (default: as before, or at most 16)")
         ->check(CLI::PositiveNumber);
-    verb->add_option("--sbatch", arguments.slurm.sbatch,
-                     "of --engine slurm: one more option for sbatch, such as --sbatch=--partition=long; may be repeated")
+    verb->add_option(
+            "--sbatch", arguments.slurm.sbatch,
+            "of --engine slurm: one more option for sbatch, such as --sbatch=--partition=long; may be repeated")
         ->allow_extra_args(false);
     verb->add_flag("--wait", arguments.slurm.wait, "of --engine slurm: until the result is there");
-    verb->add_flag("--cluster", arguments.cluster,
-                   "the machine is one of several that others use too: rows of the others stay, and rows say that their "
-                   "times compare with none");
+    verb->add_flag(
+        "--cluster", arguments.cluster,
+        "the machine is one of several that others use too: rows of the others stay, and rows say that their "
+        "times compare with none");
     verb->add_flag("--collect", arguments.collect, "run nothing: make one result of what shards have finished");
     verb->add_option("--split", arguments.split, "which shard has which jobs, as --engine slurm wrote it")->group("");
 }

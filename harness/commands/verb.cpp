@@ -9,12 +9,23 @@
 
 namespace hausbench {
 
-void take_plugins(CLI::App* verb) {
+namespace {
+
+std::vector<std::filesystem::path>& plugin_files() {
     static std::vector<std::filesystem::path> files;
+    return files;
+}
+
+}  // namespace
+
+const std::vector<std::filesystem::path>& plugins_given() { return plugin_files(); }
+
+void take_plugins(CLI::App* verb) {
+    std::vector<std::filesystem::path>& files = plugin_files();
     verb->add_option("--plugin", files, "a plug-in library with additional solvers; may be repeated")
         ->allow_extra_args(false);
     verb->parse_complete_callback([] {
-        for (const std::filesystem::path& file : files) load_plugin(file);
+        for (const std::filesystem::path& file : plugin_files()) load_plugin(file);
         say(slow_plugins());
     });
 }

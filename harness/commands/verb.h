@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ void add_hidden(CLI::App& app, int& code);
 
 // The option --plugin. Its libraries are loaded before the verb looks for a solver.
 void take_plugins(CLI::App* verb);
+const std::vector<std::filesystem::path>& plugins_given();
 
 Catalogue catalogue();  // of the project, or of what was installed
 

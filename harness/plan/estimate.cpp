@@ -23,10 +23,8 @@ constexpr double start_seconds = 0.02;         // of a worker, loading a middlin
 constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
 constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
 
-// Resident bytes of a worker: by itself; a point or vertex; a triangle, which has half a vertex. A shape is read from its file and
-// copied once, so it is there twice for a moment.
-constexpr std::int64_t worker_bytes = 60 << 20;
-constexpr std::int64_t bytes_per_point = 2 * 24, bytes_per_triangle = 2 * (12 + 12);
+// Resident bytes of a worker by itself; of a point or vertex; of the corners of a triangle.
+constexpr std::int64_t worker_bytes = 60 << 20, bytes_per_point = 24, bytes_per_triangle = 12;
 
 // What solvers take besides, an element, where no earlier run tells: more than all but the boxes of a few need.
 constexpr double solver_bytes_per_point = 200, solver_bytes_per_triangle = 600;
@@ -35,9 +33,8 @@ constexpr double solver_bytes_per_point = 200, solver_bytes_per_triangle = 600;
 constexpr double least_elements_to_learn_from = 10000;
 
 bool takes_meshes(const std::string& solver) {
-    return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
-        return entry.info.name == solver && entry.info.target.mesh;
-    });
+    return std::any_of(solvers().begin(), solvers().end(),
+                       [&](const SolverEntry& entry) { return entry.info.name == solver && entry.info.target.mesh; });
 }
 
 double expected_work(const Case& c) {
@@ -111,29 +108,56 @@ struct Estimates::Memory {
 Estimates::Estimates(const fs::path& results) : results_(results) {}
 Estimates::~Estimates() = default;
 
+namespace {
+
+// Of the coordinates and corners of a model; of the file of a shape that no model has, 0.
+std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
+    for (const ModelRow& model : plan.models) {
+        if (model.resolved.shape_file != file) continue;
+        const bool mesh = model.resolved.kind == ShapeKind::mesh;
+        return model.resolved.vertices * bytes_per_point + (mesh ? model.resolved.elements * bytes_per_triangle : 0);
+    }
+    return 0;
+}
+
+// Of all shapes of a matrix together, each twice: as it is read, and as it is kept.
 std::int64_t loaded_bytes(const Plan& plan, const Job& job) {
     std::set<fs::path> files;
     for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});
     std::int64_t bytes = worker_bytes;
-    for (const ModelRow& model : plan.models) {
-        if (!files.contains(model.resolved.shape_file)) continue;
-        bytes += model.resolved.vertices * bytes_per_point;
-        if (model.resolved.kind == ShapeKind::mesh) bytes += model.resolved.elements * bytes_per_triangle;
-    }
+    for (const fs::path& file : files) bytes += 2 * shape_bytes(plan, file);
     return bytes;
+}
+
+}  // namespace
+
+std::int64_t least_bytes(const Plan& plan, const Job& job) {
+    std::int64_t most = 0;
+    for (const Job::Pair& pair : job.pairs) {
+        const bool same = pair.source_file == pair.target_file;
+        most = std::max(most, shape_bytes(plan, pair.source_file) + (same ? 0 : shape_bytes(plan, pair.target_file)));
+    }
+    return most;
+}
+
+std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory) {
+    const std::int64_t limit = plan.cases[job.cases.front()].limits.memory_bytes, least = least_bytes(plan, job);
+    if (least <= std::min(limit, memory)) return "";
+    return fmt::format("not started: its shapes alone take {} MB, and {}", least >> 20,
+                       limit <= memory ? fmt::format("{} MB are allowed: raise memory_mb in [limits]", limit >> 20)
+                                       : fmt::format("this machine has {} MB: take a larger one", memory >> 20));
 }
 
 JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
     const Experiment& e = plan.experiment;
     if (!memory_) memory_ = std::make_unique<Memory>(results_);
     JobEstimate out;
-    double prepare = 0, besides = 0, known_besides = 0;
+    double prepare = 0, besides = 0;
     for (std::size_t row : job.cases) {
         const Case& asked = plan.cases[row];
         const Known known = memory_->of(asked);
         prepare = std::max(prepare, known.prepare);
         const double bytes = memory_->bytes_of(asked) * elements(asked);
-        known_besides = std::max(known_besides, bytes);
         besides = std::max(besides, bytes > 0 ? bytes : guessed_bytes(asked));
         out.known += known.answered;
         const double once = std::min(known.solve, asked.limits.case_seconds);
@@ -144,32 +168,7 @@ JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
     }
     out.seconds += e.rounds * (start_seconds + prepare);
     out.bytes = loaded_bytes(plan, job) + std::int64_t(besides);
-    out.known_bytes = loaded_bytes(plan, job) + std::int64_t(known_besides);
     return out;
-}
-
-void refuse_what_does_not_fit(Plan& plan, const Estimates& estimates, std::int64_t most) {
-    std::vector<Job> jobs;
-    for (Job& job : plan.jobs) {
-        const std::int64_t limit = std::min(most, plan.cases[job.cases.front()].limits.memory_bytes);
-        const Case& first = plan.cases[job.cases.front()];
-        // Far below the limit nothing needs to be known, so no result is read.
-        const bool small = loaded_bytes(plan, job) + std::int64_t(8 * guessed_bytes(first)) <= limit;
-        const std::int64_t bytes = small ? 0 : estimates.of(plan, job).known_bytes;
-        if (bytes <= limit) {
-            jobs.push_back(std::move(job));
-            continue;
-        }
-        Outcome refused;
-        refused.status = RowStatus::out_of_memory;
-        refused.reason = fmt::format(
-            "not started: about {} MB would be needed ({} MB for the shapes), and {} MB are allowed: raise memory_mb in "
-            "[limits], or take a machine with more",
-            bytes >> 20, loaded_bytes(plan, job) >> 20, limit >> 20);
-        for (std::size_t row : job.cases) plan.decided[row] = refused;
-        plan.ledger.push_back({"not_run", job.label, "all cases", refused.reason, std::int64_t(job.cases.size())});
-    }
-    plan.jobs = std::move(jobs);
 }
 
 }  // namespace hausbench

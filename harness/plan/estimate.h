@@ -12,8 +12,7 @@ namespace hausbench {
 struct JobEstimate {
     double seconds = 0;      // all rounds and repeats
     std::int64_t bytes = 0;  // resident, of its worker: the shapes, and what the solver takes besides, or more
-    std::int64_t known_bytes = 0;  // likewise, where earlier runs of the solver tell what it takes; else the shapes alone
-    std::size_t known = 0;         // cases that an earlier run answered
+    std::size_t known = 0;   // cases that an earlier run answered
 };
 
 // Times and memory come from result files in `results`: of the same case; else of the same solver on other shapes, scaled by the work
@@ -33,11 +32,10 @@ private:
     mutable std::unique_ptr<const Memory> memory_;
 };
 
-// Resident bytes of a worker that has loaded both shapes of a pair, or all shapes of a matrix, and of nothing else.
-std::int64_t loaded_bytes(const Plan& plan, const Job& job);
+// What a worker of the job takes at least: the shapes of its largest pair, once, whatever the solver.
+std::int64_t least_bytes(const Plan& plan, const Job& job);
 
-// Decides the cases of jobs that would need more memory than their limit or `most` allow: they get rows that say so, and do not
-// begin. The shapes count, and what the solver took for each element of large shapes in earlier runs, if that is known.
-void refuse_what_does_not_fit(Plan& plan, const Estimates& estimates, std::int64_t most);
+// Why the job cannot run: it takes more at least than the limit of its cases or `memory`, that of the machine, allow. Empty where it may.
+std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory);
 
 }  // namespace hausbench

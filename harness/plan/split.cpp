@@ -51,16 +51,17 @@ std::vector<int> Split::of_jobs(const Plan& plan) const {
     for (const Job& job : plan.jobs) {
         const auto at = shards.find(key_of(plan, job));
         if (at == shards.end())
-            throw InputError(fmt::format("{}: is in no shard: the experiment, a model or a program has changed since it "
-                                         "was split: submit it again",
-                                         job.label));
+            throw InputError(
+                fmt::format("{}: is in no shard: the experiment, a model or a program has changed since it "
+                            "was split: submit it again",
+                            job.label));
         all.push_back(at->second);
     }
     return all;
 }
 
 Split split(const Plan& plan, const Estimates& estimates, int of, const Split& earlier) {
-    Split now{of, {}};
+    Split now{of, earlier.of == of ? earlier.shards : std::map<std::string, int>()};
     const auto parts_wanted = std::size_t(of);
     std::vector<double> taken(parts_wanted), seconds;
     std::vector<std::string> keys;
@@ -69,7 +70,6 @@ Split split(const Plan& plan, const Estimates& estimates, int of, const Split& e
         const double takes = estimates.of(plan, job).seconds;
         const auto at = earlier.shards.find(key);
         if (earlier.of == of && at != earlier.shards.end()) {
-            now.shards[key] = at->second;
             taken[std::size_t(at->second - 1)] += takes;
             continue;
         }
@@ -88,19 +88,19 @@ Split read_split(const fs::path& file) {
         if (told.at("hausbench_split") != split_schema) throw std::runtime_error("it is of another version");
         Split split{told.at("of").get<int>(), told.at("shards").get<std::map<std::string, int>>()};
         const bool good = split.of >= 1 && std::all_of(split.shards.begin(), split.shards.end(), [&](const auto& one) {
-            return one.second >= 1 && one.second <= split.of;
-        });
+                              return one.second >= 1 && one.second <= split.of;
+                          });
         if (!good) throw std::runtime_error("a shard has a number that there is not");
         return split;
     } catch (const std::exception& error) {
-        throw InputError(fmt::format("{}: is not a split of an experiment ({}): remove it and submit again", file.string(),
-                                     error.what()));
+        throw InputError(fmt::format("{}: is not a split of an experiment ({}): remove it and submit again",
+                                     file.string(), error.what()));
     }
 }
 
 void write_split(const fs::path& file, const Split& split) {
-    write_whole_file(file,
-                     json{{"hausbench_split", split_schema}, {"of", split.of}, {"shards", split.shards}}.dump(1) + "\n");
+    write_whole_file(
+        file, json{{"hausbench_split", split_schema}, {"of", split.of}, {"shards", split.shards}}.dump(1) + "\n");
 }
 
 }  // namespace hausbench

@@ -24,7 +24,8 @@ struct Split {
     std::vector<int> of_jobs(const Plan& plan) const;
 };
 
-// Deals out what `earlier` does not know, beside what it knows; of another number of shards, everything.
+// Deals out what `earlier` does not know, beside what it knows, which stays: tasks that wait may still need it. Of another number of
+// shards, everything.
 Split split(const Plan& plan, const Estimates& estimates, int of, const Split& earlier = {});
 
 // Throws InputError for a file that is none of these.

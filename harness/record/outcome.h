@@ -75,7 +75,8 @@ struct Outcome {
     std::vector<TraceSample> trace;
     std::string fields_sha256;  // of the file that holds them, beside the journal; see field_file.h
     bool from_trace = false;
-    bool side_by_side = false;  // other work of the run may have been on the machine meanwhile: its times compare with none
+    bool side_by_side =
+        false;  // other work of the run may have been on the machine meanwhile: its times compare with none
     std::string build, machine;
 };
 

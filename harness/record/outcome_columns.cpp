@@ -57,7 +57,8 @@ const Columns<Outcome>& outcome_columns() {
                "answer. `solve_seconds` is wall time all the same"),
         COLUMN(from_trace, "1: not run; the answer is read from the trace of a finer tolerance"),
         COLUMN(side_by_side,
-               "1: `--jobs` or a cluster may have run other cases on the machine at the same time, so the times of this row "
+               "1: `--jobs` or a cluster may have run other cases on the machine at the same time, so the times of "
+               "this row "
                "compare with none"),
         COLUMN(extras,
                "JSON object of further numbers that the solver reports, such as `alpha` of `adaptive`; each solver's "

@@ -72,7 +72,10 @@ Row Finished::row(std::size_t number) const {
 
 Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name,
                    const Accepted& accepted, Journal::ReadOnly read_only)
-    : plan_(plan), accepted_(accepted), journal_(folder / (name + ".journal"), read_only), fields_(folder / (name + ".fields")) {}
+    : plan_(plan),
+      accepted_(accepted),
+      journal_(folder / (name + ".journal"), read_only),
+      fields_(folder / (name + ".fields")) {}
 
 std::size_t Finished::open_cases(const Job& job) const {
     return std::size_t(std::count_if(job.cases.begin(), job.cases.end(), [&](std::size_t row) {
@@ -90,8 +93,10 @@ void Finished::take_over(const std::filesystem::path& folder, const std::string&
     for (const auto& [key, outcome] : other.outcomes()) {
         const auto at = rows.find(key.first);
         if (at == rows.end()) continue;
+        if (kept(at->second, key.second) || !will_do(at->second, outcome)) continue;
         const auto known = journal_.outcomes().find(key);
-        if (known == journal_.outcomes().end() || to_json(known->second) != to_json(outcome)) journal_.append(key, outcome);
+        if (known == journal_.outcomes().end() || to_json(known->second) != to_json(outcome))
+            journal_.append(key, outcome);
         const auto mine = fields_file(at->second);
         const auto theirs = folder / (name + ".fields") / mine.filename();
         if (!mine.empty() && !outcome.fields_sha256.empty() && std::filesystem::exists(theirs))
@@ -103,7 +108,7 @@ bool Finished::will_do(std::size_t row, const Outcome& outcome) const {
     if (accepted_.any_build) return true;
     if (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_)) return false;
     if (outcome.machine != this_machine().id && !accepted_.any_machine) return false;
-    return accepted_.side_by_side || !outcome.side_by_side || !is_timed(outcome.status);
+    return accepted_.side_by_side || !outcome.side_by_side;  // a timeout or a crash may be of what else ran
 }
 
 const Outcome* Finished::kept(std::size_t row, int round) const {

@@ -27,7 +27,8 @@ public:
     Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name, const Accepted& accepted,
              Journal::ReadOnly);
 
-    // Takes over what another journal, with its fields, has of these cases. Throws InputError where it cannot be read.
+    // Takes over the answers to these cases that another journal has, with its fields, where this one has none and they will do.
+    // Throws InputError where it cannot be read.
     void take_over(const std::filesystem::path& folder, const std::string& name);
 
     // The answer of a row in a round; null where it has to be run (again).

@@ -11,6 +11,7 @@
 #include <exception>
 #include <mutex>
 #include <numeric>
+#include <system_error>
 #include <thread>
 
 namespace hausbench {
@@ -51,7 +52,8 @@ std::vector<int> cores_here(int count) {
         }
     }
     if (cores.size() < std::size_t(count))
-        throw InputError(fmt::format("--jobs {}: this process may run on {} cores: ask for no more", count, cores.size()));
+        throw InputError(
+            fmt::format("--jobs {}: this process may run on {} cores: ask for no more", count, cores.size()));
     return cores;
 }
 
@@ -63,16 +65,15 @@ public:
           const std::function<void(std::size_t, const std::vector<int>&)>& work, const std::function<bool()>& stop)
         : demands_(demands), room_(std::move(room)), work_(work), stop_(stop), waiting_(demands.size()) {
         std::iota(waiting_.begin(), waiting_.end(), 0);
-        std::stable_sort(waiting_.begin(), waiting_.end(), [&](std::size_t a, std::size_t b) {
-            return demands_[a].seconds > demands_[b].seconds;
-        });
+        std::stable_sort(waiting_.begin(), waiting_.end(),
+                         [&](std::size_t a, std::size_t b) { return demands_[a].seconds > demands_[b].seconds; });
     }
 
     void lane() {
         std::unique_lock lock(lock_);
         for (;;) {
-            const auto next = std::find_if(waiting_.begin(), waiting_.end(),
-                                           [&](std::size_t i) { return room_.fits(demands_[i]); });
+            const auto next =
+                std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t i) { return room_.fits(demands_[i]); });
             if (waiting_.empty() || failure_ || stop_()) return;
             if (next == waiting_.end()) {
                 room_made_.wait(lock);  // something runs, or it would fit
@@ -117,9 +118,14 @@ void run_side_by_side(const std::vector<Demand>& demands, Room room,
                       const std::function<bool()>& stop) {
     const std::size_t most = std::min(demands.size(), room.cores());
     Lanes lanes(demands, std::move(room), work, stop);
-    std::vector<std::thread> threads;
-    for (std::size_t i = 0; i < most; ++i) threads.emplace_back([&] { lanes.lane(); });
-    for (std::thread& thread : threads) thread.join();
+    {
+        std::vector<std::jthread> threads;
+        try {
+            for (std::size_t i = 0; i < most; ++i) threads.emplace_back([&] { lanes.lane(); });
+        } catch (const std::system_error&) {  // no more threads: those that there are do the work
+            if (threads.empty()) lanes.lane();
+        }
+    }
     lanes.rethrow();
 }
 

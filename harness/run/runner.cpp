@@ -48,6 +48,7 @@ public:
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
         progress_.total(wanted);
 
+        for (const Job& job : plan_.jobs) refuse(job);
         if (options_.jobs > 1) {
             run_several();
             return finish();
@@ -68,6 +69,28 @@ public:
     }
 
 private:
+    // Cases that are finished stay so: what a solver takes is not asked here.
+    void refuse(const Job& job) {
+        const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
+        if (reason.empty()) return;
+        for (const std::size_t row : job.cases) {
+            if (finished_.kept(row, 0)) continue;
+            Outcome outcome;
+            outcome.status = RowStatus::out_of_memory;
+            outcome.reason = reason;
+            keep(row, 0, std::move(outcome));
+        }
+    }
+
+    void keep(std::size_t row, int round, Outcome outcome) {
+        outcome.side_by_side = side_by_side_;
+        outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
+        outcome.machine = this_machine().id;
+        outcome.repeats_asked = plan_.experiment.repeats;
+        outcome.stages_asked = plan_.experiment.stages;
+        finished_.append(row, round, outcome);
+    }
+
     // All rounds of a job after each other: nothing compares their times with those of another job.
     void run_several() {
         const Estimates estimates(options_.results);
@@ -127,26 +150,20 @@ private:
             WorkOrder asked = order(job, round, places);
             asked.cores = cores;
             lock.unlock();
-            supervise(asked,
-                      {.prepared =
-                           [&](const std::vector<std::string>& left_out) {
-                               const std::lock_guard held(lock_);
-                               note_left_out(job, left_out);
-                           },
-                       .finished =
-                           [&](std::size_t row, Outcome outcome) {
-                               const std::lock_guard held(lock_);
-                               outcome.side_by_side = side_by_side_;
-                               outcome.build = build_of(plan_.cases[row].solver) + planted(plan_);
-                               outcome.machine = this_machine().id;
-                               outcome.repeats_asked = plan_.experiment.repeats;
-                               outcome.stages_asked = plan_.experiment.stages;
-                               ++statuses[outcome.status];
-                               finished_.append(row, round, outcome);
-                               progress_.done(1);
-                               ended.insert(row);
-                           },
-                       .interrupted = HoldInterrupts::came});
+            supervise(asked, {.prepared =
+                                  [&](const std::vector<std::string>& left_out) {
+                                      const std::lock_guard held(lock_);
+                                      note_left_out(job, left_out);
+                                  },
+                              .finished =
+                                  [&](std::size_t row, Outcome outcome) {
+                                      const std::lock_guard held(lock_);
+                                      ++statuses[outcome.status];
+                                      keep(row, round, std::move(outcome));
+                                      progress_.done(1);
+                                      ended.insert(row);
+                                  },
+                              .interrupted = HoldInterrupts::came});
             lock.lock();
             std::erase_if(places, [&](std::size_t place) { return ended.contains(job.cases[place]); });
         }
@@ -228,6 +245,7 @@ private:
         progress_.doing("verifying");
         verify(result.rows, mine);
         note_unsound(result.rows, summary);
+        for (const Job& job : plan_.jobs) summary.open += finished_.open_cases(job);
         summary.interrupted = HoldInterrupts::came() || !swept;
         HoldInterrupts::handled();
         describe_run(result, plan_, finished_.started(), utc_now());

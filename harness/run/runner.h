@@ -16,10 +16,10 @@ struct RunOptions {
     bool fresh = false;             // forget what an earlier run finished of what this one is asked for
     bool any_build = false;         // keep rows of other builds of this program
     bool quiet = false;
-    int jobs = 1;               // at a time; of more than one, rows say that their times compare with none
-    bool cluster = false;       // they say so in any case, and rows of other machines stay
+    int jobs = 1;                           // at a time; of more than one, rows say that their times compare with none
+    bool cluster = false;                   // they say so in any case, and rows of other machines stay
     std::vector<std::string> collect = {};  // runs nothing: takes over the journals of these names in the folder
-    std::string suffix;  // after the stem in the names of journal and result (shards)
+    std::string suffix;                     // after the stem in the names of journal and result (shards)
 };
 
 struct RunSummary {
@@ -28,6 +28,7 @@ struct RunSummary {
     std::size_t kept = 0;              // earlier rows that the file has besides, see earlier.h
     std::vector<std::string> unsound;  // a line for each row that should not be
     std::size_t unsound_expected = 0;  // how many were, see plan.h
+    std::size_t open = 0;  // cases that some round has still to run: none, unless it was interrupted or only collected
     bool interrupted = false;
 };
 

@@ -60,6 +60,7 @@ public:
                         return;
                     }
                     const std::string how = worker_.how_it_ended();
+                    if (report_.interrupted()) return;  // the same signal may have ended both
                     fail(worker_.signal() ? RowStatus::signal : RowStatus::failed,
                          how.empty() ? "the worker ended early" : "ended by " + how);
                     return;

@@ -26,7 +26,7 @@ struct WorkOrder {
     Limits limits;
     int round = 0, repeats = 0;
     Leave leave = Leave::out_what_is_not_needed;
-    double slowdown = 0;  // Plan::planted_slowdown
+    double slowdown = 0;          // Plan::planted_slowdown
     std::vector<int> cores = {};  // that the worker may run on; empty: any. For who starts it, not sent
     struct Item {
         std::size_t row;

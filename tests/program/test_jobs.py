@@ -116,11 +116,17 @@ def test_ctrl_c_ends_all_of_them_and_the_same_command_goes_on(hausbench: Program
 
 
 def test_what_needs_more_memory_than_is_allowed_is_not_started(hausbench: Program, tmp_path: Path) -> None:
+    """Its row stays as it is when the same command runs again, and it counts as finished."""
     file = tmp_path / "slow.toml"
-    file.write_text(SLOW + "[limits]\nmemory_mb = 50\n")
-    assert hausbench("run", file, "--results", tmp_path).returncode == 0
-    with h5py.File(tmp_path / "slow.h5") as result:
-        assert set(result["cases/status"][()]) == {b"out_of_memory"} and all(b"not started: about" in why for why in result["cases/reason"][()])
+    file.write_text(SLOW.replace("repeats = 1", "repeats = 0").replace('[model.a]', '[limits]\nmemory_mb = 1.5\n[model.a]'))
+    for _ in range(2):
+        assert hausbench("run", file, "--results", tmp_path).returncode == 0
+        with h5py.File(tmp_path / "slow.h5") as result:
+            assert set(result["cases/status"][()]) == {b"out_of_memory"}
+            assert all(why == b"not started: its shapes alone take 1 MB, and 1 MB are allowed: raise memory_mb in [limits]"
+                       for why in result["cases/reason"][()])
+    assert hausbench("status", file, "--results", tmp_path).stdout.split()[-4:] == ["all", "7", "7", "finished"]
+    assert "not started: its shapes alone" in hausbench("explain", file, "--results", tmp_path).stdout
 
 
 def test_status_counts_what_is_finished(hausbench: Program, tmp_path: Path) -> None:
@@ -134,11 +140,27 @@ def test_status_counts_what_is_finished(hausbench: Program, tmp_path: Path) -> N
     assert last() == ["all", "17", "17", "finished"]
 
 
+@needs_two_cores
+def test_status_counts_what_was_run_side_by_side(hausbench: Program, tmp_path: Path) -> None:
+    assert hausbench("run", SMOKE, "--results", tmp_path, "--jobs", "2").returncode == 0
+    assert hausbench("status", SMOKE, "--results", tmp_path).stdout.split()[-4:] == ["all", "17", "17", "finished"]
+
+
+@needs_two_cores
+def test_times_of_rows_beside_others_are_not_compared(hausbench: Program, tmp_path: Path) -> None:
+    for folder, more in (("one", ()), ("two", ("--jobs", "2"))):
+        assert hausbench("run", SMOKE, "--results", tmp_path / folder, *more).returncode == 0
+    said = hausbench("compare", tmp_path / "one" / "smoke.h5", tmp_path / "two" / "smoke.h5").stdout
+    assert "answers: all the same" in said and "26 cases were run beside others" in said and "geometric mean" not in said
+    said = hausbench("compare", "--solver", "guthe", "cgal", tmp_path / "two" / "smoke.h5").stdout
+    assert "geometric mean" not in said
+
+
 def test_what_shards_have_finished_is_collected(hausbench: Program, tmp_path: Path) -> None:
     """As a cluster does it, without one; a shard that is missing is told, and what there is is in the result."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert hausbench("run", SMOKE, "--results", whole).returncode == 0
-    collect = ("run", SMOKE, "--results", parts, "--collect", "--cluster")
+    collect = ("run", SMOKE, "--results", parts, "--collect")
     assert "has no journal of a shard" in hausbench.fails(*collect, "--quiet")
     for number in (1, 3):
         assert hausbench("run", SMOKE, "--results", parts, "--shard", f"{number}/3", "--cluster").returncode == 0
@@ -149,3 +171,37 @@ def test_what_shards_have_finished_is_collected(hausbench: Program, tmp_path: Pa
     assert repr(answers(whole / "smoke.h5")) == repr(answers(parts / "smoke.h5"))
     size = (parts / "smoke.journal").stat().st_size
     assert hausbench(*collect).returncode == 0 and (parts / "smoke.journal").stat().st_size == size, "nothing is taken over twice"
+
+
+def test_collecting_replaces_no_times_that_compare(hausbench: Program, tmp_path: Path) -> None:
+    assert hausbench("run", SMOKE, "--results", tmp_path).returncode == 0
+    assert hausbench("run", SMOKE, "--results", tmp_path, "--shard", "1/3", "--cluster").returncode == 0
+    assert hausbench("run", SMOKE, "--results", tmp_path, "--collect").returncode == 0
+    assert not any(column(tmp_path / "smoke.h5", "side_by_side"))
+
+
+def test_a_round_that_is_missing_is_a_case_that_is_missing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    experiment.write_text(experiment.read_text().replace("repeats = 1", "repeats = 1\nrounds = 3"))
+    assert hausbench("run", experiment, "--results", tmp_path, "--shard", "1/2", "--cluster").returncode == 0
+    assert hausbench("run", experiment, "--results", tmp_path, "--shard", "2/2", "--cluster").returncode == 0
+    assert hausbench("run", experiment, "--results", tmp_path, "--collect").returncode == 0
+    (tmp_path / "tiny.journal").unlink()
+    for journal in tmp_path.glob("tiny.shard-*.journal"):
+        journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:2]))
+    done = hausbench("run", experiment, "--results", tmp_path, "--collect")
+    assert done.returncode == 1 and "1 of 1 cases are missing" in done.stderr
+
+
+def test_a_timeout_beside_others_is_tried_again_alone(hausbench: Program, tmp_path: Path) -> None:
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW.replace("repeats = 1", "repeats = 0").replace('[model.a]', '[limits]\ncase_seconds = 0.02\n[model.a]'))
+    assert hausbench("run", file, "--results", tmp_path, "--cluster", "--solver", "naive").returncode == 0
+    journal = (tmp_path / "slow.journal").read_bytes()
+    assert b'"status":"timeout"' in journal
+    assert hausbench("run", file, "--results", tmp_path, "--solver", "naive").returncode == 0
+    assert len((tmp_path / "slow.journal").read_bytes()) > len(journal) and not any(column(tmp_path / "slow.h5", "side_by_side"))
+
+
+@pytest.mark.parametrize("more", [("--fresh",), ("--collect",), ("--jobs", "2"), ("--shard", "1/2"), ("--leave-nothing-out",)])
+def test_what_a_cluster_cannot_be_told_is_refused(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
+    assert f"does not go with {more[0]}" in hausbench.fails("run", SMOKE, "--engine", "slurm", "--results", tmp_path, *more)

@@ -55,8 +55,8 @@ def configuration(folder: Path) -> str:
         f"SlurmdSpoolDir={folder}/%n", f"SlurmctldPidFile={folder}/slurmctld.pid", f"SlurmdPidFile={folder}/%n.pid",
         f"SlurmctldLogFile={folder}/slurmctld.log", f"SlurmdLogFile={folder}/%n.log", "ProctrackType=proctrack/linuxproc", "TaskPlugin=task/none",
         "JobAcctGatherType=jobacct_gather/none", "AccountingStorageType=accounting_storage/none", "SelectType=select/cons_tres",
-        "SelectTypeParameters=CR_Core", "ReturnToService=2", "SchedulerParameters=sched_interval=2,bf_interval=2", "SlurmdTimeout=5", "MpiDefault=none",
-        "KillWait=2"]
+        "SelectTypeParameters=CR_Core", "ReturnToService=2", "SchedulerParameters=sched_interval=2,bf_interval=2", "SlurmdTimeout=5",
+        "MpiDefault=none", "KillWait=2"]
     lines += [f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN" for node, port in zip(NODES, ports)]
     return "\n".join([*lines, f"PartitionName=all Nodes={','.join(NODES)} Default=YES MaxTime=INFINITE State=UP", ""])
 
@@ -145,7 +145,8 @@ class Slurm:
         return dict(line.split() for line in done.stdout.splitlines())
 
     def queue(self) -> list[str]:
-        done = subprocess.run(["squeue", "--noheader", "--array", "--format=%j %K %T"], env=self.environment, capture_output=True, text=True, check=True)
+        done = subprocess.run(["squeue", "--noheader", "--array", "--format=%j %K %T"], env=self.environment, capture_output=True, text=True,
+                              check=True)
         return done.stdout.splitlines()
 
 

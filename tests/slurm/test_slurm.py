@@ -39,9 +39,10 @@ parameters = { seed = [1, 2] }
 def experiment(folder: Path) -> Path:
     text = EXPERIMENT
     for i in range(SCENES):
-        text += (f'\n[[scene]]\nname = "clouds {i}"\nsource = "a{i}"\ntarget = "b{i}"\n'
-                 f'[model.a{i}]\nsource = "generated"\nrecipe = "gaussian_points"\ncount = 60000\nseed = {i + 1}\nsigma = 1.0\nx = 0.0\ny = 0.0\nz = 0.0\n'
-                 f'[model.b{i}]\nsource = "generated"\nrecipe = "gaussian_points"\ncount = 60000\nseed = {i + 101}\nsigma = 1.0\nx = 0.0\ny = 0.0\nz = 0.0\n')
+        text += f'\n[[scene]]\nname = "clouds {i}"\nsource = "a{i}"\ntarget = "b{i}"\n'
+        for name, seed in (("a", i + 1), ("b", i + 101)):
+            text += (f'[model.{name}{i}]\nsource = "generated"\nrecipe = "gaussian_points"\ncount = 60000\nseed = {seed}\nsigma = 1.0\n'
+                     "x = 0.0\ny = 0.0\nz = 0.0\n")
     file = folder / "clouds.toml"
     file.write_text(text)
     return file
@@ -100,6 +101,9 @@ def test_a_killed_task_and_a_lost_node_cost_only_their_cases(slurm: Slurm, tmp_p
     assert f"{3 * SCENES} cases in {SHARDS} of {SHARDS} shards" in hausbench(slurm, *submit)
     wait_until("two shards run", lambda: bool(runs_shard(1) and runs_shard(2)))
     assert f"{SHARDS} shards are in the queue already" in hausbench(slurm, *submit), "what waits or runs is not submitted twice"
+    assert f"{SHARDS} shards are in the queue already" in hausbench(slurm, *submit[:-1], f"{results}/../results/", "--scene", "clouds 0"), (
+        "a part of it, in a folder that is spelled otherwise")
+    assert "scancel" in hausbench(slurm, *submit[:-3], "2", *submit[-2:], good=(2,)), "nor split otherwise meanwhile"
 
     wait_until("a case is finished", lambda: finished(slurm, file, results) > 0)
     for pid in runs_shard(1):
@@ -110,7 +114,7 @@ def test_a_killed_task_and_a_lost_node_cost_only_their_cases(slurm: Slurm, tmp_p
     slurm.start_node("n2")
     wait_until("the queue is empty", lambda: not slurm.queue(), 240)
 
-    collected = (results / "clouds.slurm" / "logs" / "collect.log").read_text()
+    collected = (results / "clouds.quick.slurm" / "logs" / "collect.log").read_text()
     before = finished(slurm, file, results)
     assert 0 < before < 3 * SCENES and "cases are missing: submit again" in collected
     assert "not in the queue: submit again" in hausbench(slurm, "status", file, "--results", results)
@@ -131,3 +135,6 @@ def test_without_slurm_it_says_what_to_do(tmp_path: Path) -> None:
     done = subprocess.run([PROGRAM, "run", experiment(tmp_path), "--engine", "slurm", "--results", tmp_path / "results"], env=environment,
                           capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "squeue: is not there" in done.stderr and "--shard i/n" in done.stderr
+    done = subprocess.run([PROGRAM, "status", tmp_path / "clouds.toml", "--results", tmp_path / "results"], env=environment,
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "the queue is not known" in done.stderr and done.stdout.split()[-3:] == ["all", str(3 * SCENES), "0"]
