@@ -254,7 +254,7 @@ class Asked:
     def models(self, catalogue: Catalogue) -> list[str]:
         """Without any name all of the manifest, which `make` always fetches."""
         more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
-        return [*catalogue.manifest, *(catalogue.corpus if self.corpus else []), *more]
+        return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more]
 
 
 def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:

@@ -437,6 +437,15 @@ def test_the_corpus_of_the_project() -> None:
             assert table["from"] == name and table.get("operation", operation) == operation
 
 
+@pytest.mark.parametrize("stem", ["corpus_decimation", "corpus_remesh"])
+def test_the_sweeps_over_all_meshes_of_the_packages(stem: str) -> None:
+    catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
+    file = DATASETS.parent / "experiments" / "corpus" / f"{stem}.toml"
+    quick, every = ([name for name in fetch.asked_by(file, profile, catalogue) if name in catalogue.whole] for profile in ("quick", "corpus"))
+    assert len(quick) == 40 and set(quick) < set(every) == set(catalogue.whole) and len(every) == 806
+    assert set(catalogue.corpus) < set(catalogue.whole) and len(catalogue.corpus) == 366
+
+
 @pytest.mark.parametrize(("stem", "quick", "paper"), [("sacht2024_fig2", 20, 366), ("sacht2024_fig10", 6, 100)])
 def test_the_sweeps_over_the_corpus(stem: str, quick: int, paper: int) -> None:
     catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")

@@ -59,6 +59,21 @@ def test_each_is_the_same_as_scenes_written_out(hausbench: Program, root: Path, 
         assert sorted(texts(file, "cases/identity")) == sorted(texts(by_hand, "cases/identity"))
 
 
+def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Path) -> None:
+    """Tables and models of the manifest that the corpus itself does not take; and the rules hold for them."""
+    file = root / "datasets" / "corpus.toml"
+    text = file.read_text()
+    file.write_text('whole_manifest = ["other"]\n' + text + '[whole.plain]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 3\n')
+    whole = measured(hausbench, root, write(tmp_path / "whole.toml", SCENE + 'each = "whole_corpus"\n'))
+    assert texts(whole, "cases/scene") == sorted([*NAMES, "other", "plain"]) and set(texts(whole, "cases/status")) == {"ok"}
+    corpus = measured(hausbench, root, write(tmp_path / "corpus.toml", SCENE + 'each = "corpus"\n'))
+    assert texts(corpus, "cases/scene") == NAMES
+    file.write_text('whole_manifest = ["nobody"]\n' + text)
+    assert "'whole_manifest' names 'nobody'" in fails(hausbench, root, write(tmp_path / "s.toml", SCENE + 'each = "whole_corpus"\n'))
+    file.write_text('whole_manifest = ["ball"]\n' + text)
+    assert "'ball' is listed twice" in fails(hausbench, root, write(tmp_path / "s.toml", SCENE + 'each = "corpus"\n'))
+
+
 def test_a_damaged_mesh_costs_its_own_rows_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
     datasets = root / "datasets"
     (datasets / "bad.off").write_text(TETRAHEDRON.replace("1 0 0", "1 nan 0"))
@@ -80,8 +95,8 @@ def test_scenes_are_chosen_one_by_one_or_together(hausbench: Program, root: Path
 
 
 BAD = {
-    'each = "corpse"': '"corpus" or a list',
-    "each = 3": '"corpus" or a list',
+    'each = "corpse"': '"corpus", "whole_corpus" or a list',
+    "each = 3": '"corpus", "whole_corpus" or a list',
     "each = []": "names no model: list some",
     "each = ['ball', 'ball']": "names a model twice",
     "each = ['bal']": "no model 'bal', did you mean 'ball'",
