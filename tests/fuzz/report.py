@@ -1,4 +1,8 @@
-"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`, default build/fuzz/totals.jsonl."""
+"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`.
+
+By default of results/reference/fuzzing.jsonl, the runs that are kept, and of build/fuzz/totals.jsonl, those since; add these to the former
+(>>) once they are done. A line may sum up several `runs`.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +26,14 @@ def table(records: list[dict[str, str | int | float]]) -> list[str]:
         def most(key: str) -> int:
             return max(int(record[key]) for record in of)
 
-        lines.append(f"| {target} | {len(of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {most('corpus'):,} | "
+        lines.append(f"| {target} | {sum(int(record.get('runs', 1)) for record in of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {most('corpus'):,} | "
                      f"{most('coverage'):,} | {most('features'):,} | {int(total('failed'))} |")
     return lines
 
 
 def main(files: list[str]) -> int:
-    paths = [Path(file) for file in files] or [ROOT / "build" / "fuzz" / "totals.jsonl"]
+    usual = [ROOT / "results" / "reference" / "fuzzing.jsonl", ROOT / "build" / "fuzz" / "totals.jsonl"]
+    paths = [Path(file) for file in files] or [path for path in usual if path.is_file()]
     if missing := [path for path in paths if not path.is_file()]:
         print(f"report: {missing[0]} is missing: run `make fuzz`", file=sys.stderr)
         return 2
