@@ -1,11 +1,12 @@
 """Is the gate to be believed? Runs it on builds of which the answer is known, and keeps its verdicts as a table.
 
-    python3 -m bench.tracking.trials [--runs 10] [--load N] [KIND ...]
+    python3 -m bench.tracking.trials [--runs 10] [--load N] [--patience MINUTES] [KIND ...]
 
 KIND is `unchanged` (this commit beside itself), `slower` (`kang` burns 5 % of the time of each solve) or `visit` (each query counts a
 node visit more). What is planted is planted in a copy of this commit, in build/versions, and built. Runs accumulate in
 results/reference/tracking_trials.jsonl, and the table is results/reference/tracking.md. Take them where nothing else runs; --load N keeps
-N cores busy on purpose.
+N cores busy on purpose. Other guests of a host cannot be sent away: with --patience each run waits, so many minutes at most, until a short
+probe is as fast most of the time as at its best. What the probe found before each run is in the table, whether it waited or not.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -25,11 +27,17 @@ from typing import Any
 
 from analysis.shared.tables import Table, markdown
 from bench.tracking import builds
+from bench.tracking.blocks import measure
 from bench.tracking.cases import ROOT, cases
 from bench.tracking.gate import Verdict
 from bench.tracking.history import this_machine
+from bench.tracking.progress import say
 
 LOG = ROOT / "results" / "reference" / "tracking_trials.jsonl"
+PROBE = "naive on points near"  # arithmetic alone: what shares a core with it slows it at once
+PROBE_BLOCKS = 12
+QUIET = 0.04
+PAUSE = 20.0  # seconds
 TABLE = ROOT / "results" / "reference" / "tracking.md"
 
 
@@ -93,8 +101,26 @@ def busy(cores: int) -> Iterator[None]:
             process.wait()
 
 
-def trial(name: str, program: Path, load: int) -> dict[str, Any]:
+def unrest(program: Path) -> float:
+    """By how much a quarter of some short blocks of the same work are slower than the fastest: 0.01 where nothing else runs."""
+    probe = next(case for case in cases() if case.name == PROBE)
+    with tempfile.TemporaryDirectory() as folder:
+        seconds = [measure(program, probe, Path(folder)).cpu for _ in range(PROBE_BLOCKS)]
+    return statistics.quantiles(seconds, n=4)[2] / min(seconds) - 1
+
+
+def wait_for_quiet(program: Path, minutes: float) -> float:
+    """The unrest at the end: of a machine that is quiet, or when the time is over."""
+    end = time.monotonic() + 60 * minutes
+    while (found := unrest(program)) > QUIET and time.monotonic() < end:
+        say("trials", f"the machine is not quiet ({100 * found:.0f} %)")
+        time.sleep(PAUSE)
+    return found
+
+
+def trial(name: str, program: Path, load: int, patience: float = 0) -> dict[str, Any]:
     """One run of the gate beside HEAD."""
+    found = wait_for_quiet(program, patience)
     with tempfile.TemporaryDirectory() as folder, busy(load):
         record = Path(folder) / "record.json"
         begun = time.monotonic()
@@ -102,8 +128,8 @@ def trial(name: str, program: Path, load: int) -> dict[str, Any]:
                               cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True, check=False)
         said = json.loads(record.read_text()) if record.is_file() else {}
     tiers = {tier: said[tier]["verdict"] for tier in ("counters", "instructions", "time") if tier in said}
-    return {"kind": name, "load": load, "commit": builds.commit_of("HEAD"), "machine": this_machine(), "exit": done.returncode, "tiers": tiers,
-            "seconds": round(time.monotonic() - begun), "lines": said.get("time", {}).get("lines", [])}
+    return {"kind": name, "load": load, "unrest": round(found, 3), "commit": builds.commit_of("HEAD"), "machine": this_machine(),
+            "exit": done.returncode, "tiers": tiers, "seconds": round(time.monotonic() - begun), "lines": said.get("time", {}).get("lines", [])}
 
 
 def right(one: dict[str, Any]) -> bool:
@@ -117,14 +143,16 @@ def right(one: dict[str, Any]) -> bool:
 def table_of(trials: Sequence[dict[str, Any]]) -> str:
     """A line for each run, and how many were right."""
     table = Table("Runs of `hausbench track` beside the same commit",
-                  ["run", "planted", "cores kept busy", "commit", "counters", "instructions", "time", "exit code", "seconds", "right"], left=4)
+                  ["run", "planted", "cores kept busy", "unrest before", "commit", "counters", "instructions", "time", "exit code", "seconds",
+                   "right"], left=3)
     for number, one in enumerate(trials, 1):
         tiers = [one["tiers"].get(tier, "—") for tier in ("counters", "instructions", "time")]
-        table.rows.append([str(number), KINDS[one["kind"]].what, str(one["load"]), one["commit"], *tiers, str(one["exit"]), str(one["seconds"]),
-                           "yes" if right(one) else "no"])
+        table.rows.append([str(number), KINDS[one["kind"]].what, str(one["load"]), f"{100 * one['unrest']:.0f} %", one["commit"], *tiers,
+                           str(one["exit"]), str(one["seconds"]), "yes" if right(one) else "no"])
     head = ["# Is the gate of timings to be believed?", "",
             "Made by `python3 -m bench.tracking.trials` and not edited. Each run is a whole `hausbench track`; the tier that has to see what was",
-            "planted is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is right, too.", "",
+            "planted is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is right, too.",
+            f"Unrest: by how much a quarter of {PROBE_BLOCKS} short blocks of one case were slower than the fastest, just before.", "",
             f"- {'; '.join(sorted({one['machine'] for one in trials}))}"]
     for name in KINDS:
         for load in sorted({one["load"] for one in trials if one["kind"] == name}):
@@ -139,6 +167,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--runs", type=int, default=10, help="of each kind (default: 10)")
     parser.add_argument("--load", type=int, default=0, help="cores to keep busy meanwhile (default: 0)")
+    parser.add_argument("--patience", type=float, default=0, metavar="MINUTES", help="wait for a quiet machine before each run (default: 0)")
     given = parser.parse_args(words)
     if unknown := [kind for kind in given.kinds if kind not in KINDS]:
         parser.error(f"there is no kind {unknown[0]}: {', '.join(KINDS)}")
@@ -148,7 +177,7 @@ def main(words: Sequence[str]) -> int:
     LOG.parent.mkdir(exist_ok=True)
     for number in range(given.runs):
         for name in chosen:
-            one = trial(name, programs[name], given.load)
+            one = trial(name, programs[name], given.load, given.patience)
             print(f"{name} {number + 1}: exit {one['exit']}, {one['tiers']}, {one['seconds']} s{'' if right(one) else ': WRONG'}", flush=True)
             with LOG.open("a") as log:
                 log.write(json.dumps(one) + "\n")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import time
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bench.tracking.cases import ROOT
+from bench.tracking import trials
+from bench.tracking.blocks import Block
+from bench.tracking.cases import ROOT, cases
 from bench.tracking.trials import KINDS, busy, right, table_of
 
 
@@ -14,7 +18,8 @@ SLOWER = "kang on mesh to its half: slower by 5.0 %, and in a second run by 5.1 
 
 
 def trial(kind: str, tiers: dict[str, str], load: int = 0, line: str = SLOWER) -> dict[str, Any]:
-    return {"kind": kind, "load": load, "commit": "abc", "machine": "here", "exit": 0, "tiers": tiers, "seconds": 200, "lines": [line]}
+    return {"kind": kind, "load": load, "unrest": 0.012, "commit": "abc", "machine": "here", "exit": 0, "tiers": tiers, "seconds": 200,
+            "lines": [line]}
 
 
 @pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.text])
@@ -40,6 +45,27 @@ def test_the_table_counts_each_kind_and_load_apart() -> None:
     text = table_of([trial("unchanged", {"time": "passed"}), trial("unchanged", {"time": "red"}), trial("unchanged", {"time": "inconclusive"}, 2)])
     assert "planted: nothing: 1 of 2 right" in text and "planted: nothing, with 2 cores kept busy: 1 of 1 right" in text
     assert "kang" not in text.split("\n\n")[2]
+
+
+def test_what_is_uneven_is_not_quiet(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = iter([1.0, 1.02] * 6 + [1.0, 1.5] * 6)
+    monkeypatch.setattr(trials, "measure", lambda program, case, folder: Block(next(seconds), 0, 0, ""))
+    assert trials.unrest(Path("program")) == pytest.approx(0.02) and trials.unrest(Path("program")) == pytest.approx(0.5)
+
+
+def test_a_run_waits_for_a_quiet_machine_but_not_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, now = iter([0.5, 0.3, 0.01, 0.5, 0.5, 0.5, 0.5]), [0.0]
+    monkeypatch.setattr(trials, "unrest", lambda program: next(found))
+    monkeypatch.setattr(time, "sleep", lambda seconds: now.append(now.pop() + seconds))
+    monkeypatch.setattr(time, "monotonic", lambda: now[-1])
+    assert trials.wait_for_quiet(Path("program"), 10) == 0.01 and now[-1] == 2 * trials.PAUSE
+    now[-1] = 0.0
+    assert trials.wait_for_quiet(Path("program"), 0.5) == 0.5 and now[-1] == 2 * trials.PAUSE
+    assert trials.wait_for_quiet(Path("program"), 0) == 0.5
+
+
+def test_the_probe_is_a_tracked_case() -> None:
+    assert trials.PROBE in [case.name for case in cases()]
 
 
 def test_load_ends_with_the_block() -> None:
