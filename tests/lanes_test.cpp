@@ -162,6 +162,14 @@ TEST(SplitOfAPlan, AJobStaysWhereItIsWhileOthersComeAndGo) {
     EXPECT_EQ(split(changed, estimates, 3, first).of_jobs(changed), split(changed, estimates, 3).of_jobs(changed));
 }
 
+TEST(SplitOfAPlan, JobsOfTheSameCasesStayTogether) {
+    const Plan plan = plan_of({100, 7, 100, 100, 5000});
+    const auto shards = split(plan, Estimates(""), 3).of_jobs(plan);
+    EXPECT_EQ(shards[0], shards[2]);
+    EXPECT_EQ(shards[0], shards[3]);
+    EXPECT_EQ((std::set<int>{shards[0], shards[1], shards[4]}.size()), 3u);
+}
+
 TEST(SplitOfAPlan, IsReadAsItWasWritten) {
     const fs::path file = fs::path(testing::TempDir()) / "split.json";
     const Split one = split(plan_of({10, 20, 30}), Estimates(""), 2);

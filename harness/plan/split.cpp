@@ -65,16 +65,22 @@ Split split(const Plan& plan, const Estimates& estimates, int of, const Split& e
     const auto parts_wanted = std::size_t(of);
     std::vector<double> taken(parts_wanted), seconds;
     std::vector<std::string> keys;
+    std::map<std::string, std::size_t>
+        places;  // jobs of the same cases, of scenes by other names, are one: they share answers
     for (const Job& job : plan.jobs) {
         const std::string key = key_of(plan, job);
         const double takes = estimates.of(plan, job).seconds;
-        const auto at = earlier.shards.find(key);
-        if (earlier.of == of && at != earlier.shards.end()) {
+        if (const auto at = now.shards.find(key); at != now.shards.end()) {
             taken[std::size_t(at->second - 1)] += takes;
             continue;
         }
-        keys.push_back(key);
-        seconds.push_back(takes);
+        const auto [at, fresh] = places.emplace(key, keys.size());
+        if (fresh) {
+            keys.push_back(key);
+            seconds.push_back(takes);
+        } else {
+            seconds[at->second] += takes;
+        }
     }
     const std::vector<int> parts = dealt(seconds, taken);
     for (std::size_t i = 0; i < keys.size(); ++i) now.shards[keys[i]] = parts[i] + 1;

@@ -52,8 +52,8 @@ def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> Non
     (tmp_path / "program").write_text("#!/bin/bash\n")
     (tmp_path / "program").chmod(0o755)
     (tmp_path / "experiments" / "paper").mkdir(parents=True)
-    for stem in ("paper_fig1", "other", "paper_fig2"):
-        (tmp_path / "experiments" / ("" if stem == "other" else "paper") / f"{stem}.toml").write_text("")
+    for stem in ("paper_fig1", "other", "paper_fig2", "corpus_every"):
+        (tmp_path / "experiments" / ("paper" if stem.startswith("paper") else "") / f"{stem}.toml").write_text("")
     files = {stem: f"experiments/paper/{stem}.toml" for stem in ("paper_fig1", "paper_fig2")} | {"other": "experiments/other.toml"}
 
     def fetched(*arguments: str) -> list[str]:
@@ -65,7 +65,8 @@ def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> Non
     assert fetched("paper_fig1") == ["--profile", "quick", "--experiment", files["paper_fig1"]]
     assert fetched("paper", "PROFILE=paper") == ["--profile", "paper", "--experiment", files["paper_fig1"], files["paper_fig2"]]
     assert fetched("experiments") == ["--profile", "quick", "--experiment", files["other"], files["paper_fig1"], files["paper_fig2"]]
-    assert fetched("corpus") == ["--corpus", "--check"]
+    assert fetched("corpus") == ["--profile", "quick", "--experiment", "experiments/corpus_every.toml"], "which `make experiments` leaves out"
+    assert fetched("fetch-corpus") == ["--corpus", "--check"]
 
 
 def test_a_stem_of_another_experiment_runs_that_one(tmp_path: Path) -> None:

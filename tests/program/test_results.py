@@ -267,22 +267,21 @@ def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Pat
 
 
 def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    scene = '[[scene]]\nname = "{}"\nsource = "sphere2"\ntarget = "sphere1"\n'
-    experiment.write_text(experiment.read_text() +
-                          "".join(scene.format(name) for name in ("back", "again", "last")))
+    scene = '[[scene]]\nname = "{0} to {1}"\nsource = "sphere{0}"\ntarget = "sphere{1}"\n'
+    experiment.write_text(experiment.read_text() + "".join(scene.format(*pair) for pair in ((2, 1), (1, 1), (2, 2))))
     parts = []
-    for i in (1, 2, 3):
+    for i in (2, 1, 3):  # the second has two cases
         assert hausbench("run", experiment, "--results", tmp_path, "--shard", f"{i}/3").returncode == 0
         parts.append(tmp_path / f"tiny.shard-{i}-of-3.h5")
     twice = hausbench("merge", tmp_path / "twice.h5", parts[0], parts[0])
-    assert twice.returncode == 1 and "2 of 4 cases" in twice.stderr and "missing, 2/3, 3/3: run them with --shard" in twice.stderr
+    assert twice.returncode == 1 and "2 of 4 cases" in twice.stderr and "missing, 1/3, 3/3: run them with --shard" in twice.stderr
     assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # it is written all the same
     two = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])
-    assert two.returncode == 1 and "missing, 2/3: run" in two.stderr
+    assert two.returncode == 1 and "missing, 1/3: run" in two.stderr
     done = hausbench("merge", tmp_path / "three.h5", tmp_path / "two.h5", parts[1])
     assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
     with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:
-        assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("2/3", "")
+        assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("1/3", "")
     # A result that says nonsense, or more than can be listed.
     for text in ("0/3", "1/2000000000", "a, b", ",", "1/2, 1/3"):
         with h5py.File(parts[0], "r+") as f:
