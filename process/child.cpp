@@ -103,7 +103,7 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
     before_ = family_of(parent);
     pid_ = ::fork();
     if (pid_ > 0) living.push_back(pid_);
-    if (pid_ != 0) lock.unlock();
+    lock.unlock();  // in the child too: a copy that works may have children of its own
     if (pid_ == 0) {
         ::setpgid(0, 0);
         run_on(launch_.cores);

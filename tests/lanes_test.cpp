@@ -237,6 +237,18 @@ TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
     EXPECT_TRUE(fs::is_empty(folder)) << "an orphan lived on";
 }
 
+TEST(ChildrenOfThreads, ACopyThatWorksHasChildrenOfItsOwn) {
+    Launch launch;
+    launch.work = [](int) {
+        Child child(shell("exit 7"));
+        child.wait({.seconds = 30});
+        return child.exit_code();
+    };
+    Child copy(std::move(launch));
+    EXPECT_EQ(copy.wait({.seconds = 60}), Child::End::by_itself);
+    EXPECT_EQ(copy.exit_code(), 7);
+}
+
 TEST(ChildrenOfThreads, RunOnTheCoresThatAreTheirs) {
     const int core = cores_here(1).front();
     Launch launch = shell("grep Cpus_allowed_list /proc/self/status");
