@@ -57,7 +57,9 @@ protected:
                                                       "[[solver]]\nname = 'idle'\n{}\n",
                                                       top, scene, solver));
         return make_plan(read_experiment(file, "quick"), Catalogue(manifest, folder_.path() / "cache", ""), {},
-                         [](const std::string&) {});
+                         [this](const std::string& name, std::size_t before, std::size_t of) {
+                             said_.push_back(fmt::format("{} {}/{}", name, before, of));
+                         });
     }
     // Of a matrix scene; `search` makes it one.
     Plan matrix_plan(const std::string& top, const std::string& sources, const std::string& targets,
@@ -78,6 +80,8 @@ protected:
         }
     }
 
+    mutable std::vector<std::string> said_;  // of the models, as they were made
+
 private:
     TemporaryFolder folder_;
 };
@@ -86,6 +90,11 @@ std::set<std::string> identities(const Plan& plan) {
     std::set<std::string> all;
     for (const Case& asked : plan.cases) all.insert(asked.identity);
     return all;
+}
+
+TEST_F(PlanRows, SaysWhichModelItMakesAndHowManyAreLeft) {
+    plan("", "", "");
+    EXPECT_EQ(said_, (std::vector<std::string>{"ball 0/2", "half 1/2"}));
 }
 
 TEST_F(PlanRows, BothShapesMove) {

@@ -11,7 +11,12 @@ Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
     static Catalogue models = catalogue();  // the plan points into it
     add_own_models(models, experiment);
     Progress progress(quiet);
-    return make_plan(experiment, models, arguments.choice, [&](const std::string& what) { progress.doing(what); });
+    return make_plan(experiment, models, arguments.choice,
+                     [&](const std::string& name, std::size_t before, std::size_t of) {
+                         if (before == 0) progress.total(of);
+                         progress.doing("model " + name);
+                         if (before > 0) progress.done(1);
+                     });
 }
 
 std::filesystem::path results_of(const ExperimentArguments& arguments) {

@@ -57,8 +57,7 @@ struct SolverOnScene {
 
 class Planner {
 public:
-    Planner(const Experiment& experiment, const Catalogue& catalogue,
-            const std::function<void(const std::string&)>& say)
+    Planner(const Experiment& experiment, const Catalogue& catalogue, const SayModel& say)
         : catalogue_(catalogue), models_(catalogue, say) {
         plan_.experiment = experiment;
     }
@@ -89,6 +88,8 @@ public:
             catalogue_.find(scene.target);
         }
         catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
+        for (const ScenePlan& scene : experiment.scenes)
+            if (chosen(choice.scenes, scene)) models_.expect(scene);
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             if (!chosen(choice.scenes, experiment.scenes[i])) continue;
             const SceneModels models = models_.find(experiment.scenes[i]);
@@ -380,8 +381,7 @@ bool unsound_expected(const Case& asked, const Experiment& experiment) {
     });
 }
 
-Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
-               const std::function<void(const std::string&)>& say) {
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
     return Planner(experiment, catalogue, say).make(choice);
 }
 

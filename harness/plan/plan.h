@@ -81,6 +81,9 @@ bool promises(const SolverEntry& entry, const ParameterMap& given);
 // or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
 bool unsound_expected(const Case& asked, const Experiment& experiment);
 
+// The next model, how many came before it, and of how many.
+using SayModel = std::function<void(const std::string& name, std::size_t before, std::size_t of)>;
+
 struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
     bool leave_nothing_out =
@@ -88,9 +91,8 @@ struct Choice {  // --solver, --scene; empty: all
     double planted_slowdown = 0;
 };
 
-// Fetched, generated and derived models are resolved here, which can take a while the first time: `say` gets a line for
-// each. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
-Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice,
-               const std::function<void(const std::string&)>& say);
+// Fetched, generated and derived models are resolved here, which can take a while the first time: `say` hears of each before
+// it is made. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say);
 
 }  // namespace hausbench

@@ -29,11 +29,13 @@ void move(const ScenePlan& scene, SceneModels& models) {
 
 std::variant<ResolvedModel, MissingModel> ModelFinder::find(const std::string& name) {
     if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
-    say_(fmt::format("model {}", name));
+    say_(name, resolved_.size(), expected_.size());
     auto result = catalogue_.resolve(name);
     if (const auto* good = std::get_if<ResolvedModel>(&result)) found_.push_back({&catalogue_.find(name), *good});
     return resolved_[name] = std::move(result);
 }
+
+void ModelFinder::expect(const ScenePlan& scene) { expected_.insert({scene.source, scene.target}); }
 
 SceneModels ModelFinder::find(const ScenePlan& scene) {
     SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, 0, 0, "", RowStatus::skipped};

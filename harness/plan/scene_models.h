@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,11 +25,12 @@ struct SceneModels {
     RowStatus row = RowStatus::skipped;             // the status of its rows then
 };
 
-// Finds each model once. Fetched, generated and derived models are made here, which can take a while: `say` gets a line for each.
+// Finds each model once. Fetched, generated and derived models are made here, which can take a while: `say` hears of each.
 class ModelFinder {
 public:
-    ModelFinder(const Catalogue& catalogue, const std::function<void(const std::string&)>& say)
-        : catalogue_(catalogue), say_(say) {}
+    ModelFinder(const Catalogue& catalogue, const SayModel& say) : catalogue_(catalogue), say_(say) {}
+
+    void expect(const ScenePlan& scene);  // before the first is looked for, so that `say` knows how many there are
 
     SceneModels find(const ScenePlan& scene);
 
@@ -38,7 +40,8 @@ private:
     std::variant<ResolvedModel, MissingModel> find(const std::string& name);
 
     const Catalogue& catalogue_;
-    const std::function<void(const std::string&)>& say_;
+    const SayModel& say_;
+    std::set<std::string> expected_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
     std::vector<ModelRow> found_;
 };
