@@ -2,7 +2,8 @@
 
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
-writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md.
+writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md. The group
+`corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
 Stems of the group without a result here keep the tables that the file has, so that a long group may be measured in parts.
 README's table of winners is written again from these files.
 """
@@ -63,18 +64,23 @@ def stems_of(group: str, folder: Path) -> list[str]:
     return in_order(group, {path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")})
 
 
+def whole_profile(group: str) -> str:
+    return "corpus" if group.partition("_")[0] == "corpus" else "paper"
+
+
 def check(results: Results) -> Results:
-    if results.meta.get("profile") != "paper":
+    whole = whole_profile(results.stem)
+    if results.meta.get("profile") != whole:
         raise ResultError(f"{results.path}: is of profile '{results.meta.get('profile')}': measure it with "
-                          f"'make {results.stem} PROFILE=paper'")
+                          f"'make {results.stem} PROFILE={whole}'")
     return results
 
 
 def text_of(group: str, folder: Path, kept: Kept) -> str:
     """The whole file: of each stem what was measured, or else what was kept."""
-    stems = stems_of(group, folder)
+    stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
-        raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE=paper'")
+        raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
     rows, texts = dict(kept.rows), dict(kept.tables)
     for stem, results in zip(stems, all_results):
@@ -86,8 +92,8 @@ def text_of(group: str, folder: Path, kept: Kept) -> str:
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
-    parts = [f"# {group}, profile `paper`", "",
-             f"Measured here, and written by `make {group} PROFILE=paper && python3 -m analysis.paper_profile {group}`. "
+    parts = [f"# {group}, profile `{whole}`", "",
+             f"Measured here, and written by `make {group} PROFILE={whole} && python3 -m analysis.paper_profile {group}`. "
              "Nothing below is edited by hand.", "", *[f"- {line}" for line in sorted(machines)], "",
              "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
     ordered = in_order(group, set(rows))
@@ -103,7 +109,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
     parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (results/reference)")
     chosen = parser.parse_args(arguments)
-    single = stems_of(chosen.group, chosen.results) == [chosen.group]
+    single = stems_of(chosen.group, chosen.results) == [chosen.group] or chosen.group == whole_profile(chosen.group)
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     try:
         text = text_of(chosen.group, chosen.results, kept_of(path))

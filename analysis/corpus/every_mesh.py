@@ -28,8 +28,11 @@ def seconds(results: Results, row: int) -> float:
 
 
 def shown_reason(reason: str) -> str:
-    """Without what is different for each mesh: files and numbers, so that like reasons stand together."""
-    words = ["…" if any(character.isdigit() for character in word) or "/" in word else word for word in reason.split(";")[0].split()]
+    """Without what is different for each mesh: names, files and numbers, so that like reasons stand together."""
+    def differs(word: str) -> bool:
+        return "/" in word or word[0] in "'\"" or any(character.isdigit() for character in word)
+
+    words = ["…" if differs(word) else word for word in reason.split(";")[0].split()]
     return " ".join(word for word, before in zip(words, [None, *words]) if (word, before) != ("…", "…"))
 
 

@@ -16,7 +16,7 @@ Record = dict[str, object]
 
 _TEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
         "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}", "<": r"\textless{}",
-        ">": r"\textgreater{}", "—": "---", "–": "--", "×": r"$\times$", "≤": r"$\le$", "≥": r"$\ge$",
+        ">": r"\textgreater{}", "—": "---", "–": "--", "…": r"\dots{}", "×": r"$\times$", "≤": r"$\le$", "≥": r"$\ge$",
         "→": r"$\to$", "α": r"$\alpha$", "λ": r"$\lambda$", "µ": r"\textmu{}", "†": r"$\dagger$"}
 
 

@@ -1,0 +1,237 @@
+"""Cost against size: the exponents of time and of memory with intervals, and what they foretell of larger sizes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+import scipy.stats
+
+from analysis.shared import scales, style, tables
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import CONFIDENCE
+
+LEAST_SECONDS: Final = 2e-4  # below it starting, and what is read from cold memory, decide
+LEAST_BYTES: Final = 2**20  # below it pages and what loading left free decide
+LEAST_SIZES: Final = 3  # two sizes make a line that nothing can contradict
+ANSWERS: Final = "ok"
+
+
+@dataclass(frozen=True)
+class Interval:
+    value: float
+    low: float
+    high: float
+
+
+UNKNOWN: Final = Interval(math.nan, math.nan, math.nan)
+
+
+@dataclass(frozen=True)
+class Growth:
+    """cost = constant n^exponent: the least squares line through logarithms, and Student's intervals around it. They hold if the logarithms
+    scatter about a line with one variance; where cost bends (caches, a fixed part), they say how far it is from one.
+    """
+
+    sizes: tuple[float, ...]
+    costs: tuple[float, ...]
+
+    @property
+    def known(self) -> bool:
+        return len(set(self.sizes)) >= LEAST_SIZES
+
+    def exponent(self) -> Interval:
+        if not self.known:
+            return UNKNOWN
+        fit = scipy.stats.linregress(np.log(self.sizes), np.log(self.costs))
+        half = self._quantile() * float(fit.stderr)
+        return Interval(float(fit.slope), float(fit.slope) - half, float(fit.slope) + half)
+
+    def at(self, n: float) -> Interval:
+        """The cost to be expected at another size, with the interval for one more measurement there."""
+        if not self.known:
+            return UNKNOWN
+        x, y = np.log(self.sizes), np.log(self.costs)
+        fit = scipy.stats.linregress(x, y)
+        middle = float(fit.intercept + fit.slope * math.log(n))
+        scatter = math.sqrt(float(((y - fit.intercept - fit.slope * x)**2).sum()) / (len(x) - 2))
+        spread = math.sqrt(1 + 1 / len(x) + (math.log(n) - float(x.mean()))**2 / float(((x - x.mean())**2).sum()))
+        half = self._quantile() * scatter * spread
+        return Interval(math.exp(middle), math.exp(middle - half), math.exp(middle + half))
+
+    def _quantile(self) -> float:
+        return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(self.sizes) - 2))
+
+
+def growth(sizes: Sequence[float], costs: Sequence[float], least: float) -> Growth:
+    """Of costs that are known and large enough to tell."""
+    known = [(n, cost) for n, cost in zip(sizes, costs, strict=True) if cost >= least]
+    return Growth(tuple(n for n, _ in known), tuple(cost for _, cost in known))
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One solver in one regime, the sizes in ascending order."""
+
+    regime: str
+    solver: str
+    label: str
+    rows: tuple[int, ...]  # of /cases, with an answer
+    sizes: tuple[float, ...]  # |A| + |B|, of these rows
+    prepare: tuple[float, ...]  # seconds
+    solve: tuple[float, ...]  # of the first answer
+    peak: tuple[float, ...]  # bytes; NaN unknown
+    structures: tuple[float, ...]  # bytes that the structures hold
+    lost: tuple[tuple[float, str], ...]  # size and status of the rows without an answer
+
+    @property
+    def title(self) -> str:
+        return style.title(self.solver, self.label)
+
+    def last(self, values: Sequence[float]) -> float:
+        """An element, at the largest size that was answered."""
+        return values[-1] / self.sizes[-1] if self.sizes else math.nan
+
+
+def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
+    cases = results.cases
+    rows = sorted(results.rows(family=regime, solver=solver, label=label), key=lambda row: elements(results, row))
+    there = [row for row in rows if cases.status[row] == ANSWERS]
+    first = [np.array(list(results.first_by_round(row).values())) for row in there]
+    return Curve(
+        regime, solver, label, tuple(there), tuple(elements(results, row) for row in there),
+        tuple(results.prepare_seconds(row) for row in there),
+        tuple(float(np.median(seconds)) if len(seconds) else math.nan for seconds in first),
+        tuple(float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there),
+        tuple(float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan for row in there),
+        tuple((elements(results, row), str(cases.status[row])) for row in rows if cases.status[row] != ANSWERS))
+
+
+def elements(results: Results, row: int) -> float:
+    return float(results.cases.source_elements[row] + results.cases.target_elements[row])
+
+
+def curves(results: Results) -> list[Curve]:
+    labels = style.order(zip(results.cases.solver, results.cases.label))
+    return [curve(results, str(regime), solver, label) for regime in results.in_order("family") for solver, label in labels
+            if results.rows(family=regime, solver=solver, label=label)]
+
+
+def text(x: Interval) -> str:
+    """'1.02 [0.98, 1.06]'."""
+    return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} [{x.low:.2f}, {x.high:.2f}]"
+
+
+def short(n: float) -> str:
+    """'300K', '20M'."""
+    for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "K")):
+        if n >= unit:
+            return f"{n / unit:.3g}{name}"
+    return f"{n:.0f}"
+
+
+def make_growth(results: Results, what: str, rival: str) -> Report:
+    """`what` is an element, such as "point"; `rival` the label whose memory the others' is held against."""
+    found = curves(results)
+    by_regime = {regime: [one for one in found if one.regime == regime] for regime in dict.fromkeys(one.regime for one in found)}
+    table = tables.Table(
+        f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size that was answered, and how they grow.",
+        ["regime", "solver", "answered", f"prepare, ns a {what}", "grows as n^", f"solve, ns a {what}", "grows as n^",
+         f"peak, bytes a {what}", "grows as n^", f"structures, bytes a {what}", f"peak, {style.title(rival)} / this"], left=3)
+    records: list[tables.Record] = []
+    for own in by_regime.values():
+        table.rules.add(len(table.rows))
+        beside = next((one for one in own if one.label == rival), None)
+        for one in own:
+            grown = [growth(one.sizes, one.prepare, LEAST_SECONDS), growth(one.sizes, one.solve, LEAST_SECONDS),
+                     growth(one.sizes, one.peak, LEAST_BYTES)]
+            table.rows.append([
+                one.regime, one.title, answered(one),
+                tables.number(1e9 * one.last(one.prepare)), text(grown[0].exponent()), tables.number(1e9 * one.last(one.solve)),
+                text(grown[1].exponent()), tables.number(one.last(one.peak)), text(grown[2].exponent()),
+                tables.number(one.last(one.structures)), tables.number(peak_ratio(beside, one))])
+            records += [record(one, i, grown) for i in range(len(one.sizes))]
+            records += [{"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(n), "status": status}
+                        for n, status in one.lost]
+    table.notes = [
+        f"Peak: resident set less that before preparing, so the shapes themselves are not in it; structures: what they say of "
+        f"themselves. Exponents: the line through the logarithms of all sizes with at least {LEAST_SECONDS * 1e3:g} ms or "
+        f"{LEAST_BYTES // 2**20} MiB, {LEAST_SIZES} at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
+        f"{style.title(rival)} / this: at the largest size that both answered.",
+        *[f"{regime}: {note}." for regime, note in notes(results).items()], clock_note(results), f"{machine_line(results)}."]
+    return Report(lambda: draw(by_regime, what), table, records, style.letters_key(status for one in found for _, status in one.lost))
+
+
+def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
+    fits = {f"{name}_{end}": getattr(fit.exponent(), end)
+            for name, fit in zip(("prepare_exponent", "solve_exponent", "peak_exponent"), grown) for end in ("value", "low", "high")}
+    return {"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(one.sizes[i]), "status": ANSWERS,
+            "prepare_seconds": one.prepare[i], "solve_seconds": one.solve[i], "peak_bytes": one.peak[i],
+            "structure_bytes": one.structures[i], **fits}
+
+
+def answered(one: Curve) -> str:
+    """'2K to 600K; timeout from 2M on'."""
+    there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
+    return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost[:1]]])
+
+
+def peak_ratio(rival: Curve | None, one: Curve) -> float:
+    """At the largest size that both answered with a peak large enough to tell."""
+    if rival is None or rival is one:
+        return math.nan
+    theirs = dict(zip(rival.sizes, rival.peak))
+    both = [theirs[n] / peak for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES and theirs.get(n, math.nan) >= LEAST_BYTES]
+    return both[-1] if both else math.nan
+
+
+def notes(results: Results) -> dict[str, str]:
+    """What the experiment says of each regime."""
+    return {str(family): str(note).partition(";")[0] for family, note in zip(results.cases.family, results.cases.scene_note) if note}
+
+
+def has_marks(ax: Any) -> bool:
+    """Of numbers: what stands at the edge for a failure has a place of its own."""
+    return any(len(line.get_xdata()) and line.get_transform() == ax.transData for line in ax.lines)
+
+
+def tick(axes: Iterable[Any]) -> None:
+    for ax in axes:
+        if has_marks(ax):  # an empty logarithmic axis has no ticks to ask for
+            ax.set(xscale="log", yscale="log")
+            scales.log_ticks(ax.xaxis)
+            scales.log_ticks(ax.yaxis)
+
+
+def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
+    """Above, solving (lines) and preparing (dots); below, peak memory an element."""
+    figure, axes = plt.subplots(2, max(1, len(by_regime)), figsize=(style.DOUBLE_COLUMN, 4.4), sharex=True, sharey="row", squeeze=False)
+    for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
+        lost = []
+        for one in own:
+            looks = style.look(one.solver, one.label)
+            lost += [(looks, style.status_letter(status)) for status in dict.fromkeys(status for _, status in one.lost)]
+            if not one.sizes:
+                continue
+            above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
+            above.plot(one.sizes, one.solve, **style.filled_marker(looks))
+            above.plot(one.sizes, one.prepare, color=looks.colour, linestyle=style.DOTTED, linewidth=0.9)
+            told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]
+            if told:
+                below.plot(*np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
+                below.plot(*np.array(told).T, **style.filled_marker(looks))
+        style.margin_marks(above, lost, 120)
+        above.set(title=regime)
+        below.set(xlabel=f"{what}s, |A| + |B|")
+    axes[0][0].set_ylabel("time (s): solve; dotted: prepare")
+    axes[1][0].set_ylabel(f"peak memory, bytes a {what}")
+    tick(axes.flat)
+    labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
+    style.legend_above(figure, style.handles(labels), columns=6)
+    return figure

@@ -1,0 +1,179 @@
+"""What a thousand million points in each set would take, on paper: foretold from the sizes that were measured, in one piece and in shards.
+
+In shards: split A into k cells with as many points each (a k-d tree's). The task of a cell takes its points A_i, and B_i: all points of B
+within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i, B), as B_i is a part of B. If u_i <= r it is exact: each
+point of A_i has its nearest of B within u_i, so in B_i. Else, if u_i is above the largest exact answer, the task runs once more with the margin
+u_i, and is exact by the same argument. h(A, B) is the largest of the exact answers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.scaling.growth import LEAST_BYTES, Curve, Growth, Interval, curves, growth, has_marks, notes, short, tick
+from analysis.shared import style, tables
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+
+RESULTS_OF: Final = "scaling_points"
+SOLVERS: Final = ("scan", "kdtree", "inc")
+DRAWN: Final = "scan"
+EACH: Final = 1e9  # points of A, and of B
+POINT: Final = 24  # bytes: three doubles
+COPIES: Final = 2  # of a shape while it is loaded: as it is read, and as it is kept
+LEAST_SECONDS: Final = 1e-3  # below it a fixed part decides, which a line through logarithms would carry on
+PASSES: Final = 3  # over the files: to split them (read and write), and to read the shards
+MOST_TASKS: Final = 100_000
+MOST_MARGIN: Final = 4.0  # a margin that makes B so many times as large as A shards nothing
+
+
+@dataclass(frozen=True)
+class Shards:
+    tasks: int
+    points: float  # |A_i| + |B_i|
+    margin: float  # |B_i| / |A_i|
+
+
+def widened(tasks: float, margin: float) -> float:
+    """How many times the points of a cell its margin takes in, for points that fill their box, or a surface in it. Cells of a surface are the
+    smaller ones: box / sqrt(tasks). `margin` is a fraction of the diagonal.
+    """
+    side = 1 / math.sqrt(3) / math.sqrt(tasks)
+    return (1 + 2 * margin / side)**3
+
+
+def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
+    """The fewest tasks whose points fit in `memory` together with what the solver takes for them; None where no number of cells does, or the
+    margin takes in too much.
+    """
+    tasks = 1
+    while tasks <= MOST_TASKS:
+        wide = min(widened(tasks, margin), float(tasks))  # never more than all of B
+        points = each / tasks * (1 + wide)
+        if points * POINT * COPIES + bytes_of(points) <= memory:
+            return Shards(tasks, points, wide) if wide <= MOST_MARGIN else None
+        tasks += max(1, tasks // 20)
+    return None
+
+
+@dataclass(frozen=True)
+class Forecast:
+    regime: str
+    title: str
+    distance: Interval  # of the diagonal of A
+    peak: Interval  # bytes, besides the points
+    seconds: Interval  # preparing and solving
+    plan: Shards | None
+    plan_seconds: Interval
+
+
+def times(x: Interval, factor: float) -> Interval:
+    return Interval(factor * x.value, factor * x.low, factor * x.high)
+
+
+def distances(results: Results, one: Curve) -> Growth:
+    """h as a fraction of the diagonal of A."""
+    cases = results.cases
+    return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0)
+
+
+def cost(one: Curve) -> Growth:
+    return growth(one.sizes, [a + b for a, b in zip(one.prepare, one.solve)], LEAST_SECONDS)
+
+
+def memory_of(one: Curve) -> Growth:
+    return growth(one.sizes, one.peak, LEAST_BYTES)
+
+
+def forecast(results: Results, one: Curve, memory: float) -> Forecast:
+    """The upper ends of the forecasts size the shards; a margin is what the distance is expected to be at most."""
+    total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
+    margin = distance.at(total).high
+    known = seconds.known and peak.known and math.isfinite(margin)
+    plan = shards(EACH, margin, memory, lambda n: peak.at(n).high) if known else None
+    return Forecast(one.regime, one.title, distance.at(total), peak.at(total), seconds.at(total), plan,
+                    times(seconds.at(plan.points), plan.tasks) if plan else times(seconds.at(total), math.nan))
+
+
+def text(x: Interval, scale: float) -> str:
+    """'70 [61, 82]'."""
+    if math.isnan(x.value):
+        return tables.NOTHING
+    return f"{tables.number(scale * x.value, 2)} [{tables.number(scale * x.low, 2)}, {tables.number(scale * x.high, 2)}]"
+
+
+def make(results: Results) -> Report:
+    found = [one for one in curves(results) if one.label in SOLVERS]
+    cores, memory = max(1, int(results.meta.get("cores", 1))), float(results.meta.get("memory_bytes", math.nan))
+    own = [forecast(results, one, memory / cores) for one in found]
+    largest = max((one.sizes[-1] for one in found if one.sizes), default=math.nan)
+    table = tables.Table(
+        f"{short(EACH)} points in A and as many in B: a forecast from {short(largest)} points in all and fewer, never run.",
+        ["regime", "solver", "h, of the diagonal", "points, GB", "solver, GB besides", "CPU time, s", "tasks", "points of a task",
+         "|B| / |A| of a task", "CPU time of all tasks, s"], left=2)
+    records: list[tables.Record] = []
+    for one in own:
+        plan = one.plan
+        table.rows.append([
+            one.regime, one.title, text(one.distance, 1), tables.number(2 * EACH * POINT / 1e9), text(one.peak, 1e-9), text(one.seconds, 1),
+            *([str(plan.tasks), short(plan.points), tables.number(plan.margin), text(one.plan_seconds, 1)] if plan else 4 * [tables.NOTHING])])
+        records.append({"regime": one.regime, "solver": one.title, "each": EACH,
+                        **{f"{name}_{end}": getattr(x, end) for name, x in
+                           (("distance", one.distance), ("peak_bytes", one.peak), ("seconds", one.seconds), ("tasks_seconds", one.plan_seconds))
+                           for end in ("value", "low", "high")},
+                        "tasks": plan.tasks if plan else 0, "points_of_a_task": plan.points if plan else math.nan})
+    table.notes = [
+        "Brackets: Student's interval of 95 % for one more measurement at that size, if costs go on as they grew; nothing was measured there.",
+        f"Tasks: the fewest that fit in the memory of a core of the machine below ({tables.number(memory / cores / 2**30, 2)} GiB), at the upper "
+        f"ends of the forecasts, points counted {COPIES} times for loading. A task takes a cell of A (a k-d tree's, as many points each), and of B "
+        "all within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin; else, if it is above the largest exact "
+        "answer, the task runs again with its answer as margin, and is exact then. The largest exact answer is h(A,B). "
+        "No program here splits point sets: it is a plan.",
+        f"{tables.NOTHING} under tasks: the margin takes in more than {MOST_MARGIN:g} times as many points as the cell has, so cells save "
+        "nothing, or too few sizes are known. Where cells save nothing, a few points decide: split A alone, take a sample of B to bound every task "
+        "from above, and read B once for the points above the best lower bound.",
+        f"The files hold {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the "
+        f"tasks): {tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
+        "A process numbers points with 32 bits: 2.1G in each set at most.",
+        *[f"{regime}: {note}." for regime, note in notes(results).items()], clock_note(results), f"{machine_line(results)}."]
+    return Report(lambda: draw([one for one in found if one.label == DRAWN], memory), table, records)
+
+
+def draw(found: list[Curve], memory: float) -> Any:
+    """What was measured, the line through it, and the band of the forecast."""
+    figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
+    colours = [style.look(name).colour for name in ("scan", "ohd", "nohd", "adaptive")]
+    entries = []
+    for i, (one, colour) in enumerate(zip(found, colours)):
+        for ax, grown, besides in ((axes[0], cost(one), 0.0), (axes[1], memory_of(one), float(POINT))):
+            if not grown.sizes:
+                continue
+            measured = np.array(grown.costs) + besides * np.array(grown.sizes)
+            ax.plot(grown.sizes, measured, marker="ov^s"[i], color=colour, linestyle="none", markersize=3.5)
+            if not grown.known:
+                continue
+            sizes = np.geomspace(min(grown.sizes), 2 * EACH, 60)
+            foretold = [grown.at(float(n)) for n in sizes]
+            ax.plot(sizes, [x.value + besides * n for x, n in zip(foretold, sizes)], color=colour, linewidth=0.8)
+            ax.fill_between(sizes, [x.low + besides * n for x, n in zip(foretold, sizes)], [x.high + besides * n for x, n in zip(foretold, sizes)],
+                            color=colour, alpha=0.15, linewidth=0)
+        entries.append(plt.Line2D([], [], label=one.regime, marker="ov^s"[i], color=colour, linewidth=0.8, markersize=3.5))
+    for ax in axes:
+        if has_marks(ax):
+            ax.axvline(2 * EACH, color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
+        ax.set(xlabel="points, |A| + |B|")
+    if math.isfinite(memory) and has_marks(axes[1]):
+        axes[1].axhline(memory, color=style.GREY, linewidth=0.8, linestyle=style.DASHED)
+        entries.append(plt.Line2D([], [], label="memory of this machine", color=style.GREY, linewidth=0.8, linestyle=style.DASHED))
+    axes[0].set_ylabel("prepare and solve (s)")
+    axes[1].set_ylabel("points and peak (bytes)")
+    tick(axes)
+    style.legend_above(figure, entries, columns=4)
+    return figure

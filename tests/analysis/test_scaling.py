@@ -1,0 +1,183 @@
+"""Cost against size: exponents, forecasts, and the plan in shards, on results with known answers."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from stem_runner import Make, stem_runner
+from synthetic import NAN, ResultFile
+
+from analysis.scaling.growth import Curve, Growth, growth, peak_ratio, short
+from analysis.scaling.scaling_billion import shards, widened
+from analysis.shared.columns import Floats
+
+SIZES = (1000, 3000, 10_000, 30_000, 100_000, 300_000)
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    return stem_runner(tmp_path)
+
+
+def test_exponent_of_a_power_law_is_its_power() -> None:
+    sizes = tuple(map(float, SIZES))
+    exact = Growth(sizes, tuple(3e-9 * n**1.5 for n in sizes))
+    assert exact.exponent().value == pytest.approx(1.5) and exact.exponent().high - exact.exponent().low < 1e-6
+    assert exact.at(1e9).value == pytest.approx(3e-9 * 1e9**1.5) and exact.at(1e9).high == pytest.approx(exact.at(1e9).low)
+
+
+def test_intervals_cover_as_often_as_they_say() -> None:
+    draws, exponents, forecasts = 400, 0, 0
+    random = np.random.default_rng(1)
+    sizes = np.array(SIZES, dtype=float)
+    for _ in range(draws):
+        costs = 1e-8 * sizes**1.2 * np.exp(0.1 * random.standard_normal(len(sizes)))
+        grown = Growth(tuple(sizes), tuple(costs))
+        exponents += grown.exponent().low <= 1.2 <= grown.exponent().high
+        once_more = 1e-8 * 1e7**1.2 * math.exp(0.1 * random.standard_normal())
+        forecasts += grown.at(1e7).low <= once_more <= grown.at(1e7).high
+    for count in (exponents, forecasts):
+        assert 0.92 <= count / draws <= 0.98
+
+
+def test_few_or_small_costs_tell_nothing() -> None:
+    assert not growth([1e3, 1e4], [1.0, 2.0], 0).known
+    assert math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).exponent().value) and math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).at(1e9).high)
+    told = growth([1e3, 1e4, 1e5, 1e6, 1e7], [1e-6, math.nan, 1e-3, 1e-2, 1e-1], 1e-4)
+    assert told.sizes == (1e5, 1e6, 1e7) and told.exponent().value == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("n", "said"), [(999, "999"), (2000, "2K"), (405040, "405K"), (2e7, "20M"), (1e9, "1G")])
+def test_sizes_are_short(n: float, said: str) -> None:
+    assert short(n) == said
+
+
+def of(sizes: tuple[float, ...], peak: tuple[float, ...]) -> Curve:
+    none = tuple(math.nan for _ in sizes)
+    return Curve("r", "s", "s", (), sizes, none, none, peak, none, ())
+
+
+def test_memory_is_compared_at_the_largest_size_of_both() -> None:
+    ours, theirs = of((1e5, 1e6, 1e7), (1e7, 1e8, 1e9)), of((1e5, 1e6), (3e7, 5e8))
+    assert peak_ratio(theirs, ours) == 5
+    assert math.isnan(peak_ratio(None, ours)) and math.isnan(peak_ratio(ours, ours))
+    assert math.isnan(peak_ratio(of((1e5,), (1e5,)), ours))  # too little to tell
+
+
+def test_shards_fit_and_are_the_fewest() -> None:
+    def bytes_of(n: float) -> float:
+        return 10 * n
+
+    memory = 12e9
+    plan = shards(1e9, 1e-4, memory, bytes_of)
+    assert plan is not None and plan.points * (48 + 10) <= memory
+    assert plan.points >= 2e9 / plan.tasks and plan.margin == pytest.approx(widened(plan.tasks, 1e-4))
+    fewer = plan.tasks - max(1, plan.tasks // 20)
+    assert 1e9 / fewer * (1 + widened(fewer, 1e-4)) * 58 > memory
+    assert shards(1e9, 0.3, memory, bytes_of) is None  # the margin takes in nearly all of B
+    whole = shards(1e6, 0.3, memory, bytes_of)
+    assert whole is not None and whole.tasks == 1 and whole.margin == 1
+
+
+def widths(points: Floats, cells: int) -> list[Floats]:
+    """The cells of a k-d tree, as many points each."""
+    if cells == 1:
+        return [points]
+    axis = int(np.ptp(points, axis=0).argmax())
+    order = points[points[:, axis].argsort()]
+    half = len(order) * (cells // 2) // cells
+    return widths(order[:half], cells // 2) + widths(order[half:], cells - cells // 2)
+
+
+@pytest.mark.parametrize("surface", [False, True])
+def test_a_margin_takes_in_no_more_points_than_the_plan_says(surface: bool) -> None:
+    random = np.random.default_rng(2)
+    points = random.random((200_000, 3))
+    if surface:
+        points = random.standard_normal(points.shape)
+        points /= np.linalg.norm(points, axis=1)[:, None]
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    for cells, margin in ((16, 0.002), (64, 0.01)):
+        taken = [np.all((points >= cell.min(axis=0) - margin * diagonal) & (points <= cell.max(axis=0) + margin * diagonal), axis=1).sum() / len(cell)
+                 for cell in widths(points, cells)]
+        assert np.mean(taken) <= widened(cells, margin) * 1.02
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_plan_of_shards_is_exact(seed: int) -> None:
+    """Whatever the margin: too narrow, right, or wide."""
+    random = np.random.default_rng(seed)
+    a, b = random.standard_normal((3000, 3)), random.standard_normal((2500, 3)) + [0.3 * seed, 0, 0]
+    exact = float(cKDTree(b).query(a)[0].max())
+
+    def answer(cell: Floats, margin: float) -> float:
+        low, high = cell.min(axis=0) - margin, cell.max(axis=0) + margin
+        near = b[np.all((b >= low) & (b <= high), axis=1)]
+        return float(cKDTree(near).query(cell)[0].max()) if len(near) else math.inf
+
+    for margin in (0.01 * exact, 0.5 * exact, exact, 2 * exact):
+        done, open_ = [0.0], []
+        for cell in widths(a, 7):
+            u = answer(cell, margin)
+            (done.append(u) if u <= margin else open_.append((u, cell)))
+        for u, cell in open_:
+            if u > max(done):
+                done.append(answer(cell, u))
+        assert max(done) == exact
+
+
+def file_of(stem: str, solvers: dict[str, tuple[float, float]], **columns: Any) -> ResultFile:
+    """Times c n^p, in regime 'near', and peaks of 100 bytes an element; those of the rival are three times as large."""
+    file = ResultFile(stem, meta={"memory_bytes": 24 * 2**30})
+    for n in SIZES:
+        for i, (solver, (c, p)) in enumerate(solvers.items()):
+            file.case(solver, f"near {n}", [c * (2 * n)**p], family="near", severity=float(n), scene_note="two samples; severity: points of each",
+                      source_elements=n, target_elements=n, prepare_seconds=1e-8 * 2 * n, prepare_bytes=20 * n, peak_bytes=(3 if i else 1) * 200 * n,
+                      lower=n**-0.5, upper=n**-0.5, **columns)
+    return file
+
+
+def test_points(make: Make) -> None:
+    file = file_of("scaling_points", {"scan": (1e-8, 1.0), "cgal_kdtree": (1e-7, 1.25)})
+    file.case("earlybreak", "near 1000", [1e-3], family="near", severity=1000.0, source_elements=1000, target_elements=1000, prepare_seconds=1e-6,
+              peak_bytes=10, lower=1.0, upper=1.0)
+    file.case("earlybreak", "near 300000", family="near", severity=3e5, source_elements=300_000, target_elements=300_000, status="timeout",
+              reason="not within 2 s", lower=0.0, upper=1.0)
+    records, rows, text = make(file)
+    scan, rival, early = (next(row for row in rows["near"] if row[0].startswith(name)) for name in ("scan", "cgal_kdtree", "EARLYBREAK"))
+    assert scan[1] == "2K to 600K" and scan[4:6] == ["9.00", "1.00 [1.00, 1.00]"] and scan[6:8] == ["100", "1.00 [1.00, 1.00]"] and scan[9] == "3.00"
+    assert rival[5] == "1.25 [1.25, 1.25]" and rival[9] == "—"
+    assert early[1] == "2K to 2K; timeout at 600K" and early[5] == "—"
+    assert "near: two samples." in text
+    assert {record["status"] for record in records if record["label"] == "earlybreak"} == {"ok", "timeout"}
+
+
+def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
+    make(file_of("scaling_points", {"scan": (1e-8, 1.0), "kdtree": (1e-7, 1.0)}))
+    text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
+    scan = next(line for line in text.splitlines() if line.startswith("| near | scan"))
+    cells = [cell.strip() for cell in scan.split("|")[1:-1]]
+    assert cells[3] == "48.0" and cells[4].startswith("200 [") and cells[5].startswith("38 [")
+    tasks = int(cells[6])
+    assert 2e9 / tasks * (48 + 100) <= 12 * 2**30 and 2e9 / (tasks - 1) * 148 * 1.01 > 12 * 2**30
+    assert "never run" in text
+
+
+def test_no_answers_at_all(make: Make) -> None:
+    file = ResultFile("scaling_points")
+    file.case("scan", "near 1000", family="near", severity=1000.0, status="failed", reason="no", source_elements=1000, target_elements=1000)
+    _, rows, _ = make(file)
+    assert rows["near"][0][1] == "none; failed at 2K" and rows["near"][0][3] == "—"
+
+
+def test_meshes(make: Make) -> None:
+    file = file_of("scaling_meshes", {"cover": (1e-7, 1.0), "cgal": (1e-6, 1.1)})
+    file.case("cgal", "near 10", [NAN], family="near", severity=10.0, status="signal", reason="crashed", source_elements=10, target_elements=10)
+    _, rows, text = make(file)
+    assert next(row for row in rows["near"] if row[0].startswith("cover"))[9] == "3.00"
+    assert "triangle" in text
