@@ -29,6 +29,7 @@ SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
 SolverEntry kdtree_solver();                // peers/kdtree.cpp
 SolverEntry penetration_solver();           // meshes/penetration.cpp
 SolverEntry cgal_solver();                  // peers/cgal.cpp
+SolverEntry cgal_kdtree_solver();           // peers/cgal_kdtree.cpp
 
 namespace {
 
@@ -59,6 +60,7 @@ std::vector<SolverEntry>& list_of_solvers() {
 #ifdef HAUSBENCH_HAS_CGAL
         penetration_solver(),
         cgal_solver(),
+        cgal_kdtree_solver(),
 #endif
     };
     return list;
@@ -91,6 +93,7 @@ const std::vector<NotBuilt>& solvers_not_built() {
 #ifndef HAUSBENCH_HAS_CGAL
         {"penetration", "HAUSBENCH_WITH_CGAL_PEER is off (CGAL's corefinement is GPL)"},
         {"cgal", "HAUSBENCH_WITH_CGAL_PEER is off"},
+        {"cgal_kdtree", "HAUSBENCH_WITH_CGAL_PEER is off (CGAL's k-d tree is GPL)"},
 #endif
     };
     return list;

@@ -216,6 +216,7 @@ template <class Map> std::set<std::string> keys(const Map& map) {
 // Solvers without a baseline, and why.
 const std::map<std::string, std::string> without_baseline = {
     {"cgal", "CGAL counts nothing"},
+    {"cgal_kdtree", "CGAL counts nothing; what is counted follows from |A| and |B|"},
     {"kdtree", "its count depends on the version of nanoflann"},
     {"penetration", "its counts are of another solver, on what the version of CGAL cuts"},
 };

@@ -1,5 +1,6 @@
 // The exact solvers of point sets against exact arithmetic and against each other, on many small scenes; and the published
 // errors that two registry entries keep, shown to be errors.
+#include "peers/checked_result.h"
 #include "points/exact.h"
 #include "points/shuffle.h"
 #include "reference.h"
@@ -113,6 +114,24 @@ TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
             EXPECT_GE(result.bounds.upper, apart) << entry.info.name;
         }
     }
+}
+
+// A search that missed the nearest point of B, and one that was stopped before the third point of A.
+TEST(PointSolvers, CheckedResultHoldsWhereASearchMissedTheNearestPoint) {
+    const Points a = rows({{0, 0, 0}, {3, 0, 0}, {9, 0, 0}}), b = rows({{8, 0, 0}, {1, 0, 0}, {0, 0, 0}});
+    const FarthestPoint missed{.squared = 25, .source = 1, .target = 0};  // the nearest is at 2
+    const Result ended = checked_result({}, a, b, missed, {});
+    EXPECT_NEAR(ended.bounds.lower, 2, 1e-12);
+    EXPECT_NEAR(ended.bounds.upper, 5, 1e-12);
+    EXPECT_EQ(ended.witness.source_element, 1);
+    EXPECT_EQ(ended.witness.target_element, 1);
+    EXPECT_EQ(ended.counters.point_distances, 3U);
+    const Result stopped = checked_result({}, a, b, missed, {}, 36, Status::budget);
+    EXPECT_NEAR(stopped.bounds.upper, 6, 1e-12);
+    EXPECT_EQ(stopped.status, Status::budget);
+    const Result nothing = checked_result({}, a, b, {}, {}, 81, Status::time_limit);
+    EXPECT_EQ(nothing.bounds.lower, 0);
+    EXPECT_EQ(nothing.witness.source_element, -1);
 }
 
 // Larger sets, where cells are culled and queues grow: compared with NAIVEHDD, which the test above has judged.

@@ -1,12 +1,10 @@
 // The simple baseline: a k-d tree over B (nanoflann) and a nearest neighbour search for each point of A, which stops once it
 // finds a point no farther than the largest distance so far. Points of A that are probably farthest come first.
 //
-// Certified although nanoflann gives no guarantee: each search returns a point of B, so the largest distance found bounds
-// h from above even if a search missed a nearer point; the point that attains it is compared with all of B again, which
-// gives the lower bound. O(|A| log |B| + |B|) time on tame data, O(|A| + |B|) memory. Budget: points of A.
+// Certified although nanoflann gives no guarantee: checked_result.h says why. O(|A| log |B| + |B|) time on tame data,
+// O(|A| + |B|) memory. Budget: points of A.
 #include "kernel/deadline.h"
-#include "points/exact.h"
-#include "solver.h"
+#include "peers/checked_result.h"
 
 #include <algorithm>
 
@@ -76,14 +74,14 @@ public:
             if (row % 256 == 0 && deadline.passed()) stopped = Status::time_limit;
             if (stopped != Status::converged) {
                 const double rest = squared_distances_at_most(a, b, order.data(), row);
-                return finish(query, a, b, farthest, counters, rest, stopped);
+                return checked_result(query, a, b, farthest, counters, rest, stopped);
             }
             NearestOrEnough nearest{farthest.squared, counters};
             ++counters.closest_point_queries;
             tree_->findNeighbors(nearest, a.row(i).data(), nanoflann::SearchParams());
             if (nearest.squared > farthest.squared) farthest = {nearest.squared, i, nearest.at};
         }
-        return finish(query, a, b, farthest, counters, -1, Status::converged);
+        return checked_result(query, a, b, farthest, counters);
     }
 
 private:
@@ -110,22 +108,6 @@ private:
         std::vector<Index> order(count);
         for (std::size_t i = 0; i < count; ++i) order[i] = keys[i].second;
         return order;
-    }
-
-    // Compares the farthest point with all of B again for the lower bound; the result of the search stays the upper bound.
-    static Result finish(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
-                         Counters& counters, double rest, Status stopped) {
-        if (farthest.source >= 0) {
-            const double found = farthest.squared;
-            farthest.squared = std::numeric_limits<double>::infinity();
-            for (Index j = 0; j < b.rows(); ++j) {
-                const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
-                if (squared < farthest.squared) farthest.squared = squared, farthest.target = j;
-            }
-            counters.point_distances += static_cast<std::uint64_t>(b.rows());
-            rest = std::max(rest, found);
-        }
-        return exact_result(query, a, b, farthest, counters, rest, stopped);
     }
 
     std::size_t leaf_size_;

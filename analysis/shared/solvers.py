@@ -3,6 +3,7 @@
 TITLES: dict[str, str] = {
     "adaptive": "NOHD/OHD framework",
     "cgal": "CGAL",
+    "cgal_kdtree": "k-d tree (CGAL)",
     "cover": "cover (ours)",
     "earlybreak": "EARLYBREAK",
     "external": "external program",

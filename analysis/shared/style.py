@@ -57,6 +57,7 @@ _MARKS: Final[list[tuple[str, str, str, Line]]] = [
     ("adaptive", "#CC79A7", "P", "-"),
     ("scan", "#D55E00", "X", "-"),
     ("kdtree", "#882255", "h", DOTTED),
+    ("cgal_kdtree", "#999933", "p", DOTTED),
     # meshes
     ("sampling", "#CC79A7", "p", "-"),
     ("guthe", "#999933", "<", DASHED),

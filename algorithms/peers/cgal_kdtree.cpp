@@ -1,0 +1,95 @@
+// CGAL's k-d tree over B, as its users call it: the nearest point of B for each point of A, and the largest of these distances.
+//
+// Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter and 10 points
+// a leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early and the points of A keep their order; what that gains is
+// the difference to `kdtree`.
+//
+// Certified although CGAL gives no guarantee: each search returns a point of B, and its distance is computed here again, so the
+// largest of these bounds h from above; checked_result.h has the lower bound. O(|A| log |B| + |B|) time on tame data,
+// O(|A| + |B|) memory. Budget: points of A.
+//
+// Of n points of B in one place CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
+// stack, which crashes the process, here as in any program that uses it: with a stack of 8 MB not yet at n = 20,000, but at 50,000.
+#include "kernel/deadline.h"
+#include "peers/checked_result.h"
+#include "points/point_solver.h"
+
+#include <CGAL/Orthogonal_k_neighbor_search.h>
+#include <CGAL/Search_traits_3.h>
+#include <CGAL/Search_traits_adapter.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/property_map.h>
+
+namespace hausbench {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Entry = std::pair<Kernel::Point_3, Index>;  // the index is for the witness
+using Traits =
+    CGAL::Search_traits_adapter<Entry, CGAL::First_of_pair_property_map<Entry>, CGAL::Search_traits_3<Kernel>>;
+using Search = CGAL::Orthogonal_k_neighbor_search<Traits>;
+using Tree = Search::Tree;
+
+Kernel::Point_3 point_of(const Points& points, Index i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
+
+class CgalKdTree final : public Solver {
+public:
+    explicit CgalKdTree(const Options&) {}
+
+    // Without build(), the first search would build the tree, within solve().
+    void prepare(const Scene& scene, const Prepared&) override {
+        scene_ = &scene;
+        const Points& b = points_of(scene.target);
+        tree_.reserve(static_cast<std::size_t>(b.rows()));
+        for (Index j = 0; j < b.rows(); ++j) tree_.insert({point_of(b, j), j});
+        tree_.build();
+    }
+
+    // The points, a pointer to each that stays reserved after the building, and the nodes: num_nodes() of CGAL 5.5 counts leaves alone,
+    // and a binary tree has one inner node less. What the deques of nodes hold in reserve, a few percent of all, is left out.
+    std::size_t prepared_bytes() const override {
+        const std::size_t leaves = tree_.root()->num_nodes();
+        return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +
+               (leaves - 1) * sizeof(Tree::Internal_node);
+    }
+
+    Result solve(const Query& query, State*, Trace&) const override {
+        const Points a = posed(points_of(scene_->source), query.source_pose);
+        const Points& b = points_of(scene_->target);
+        if (out_of_range(a, b)) return {};
+
+        const Deadline deadline(query.time_limit);
+        Counters counters;
+        FarthestPoint farthest;
+        for (Index i = 0; i < a.rows(); ++i) {
+            Status stopped = Status::converged;
+            if (static_cast<std::uint64_t>(i) >= query.budget) stopped = Status::budget;
+            if (i % 256 == 0 && deadline.passed()) stopped = Status::time_limit;
+            if (stopped != Status::converged) {
+                const double rest = squared_distances_at_most(a, b, nullptr, i);
+                return checked_result(query, a, b, farthest, counters, rest, stopped);
+            }
+            const Search search(tree_, point_of(a, i), 1);
+            const Index nearest = search.begin()->first.second;
+            const double squared = squared_distance(a.row(i).data(), b.row(nearest).data());
+            if (squared > farthest.squared) farthest = {squared, i, nearest};
+            ++counters.closest_point_queries;
+            ++counters.point_distances;
+        }
+        return checked_result(query, a, b, farthest, counters);
+    }
+
+private:
+    const Scene* scene_ = nullptr;
+    Tree tree_;
+};
+
+}  // namespace
+
+SolverEntry cgal_kdtree_solver() {
+    SolverInfo info = point_solver_info("cgal_kdtree", "k-d tree (CGAL)", "cgal_searching");
+    info.certified = true;
+    return {info, make_solver<CgalKdTree>};
+}
+
+}  // namespace hausbench

@@ -1,0 +1,25 @@
+// The end of a search for nearest points by a library that gives no guarantee: a certified result all the same.
+#pragma once
+
+#include "points/exact.h"
+
+namespace hausbench {
+
+// `farthest` is the largest distance that searches found, each to a point of B, so it bounds h from above even if a search missed
+// a nearer point. The point that attains it is compared with all of B again, which gives the lower bound. O(|B|).
+inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
+                             Counters counters, double rest = -1, Status stopped = Status::converged) {
+    if (farthest.source >= 0) {
+        const double found = farthest.squared;
+        farthest.squared = std::numeric_limits<double>::infinity();
+        for (Index j = 0; j < b.rows(); ++j) {
+            const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
+            if (squared < farthest.squared) farthest.squared = squared, farthest.target = j;
+        }
+        counters.point_distances += static_cast<std::uint64_t>(b.rows());
+        rest = std::max(rest, found);
+    }
+    return exact_result(query, a, b, farthest, counters, rest, stopped);
+}
+
+}  // namespace hausbench
