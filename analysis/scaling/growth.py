@@ -136,7 +136,7 @@ def short(n: float) -> str:
     return f"{n:.0f}"
 
 
-def make_growth(results: Results, what: str, rival: str) -> Report:
+def make_growth(results: Results, what: str, rival: str, remark: str = "") -> Report:
     """`what` is an element, such as "point"; `rival` the label whose memory the others' is held against."""
     found = curves(results)
     by_regime = {regime: [one for one in found if one.regime == regime] for regime in dict.fromkeys(one.regime for one in found)}
@@ -164,7 +164,8 @@ def make_growth(results: Results, what: str, rival: str) -> Report:
         f"themselves. Exponents: the line through the logarithms of all sizes with at least {LEAST_SECONDS * 1e3:g} ms or "
         f"{LEAST_BYTES // 2**20} MiB, {LEAST_SIZES} at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
         f"{style.title(rival)} / this: at the largest size that both answered.",
-        *[f"{regime}: {note}." for regime, note in notes(results).items()], clock_note(results), f"{machine_line(results)}."]
+        *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]), clock_note(results),
+        f"{machine_line(results)}."]
     return Report(lambda: draw(by_regime, what), table, records, style.letters_key(status for one in found for _, status in one.lost))
 
 

@@ -149,7 +149,7 @@ def test_points(make: Make) -> None:
     file.case("earlybreak", "near 300000", family="near", severity=3e5, source_elements=300_000, target_elements=300_000, status="timeout",
               reason="not within 2 s", lower=0.0, upper=1.0)
     records, rows, text = make(file)
-    scan, rival, early = (next(row for row in rows["near"] if row[0].startswith(name)) for name in ("scan", "cgal_kdtree", "EARLYBREAK"))
+    scan, rival, early = (next(row for row in rows["near"] if row[0].startswith(name)) for name in ("scan", "k-d tree (CGAL)", "EARLYBREAK"))
     assert scan[1] == "2K to 600K" and scan[4:6] == ["9.00", "1.00 [1.00, 1.00]"] and scan[6:8] == ["100", "1.00 [1.00, 1.00]"] and scan[9] == "3.00"
     assert rival[5] == "1.25 [1.25, 1.25]" and rival[9] == "—"
     assert early[1] == "2K to 2K; timeout at 600K" and early[5] == "—"
