@@ -14,11 +14,12 @@ import scipy.stats
 from analysis.shared import scales, style, tables
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
-from analysis.shared.results import Results
+from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import CONFIDENCE
 
 LEAST_SECONDS: Final = 2e-4  # below it starting, and what is read from cold memory, decide
 LEAST_BYTES: Final = 2**20  # below it pages and what loading left free decide
+FIXED: Final = 10.0  # a cost that is not so many times that of the smallest size has a fixed part, which would flatten the line
 LEAST_SIZES: Final = 3  # two sizes make a line that nothing can contradict
 ANSWERS: Final = "ok"
 
@@ -69,10 +70,12 @@ class Growth:
         return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(self.sizes) - 2))
 
 
-def growth(sizes: Sequence[float], costs: Sequence[float], least: float) -> Growth:
-    """Of costs that are known and large enough to tell."""
-    known = [(n, cost) for n, cost in zip(sizes, costs, strict=True) if cost >= least]
-    return Growth(tuple(n for n, _ in known), tuple(cost for _, cost in known))
+def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED) -> Growth:
+    """Of the sizes from which on every known cost is large enough to tell: at least `least`, and `fixed` times that of the smallest size."""
+    known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
+    bar = max([least, *[fixed * cost for _, cost in known[:1]]])
+    low = max((i + 1 for i, (_, cost) in enumerate(known) if cost < bar), default=0)
+    return Growth(tuple(n for n, _ in known[low:]), tuple(cost for _, cost in known[low:]))
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,8 @@ class Curve:
 def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
     cases = results.cases
     rows = sorted(results.rows(family=regime, solver=solver, label=label), key=lambda row: elements(results, row))
+    if len({elements(results, row) for row in rows}) < len(rows):
+        raise ResultError(f"{results.path}: '{label}' in regime '{regime}' has a size twice: one tolerance, pose and variant each, please")
     there = [row for row in rows if cases.status[row] == ANSWERS]
     first = [np.array(list(results.first_by_round(row).values())) for row in there]
     return Curve(
@@ -161,8 +166,10 @@ def make_growth(results: Results, what: str, rival: str, remark: str = "") -> Re
                         for n, status in one.lost]
     table.notes = [
         f"Peak: resident set less that before preparing, so the shapes themselves are not in it; structures: what they say of "
-        f"themselves. Exponents: the line through the logarithms of all sizes with at least {LEAST_SECONDS * 1e3:g} ms or "
-        f"{LEAST_BYTES // 2**20} MiB, {LEAST_SIZES} at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
+        "themselves. Exponents: the line through the logarithms, from the size on at which a cost is "
+        f"{FIXED:g} times that of the smallest one (before, its fixed part decides) and at least {LEAST_SECONDS * 1e3:g} ms or "
+        f"{LEAST_BYTES // 2**20} MiB; {LEAST_SIZES} sizes "
+        "at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
         f"{style.title(rival)} / this: at the largest size that both answered.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]), clock_note(results),
         f"{machine_line(results)}."]
@@ -178,9 +185,9 @@ def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
 
 
 def answered(one: Curve) -> str:
-    """'2K to 600K; timeout from 2M on'."""
+    """'2K to 600K; timeout at 2M'."""
     there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
-    return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost[:1]]])
+    return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]])
 
 
 def peak_ratio(rival: Curve | None, one: Curve) -> float:

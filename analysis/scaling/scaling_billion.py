@@ -2,8 +2,10 @@
 
 In shards: split A into k cells with as many points each (a k-d tree's). The task of a cell takes its points A_i, and B_i: all points of B
 within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i, B), as B_i is a part of B. If u_i <= r it is exact: each
-point of A_i has its nearest of B within u_i, so in B_i. Else, if u_i is above the largest exact answer, the task runs once more with the margin
-u_i, and is exact by the same argument. h(A, B) is the largest of the exact answers.
+point of A_i has its nearest of B within u_i, so in B_i. Else, if u_i is above the largest exact answer so far (0 if there is none), the task runs
+once more with the margin u_i, and is exact by the same argument; where B_i is empty, its margin is doubled until it is not. h(A, B) is the largest of
+the exact answers. Of a solver that gives an interval, u_i is its upper end, and the box of A_i is rounded outward. What tasks that run again cost is
+not in the plan.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ COPIES: Final = 2  # of a shape while it is loaded: as it is read, and as it is 
 LEAST_SECONDS: Final = 1e-3  # below it a fixed part decides, which a line through logarithms would carry on
 PASSES: Final = 3  # over the files: to split them (read and write), and to read the shards
 MOST_TASKS: Final = 100_000
-MOST_MARGIN: Final = 4.0  # a margin that makes B so many times as large as A shards nothing
+MOST_MARGIN: Final = 4.0  # a margin that makes B so many times as large as A: cells gain little
+TOO_WIDE: Final = "margin too wide"
 
 
 @dataclass(frozen=True)
@@ -42,16 +45,16 @@ class Shards:
 
 
 def widened(tasks: float, margin: float) -> float:
-    """How many times the points of a cell its margin takes in, for points that fill their box, or a surface in it. Cells of a surface are the
-    smaller ones: box / sqrt(tasks). `margin` is a fraction of the diagonal.
+    """About how many times the points of a cell its margin takes in, for points spread evenly in a cube, or on a surface in it: cells of a surface
+    are the smaller ones, box / sqrt(tasks). Where points lie unevenly it may be half as much again. `margin` is a fraction of the diagonal.
     """
     side = 1 / math.sqrt(3) / math.sqrt(tasks)
     return (1 + 2 * margin / side)**3
 
 
 def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
-    """The fewest tasks whose points fit in `memory` together with what the solver takes for them; None where no number of cells does, or the
-    margin takes in too much.
+    """The fewest tasks, to one in twenty, whose points fit in `memory` together with what the solver takes for them; None where no number of cells
+    does, or the margin takes in too much.
     """
     tasks = 1
     while tasks <= MOST_TASKS:
@@ -70,6 +73,7 @@ class Forecast:
     distance: Interval  # of the diagonal of A
     peak: Interval  # bytes, besides the points
     seconds: Interval  # preparing and solving
+    known: bool  # enough sizes for a plan
     plan: Shards | None
     plan_seconds: Interval
 
@@ -81,7 +85,7 @@ def times(x: Interval, factor: float) -> Interval:
 def distances(results: Results, one: Curve) -> Growth:
     """h as a fraction of the diagonal of A."""
     cases = results.cases
-    return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0)
+    return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0)
 
 
 def cost(one: Curve) -> Growth:
@@ -98,7 +102,7 @@ def forecast(results: Results, one: Curve, memory: float) -> Forecast:
     margin = distance.at(total).high
     known = seconds.known and peak.known and math.isfinite(margin)
     plan = shards(EACH, margin, memory, lambda n: peak.at(n).high) if known else None
-    return Forecast(one.regime, one.title, distance.at(total), peak.at(total), seconds.at(total), plan,
+    return Forecast(one.regime, one.title, distance.at(total), peak.at(total), seconds.at(total), known, plan,
                     times(seconds.at(plan.points), plan.tasks) if plan else times(seconds.at(total), math.nan))
 
 
@@ -110,20 +114,23 @@ def text(x: Interval, scale: float) -> str:
 
 
 def make(results: Results) -> Report:
-    found = [one for one in curves(results) if one.label in SOLVERS]
+    everyone = curves(results)
+    found = [one for one in everyone if one.label in SOLVERS]
+    left_out = dict.fromkeys(one.title for one in everyone if one.label not in SOLVERS)
     cores, memory = max(1, int(results.meta.get("cores", 1))), float(results.meta.get("memory_bytes", math.nan))
     own = [forecast(results, one, memory / cores) for one in found]
     largest = max((one.sizes[-1] for one in found if one.sizes), default=math.nan)
     table = tables.Table(
         f"{short(EACH)} points in A and as many in B: a forecast from {short(largest)} points in all and fewer, never run.",
-        ["regime", "solver", "h, of the diagonal", "points, GB", "solver, GB besides", "CPU time, s", "tasks", "points of a task",
-         "|B| / |A| of a task", "CPU time of all tasks, s"], left=2)
+        ["regime", "solver", "h, of the diagonal", "points, GB", "solver, GB besides", "prepare and solve, s", "tasks", "points of a task",
+         "|B| / |A| of a task", "all tasks, s"], left=2)
     records: list[tables.Record] = []
     for one in own:
         plan = one.plan
         table.rows.append([
             one.regime, one.title, text(one.distance, 1), tables.number(2 * EACH * POINT / 1e9), text(one.peak, 1e-9), text(one.seconds, 1),
-            *([str(plan.tasks), short(plan.points), tables.number(plan.margin), text(one.plan_seconds, 1)] if plan else 4 * [tables.NOTHING])])
+            *([str(plan.tasks), short(plan.points), tables.number(plan.margin), text(one.plan_seconds, 1)] if plan
+              else [TOO_WIDE if one.known else tables.NOTHING, *3 * [tables.NOTHING]])])
         records.append({"regime": one.regime, "solver": one.title, "each": EACH,
                         **{f"{name}_{end}": getattr(x, end) for name, x in
                            (("distance", one.distance), ("peak_bytes", one.peak), ("seconds", one.seconds), ("tasks_seconds", one.plan_seconds))
@@ -131,18 +138,25 @@ def make(results: Results) -> Report:
                         "tasks": plan.tasks if plan else 0, "points_of_a_task": plan.points if plan else math.nan})
     table.notes = [
         "Brackets: Student's interval of 95 % for one more measurement at that size, if costs go on as they grew; nothing was measured there.",
-        f"Tasks: the fewest that fit in the memory of a core of the machine below ({tables.number(memory / cores / 2**30, 2)} GiB), at the upper "
-        f"ends of the forecasts, points counted {COPIES} times for loading. A task takes a cell of A (a k-d tree's, as many points each), and of B "
-        "all within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin; else, if it is above the largest exact "
-        "answer, the task runs again with its answer as margin, and is exact then. The largest exact answer is h(A,B). "
-        "No program here splits point sets: it is a plan.",
-        f"{tables.NOTHING} under tasks: the margin takes in more than {MOST_MARGIN:g} times as many points as the cell has, so cells save "
-        "nothing, or too few sizes are known. Where cells save nothing, a few points decide: split A alone, take a sample of B to bound every task "
-        "from above, and read B once for the points above the best lower bound.",
+        "Tasks: the fewest (to one in twenty) that fit in the memory of a core of the machine below "
+        f"({tables.number(memory / cores / 1e9, 2)} GB), at "
+        f"the upper ends of the forecasts, points counted {COPIES} times for loading. A task takes a cell of A (a k-d tree's, as "
+        "many points each), and "
+        "of B all within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin; else, if it is above the largest "
+        "exact answer, the task runs again with its answer as margin, and is exact then. The largest exact answer is h(A,B). |B| "
+        "/ |A| is an estimate "
+        "for points spread evenly. No program here splits point sets: it is a plan.",
+        "All tasks: that many times one task at the forecast of its size, as if they all erred alike; without loading, splitting, and tasks that run "
+        "again.",
+        f"{TOO_WIDE}: it takes in more than {MOST_MARGIN:g} times as many points as a cell has, so cells gain little. "
+        f"{tables.NOTHING}: too few sizes are "
+        "known for a forecast.",
+        f"Left out: {', '.join(left_out)}." if left_out else "",
         f"The files hold {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the "
         f"tasks): {tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
         "A process numbers points with 32 bits: 2.1G in each set at most.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], clock_note(results), f"{machine_line(results)}."]
+    table.notes = [note for note in table.notes if note]
     return Report(lambda: draw([one for one in found if one.label == DRAWN], memory), table, records)
 
 

@@ -10,7 +10,7 @@ from analysis.shared.results import Results
 
 # The scans have edges of more than two faces, or faces that are turned around; simplifying makes a manifold of them first.
 REMARK: Final = ("CGAL gets a mesh with shared vertices where the triangles make a manifold, as after simplifying and in the finest "
-                 "scan, and else a soup, which is built faster: so its preparation has no one exponent.")
+                 "scan, and else a soup, which is built faster: so the exponent of its preparation mixes two kinds.")
 
 
 def make(results: Results) -> Report:

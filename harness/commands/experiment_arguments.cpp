@@ -14,8 +14,8 @@ Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
     return make_plan(experiment, models, arguments.choice,
                      [&](const std::string& name, std::size_t before, std::size_t of) {
                          if (before == 0) progress.total(of);
-                         progress.doing("model " + name);
                          if (before > 0) progress.done(1);
+                         progress.doing("model " + name);
                      });
 }
 

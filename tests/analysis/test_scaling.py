@@ -50,6 +50,16 @@ def test_few_or_small_costs_tell_nothing() -> None:
     assert math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).exponent().value) and math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).at(1e9).high)
     told = growth([1e3, 1e4, 1e5, 1e6, 1e7], [1e-6, math.nan, 1e-3, 1e-2, 1e-1], 1e-4)
     assert told.sizes == (1e5, 1e6, 1e7) and told.exponent().value == pytest.approx(1)
+    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # no holes
+    assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # what falls is taken whole
+
+
+def test_a_fixed_part_does_not_flatten_the_line() -> None:
+    sizes = [float(n) for n in (*SIZES, 1_000_000, 3_000_000, 10_000_000)]
+    grown = growth(sizes, [1.6e-4 + 3.6e-9 * n for n in sizes], 2e-4)
+    assert 0.97 < grown.exponent().value <= 1.0
+    memory = growth(sizes, [3e5 + 10 * n for n in sizes], 2**20)
+    assert memory.at(2e9).low < 2e10 < memory.at(2e9).high
 
 
 @pytest.mark.parametrize(("n", "said"), [(999, "999"), (2000, "2K"), (405040, "405K"), (2e7, "20M"), (1e9, "1G")])
@@ -132,13 +142,16 @@ def test_the_plan_of_shards_is_exact(seed: int) -> None:
 
 
 def file_of(stem: str, solvers: dict[str, tuple[float, float]], **columns: Any) -> ResultFile:
-    """Times c n^p, in regime 'near', and peaks of 100 bytes an element; those of the rival are three times as large."""
+    """In regime 'near', of n elements in A and B together: c n^p to solve, the middle one of three rounds, 1e-8 n^1.1 to prepare, and peaks of
+    100 n bytes, three times as large of the rival. h falls as n^-1/2; the diagonal is 2.
+    """
     file = ResultFile(stem, meta={"memory_bytes": 24 * 2**30})
     for n in SIZES:
         for i, (solver, (c, p)) in enumerate(solvers.items()):
-            file.case(solver, f"near {n}", [c * (2 * n)**p], family="near", severity=float(n), scene_note="two samples; severity: points of each",
-                      source_elements=n, target_elements=n, prepare_seconds=1e-8 * 2 * n, prepare_bytes=20 * n, peak_bytes=(3 if i else 1) * 200 * n,
-                      lower=n**-0.5, upper=n**-0.5, **columns)
+            middle, ahead = c * (2 * n)**p, 1e-8 * (2 * n)**1.1
+            file.case(solver, f"near {n}", [0.9 * middle, middle, 1.5 * middle], rounds=3, prepare=[ahead] * 3, family="near", severity=float(n),
+                      scene_note="two samples; severity: points of each", source_elements=n // 2, target_elements=2 * n - n // 2,
+                      prepare_bytes=20 * n, peak_bytes=(3 if i else 1) * 200 * n, lower=n**-0.5, upper=n**-0.5, source_diagonal=2.0, **columns)
     return file
 
 
@@ -150,7 +163,8 @@ def test_points(make: Make) -> None:
               reason="not within 2 s", lower=0.0, upper=1.0)
     records, rows, text = make(file)
     scan, rival, early = (next(row for row in rows["near"] if row[0].startswith(name)) for name in ("scan", "k-d tree (CGAL)", "EARLYBREAK"))
-    assert scan[1] == "2K to 600K" and scan[4:6] == ["9.00", "1.00 [1.00, 1.00]"] and scan[6:8] == ["100", "1.00 [1.00, 1.00]"] and scan[9] == "3.00"
+    assert scan[1] == "2K to 600K" and scan[3] == "1.10 [1.10, 1.10]" and scan[4:6] == ["9.00", "1.00 [1.00, 1.00]"]
+    assert scan[6:8] == ["100", "1.00 [1.00, 1.00]"] and scan[9] == "3.00"
     assert rival[5] == "1.25 [1.25, 1.25]" and rival[9] == "—"
     assert early[1] == "2K to 2K; timeout at 600K" and early[5] == "—"
     assert "near: two samples." in text
@@ -162,7 +176,7 @@ def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
     scan = next(line for line in text.splitlines() if line.startswith("| near | scan"))
     cells = [cell.strip() for cell in scan.split("|")[1:-1]]
-    assert cells[3] == "48.0" and cells[4].startswith("200 [") and cells[5].startswith("38 [")
+    assert cells[3] == "48.0" and cells[4].startswith("200 [") and cells[5].startswith("178 [") and cells[2].startswith("1.6e-5 [")
     tasks = int(cells[6])
     assert 2e9 / tasks * (48 + 100) <= 12 * 2**30 and 2e9 / (tasks - 1) * 148 * 1.01 > 12 * 2**30
     assert "never run" in text
