@@ -1,8 +1,8 @@
 // CGAL's k-d tree over B, as its users call it: the nearest point of B for each point of A, and the largest of these distances.
 //
 // Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter and 10 points
-// a leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early and the points of A keep their order; `kdtree` does
-// both, with another library.
+// a leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early and the points of A keep their order;
+// `kdtree`, with another library, stops early and asks for far points first.
 //
 // Certified although CGAL gives no guarantee: each search returns a point of B, and its distance is computed here again, so the
 // largest of these bounds h from above; checked_result.h has the lower bound. O(|A| log |B| + |B|) time on tame data,

@@ -30,7 +30,7 @@ def seconds(results: Results, row: int) -> float:
 def shown_reason(reason: str) -> str:
     """Without what is different for each mesh: names, files and numbers, so that like reasons stand together."""
     def differs(word: str, before: str | None) -> bool:
-        return before != "signal" and ( "/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
+        return before != "signal" and ("/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
 
     said = reason.split(";")[0].split()
     words = ["…" if differs(word, before) else word for word, before in zip(said, [None, *said])]

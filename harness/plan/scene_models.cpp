@@ -29,7 +29,8 @@ void move(const ScenePlan& scene, SceneModels& models) {
 
 std::variant<ResolvedModel, MissingModel> ModelFinder::find(const std::string& name) {
     if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
-    say_(name, resolved_.size(), expected_.size());
+    // One that cannot be made is looked for again in its next scene, but is one of those that came before.
+    if (begun_.insert(name).second) say_(name, begun_.size() - 1, expected_.size());
     auto result = catalogue_.resolve(name);
     if (const auto* good = std::get_if<ResolvedModel>(&result)) found_.push_back({&catalogue_.find(name), *good});
     return resolved_[name] = std::move(result);

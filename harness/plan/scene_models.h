@@ -41,7 +41,7 @@ private:
 
     const Catalogue& catalogue_;
     const SayModel& say_;
-    std::set<std::string> expected_;
+    std::set<std::string> expected_, begun_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
     std::vector<ModelRow> found_;
 };
