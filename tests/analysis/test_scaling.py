@@ -185,11 +185,11 @@ def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
 def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> None:
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for case in file.cases:
-        case["lower"] = case["upper"] = 0.6
+        case["lower"] = case["upper"] = 0.06  # cells would fit, of which each takes thirteen times its points
     make(file)
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
     cells = [cell.strip() for cell in next(line for line in text.splitlines() if line.startswith("| near | scan")).split("|")[1:-1]]
-    assert cells[2].startswith("0.30 [") and cells[6:] == ["margin too wide", "—", "—", "—"]
+    assert cells[2].startswith("0.030 [") and cells[6:] == ["margin too wide", "—", "—", "—"]
 
 
 def test_no_answers_at_all(make: Make) -> None:
