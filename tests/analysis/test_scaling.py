@@ -180,6 +180,31 @@ def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
     tasks = int(cells[6])
     assert 2e9 / tasks * (48 + 100) <= 12 * 2**30 and 2e9 / (tasks - 1) * 148 * 1.01 > 12 * 2**30
     assert "never run" in text
+    assert "144 GB, 4.8 min" in text  # 48 GB, three times: read and written to split them, read by the tasks
+
+
+def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
+    """Of memory and of the distance: both scatter about their lines."""
+    file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
+    for i, case in enumerate(file.cases):
+        case["peak_bytes"] = round(case["peak_bytes"] * (1.3, 1 / 1.3)[i % 2])
+        case["lower"] = case["upper"] = case["upper"] * (1.3, 1 / 1.3)[i // 2 % 2]
+    make(file)
+    text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
+    cells = [cell.strip() for cell in next(line for line in text.splitlines() if line.startswith("| near | scan")).split("|")[1:-1]]
+    tasks, memory = int(cells[6]), 12 * 2**30
+    sizes = [2.0 * n for n in SIZES]
+    peak = growth(sizes, [float(case["peak_bytes"]) for case in file.cases], 2**20)
+    margin = growth(sizes, [float(case["upper"]) / 2 for case in file.cases], 0, 0).at(2e9)
+    assert margin.high > 1.5 * margin.value and float(cells[8]) == pytest.approx(widened(tasks, margin.high), rel=0.01)
+
+    def needed(count: int, upper: bool) -> float:
+        points = 1e9 / count * (1 + widened(count, margin.high if upper else margin.value))
+        at = peak.at(points)
+        return points * 48 + (at.high if upper else at.value)
+
+    assert needed(tasks, upper=True) <= memory < needed(tasks - max(1, tasks // 20), upper=True)
+    assert needed(round(0.8 * tasks), upper=False) <= memory  # the values alone would ask for fewer
 
 
 def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> None:
