@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 namespace hausbench {
 
@@ -31,11 +32,13 @@ void Progress::total(std::size_t cases) {
     begin_ = Clock::now();
 }
 
-std::string Progress::left() const {
-    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-    if (done_ == 0 || done_ >= total_) return clock_text(seconds);
-    return fmt::format("{}, about {} left", clock_text(seconds),
-                       clock_text(seconds * double(total_ - done_) / double(done_)));
+void Progress::left_by(std::function<double(double gone_by)> seconds) { seconds_left_ = std::move(seconds); }
+
+std::string Progress::time() const {
+    const double gone_by = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (done_ == 0 || done_ >= total_) return clock_text(gone_by);
+    const double left = seconds_left_ ? seconds_left_(gone_by) : gone_by * double(total_ - done_) / double(done_);
+    return fmt::format("{}, about {} left", clock_text(gone_by), clock_text(left));
 }
 
 void Progress::erase() {
@@ -44,7 +47,7 @@ void Progress::erase() {
 
 void Progress::draw() {
     drawn_ = Clock::now();
-    fmt::print(stderr, "\r\033[K[{}/{}] {} | {}", done_, total_, left(), what_);
+    fmt::print(stderr, "\r\033[K[{}/{}] {} | {}", done_, total_, time(), what_);
     std::fflush(stderr);
 }
 
@@ -68,7 +71,7 @@ void Progress::line(const std::string& text) {
     if (person_ || total_ == 0)
         fmt::print(stderr, "{}\n", text);
     else
-        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, left(), text);
+        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, time(), text);
     if (person_ && total_ > 0) draw();
 }
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <string>
 
 namespace hausbench {
@@ -14,6 +15,8 @@ public:
     ~Progress();
 
     void total(std::size_t cases);
+    // `seconds`: until all are done, when so many have gone by. Without it, those that are left take as long each as those that are done.
+    void left_by(std::function<double(double gone_by)> seconds);
     void doing(const std::string& what);  // shown at once on a terminal
     void done(std::size_t cases);         // adds to the number of finished cases
     void line(const std::string& text);   // a permanent line
@@ -21,12 +24,13 @@ public:
 private:
     void draw();
     void erase();
-    std::string left() const;
+    std::string time() const;
 
     bool quiet_, person_;
     double pause_;
     std::size_t total_ = 0, done_ = 0;
     std::string what_;
+    std::function<double(double)> seconds_left_;
     std::chrono::steady_clock::time_point begin_, drawn_;
 };
 

@@ -13,6 +13,7 @@
 #include "run/lanes.h"
 #include "run/ledger.h"
 #include "run/progress.h"
+#include "run/remaining.h"
 #include "run/supervise.h"
 #include "run/work_order.h"
 #include "session.h"
@@ -21,6 +22,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -37,6 +39,8 @@ public:
           side_by_side_(options.jobs > 1 || options.cluster),
           finished_(plan, options.results, plan.experiment.stem + options.suffix, options.fresh,
                     {options.any_build, options.cluster, side_by_side_}),
+          estimates_(options.results),
+          parts_(plan.jobs.size()),
           progress_(options.quiet) {}
 
     RunSummary run() {
@@ -47,8 +51,12 @@ public:
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
         progress_.total(wanted);
+        for (const Job& job : plan_.jobs) {
+            refuse(job);
+            for (int round = 0; round < rounds; ++round) part_of(job).open += places_to_run(job, round).size();
+        }
+        progress_.left_by([this](double gone_by) { return seconds_left(expected_parts(), gone_by); });
 
-        for (const Job& job : plan_.jobs) refuse(job);
         if (options_.jobs > 1) {
             run_several();
             return finish();
@@ -91,12 +99,25 @@ private:
         finished_.append(row, round, outcome);
     }
 
+    OpenWork& part_of(const Job& job) { return parts_[std::size_t(&job - plan_.jobs.data())]; }
+
+    // Their kinds and seconds are looked up when they are first asked for: a short run never asks, and reads no earlier result for it.
+    const std::vector<OpenWork>& expected_parts() {
+        if (expected_) return parts_;
+        for (const Job& job : plan_.jobs) {
+            OpenWork& part = part_of(job);
+            part.kind = plan_.cases[job.cases.front()].label;
+            part.expected = estimates_.of(plan_, job).seconds / double(job.cases.size() * std::size_t(plan_.experiment.rounds));
+        }
+        expected_ = true;
+        return parts_;
+    }
+
     // All rounds of a job after each other: nothing compares their times with those of another job.
     void run_several() {
-        const Estimates estimates(options_.results);
         std::vector<Demand> demands;
         for (const Job& job : plan_.jobs) {
-            const JobEstimate one = estimates.of(plan_, job);
+            const JobEstimate one = estimates_.of(plan_, job);
             demands.push_back({one.seconds, plan_.cases[job.cases.front()].threads, one.bytes});
         }
         run_side_by_side(
@@ -144,6 +165,7 @@ private:
         progress_.done(job.cases.size() - places.size());
         if (places.empty()) return;
         progress_.doing(job.label);
+        auto begun = std::chrono::steady_clock::now();
         std::map<RowStatus, std::size_t> statuses;
         while (!places.empty() && !HoldInterrupts::came()) {
             std::set<std::size_t> ended;
@@ -160,7 +182,7 @@ private:
                                       const std::lock_guard held(lock_);
                                       ++statuses[outcome.status];
                                       keep(row, round, std::move(outcome));
-                                      progress_.done(1);
+                                      end_one(job, begun);
                                       ended.insert(row);
                                   },
                               .interrupted = HoldInterrupts::came});
@@ -168,6 +190,17 @@ private:
             std::erase_if(places, [&](std::size_t place) { return ended.contains(job.cases[place]); });
         }
         if (!statuses.empty()) progress_.line(fmt::format("{}: {}", job.label, to_string(statuses)));
+    }
+
+    // A case that took from then until now.
+    void end_one(const Job& job, std::chrono::steady_clock::time_point& begun) {
+        const auto now = std::chrono::steady_clock::now();
+        OpenWork& part = part_of(job);
+        if (part.open > 0) --part.open;
+        ++part.ended;
+        part.took += std::chrono::duration<double>(now - begun).count();
+        begun = now;
+        progress_.done(1);
     }
 
     WorkOrder order(const Job& job, int round, const std::vector<std::size_t>& places) const {
@@ -318,6 +351,9 @@ private:
     const bool side_by_side_;
     std::mutex lock_;
     Finished finished_;
+    const Estimates estimates_;
+    std::vector<OpenWork> parts_;  // a job each
+    bool expected_ = false;    // parts_ know what they are expected to take
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
     std::set<std::string> noted_;

@@ -1,0 +1,41 @@
+#include "run/remaining.h"
+
+#include <algorithm>
+#include <map>
+
+namespace hausbench {
+
+namespace {
+
+struct Sum {
+    double open = 0, ended = 0, took = 0;  // as expected, as expected, as it was
+
+    void add(const OpenWork& part) {
+        open += double(part.open) * part.expected;
+        ended += double(part.ended) * part.expected;
+        took += part.took;
+    }
+
+    // A little work tells little: so much counts as if it had taken as long as otherwise expected.
+    double times_as_long(double otherwise) const {
+        constexpr double seconds = 1;
+        return (took + seconds * otherwise) / (ended + seconds);
+    }
+};
+
+}  // namespace
+
+double seconds_left(const std::vector<OpenWork>& parts, double gone_by) {
+    std::map<std::string, Sum> kinds;
+    Sum all;
+    for (const OpenWork& part : parts) {
+        kinds[part.kind].add(part);
+        all.add(part);
+    }
+    double work = 0;
+    for (const auto& [kind, sum] : kinds) work += sum.open * sum.times_as_long(all.times_as_long(1));
+    const double side_by_side = gone_by > 0 ? std::max(1.0, all.took / gone_by) : 1;
+    return work / side_by_side;
+}
+
+}  // namespace hausbench
