@@ -16,7 +16,8 @@ TEST(SecondsLeft, AreThoseExpectedBeforeAnythingEnded) {
 
 TEST(SecondsLeft, LongCasesFirstPromiseNoLongRun) {
     EXPECT_NEAR(seconds_left({{"a", 1000, 0, 6, 6000}, {"a", 50, 100}}, 6000), 5000, 5000 * near);
-    EXPECT_NEAR(seconds_left({{"a", 50, 0, 100, 5000}, {"a", 1000, 6}}, 5000), 6000, 6000 * near) << "nor short ones a short run";
+    EXPECT_NEAR(seconds_left({{"a", 50, 0, 100, 5000}, {"a", 1000, 6}}, 5000), 6000, 6000 * near)
+        << "nor short ones a short run";
 }
 
 TEST(SecondsLeft, EachSolverHasAnErrorOfItsOwn) {

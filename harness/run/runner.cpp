@@ -107,7 +107,8 @@ private:
         for (const Job& job : plan_.jobs) {
             OpenWork& part = part_of(job);
             part.kind = plan_.cases[job.cases.front()].label;
-            part.expected = estimates_.of(plan_, job).seconds / double(job.cases.size() * std::size_t(plan_.experiment.rounds));
+            part.expected =
+                estimates_.of(plan_, job).seconds / double(job.cases.size() * std::size_t(plan_.experiment.rounds));
         }
         expected_ = true;
         return parts_;
@@ -353,7 +354,7 @@ private:
     Finished finished_;
     const Estimates estimates_;
     std::vector<OpenWork> parts_;  // a job each
-    bool expected_ = false;    // parts_ know what they are expected to take
+    bool expected_ = false;        // parts_ know what they are expected to take
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
     std::set<std::string> noted_;
