@@ -1,5 +1,6 @@
 #include "generate.h"
 
+#include "circle.h"
 #include "derive.h"
 #include "error.h"
 
@@ -13,31 +14,16 @@
 namespace hausbench {
 namespace {
 
-struct Circle {
-    double cosine, sine;
-};
-
 // The point at k/n of a turn: by the Taylor series, after an exact reduction to an eighth of a turn in integers.
 Circle circle_point(std::int64_t k, std::int64_t n) {
     const std::int64_t eighth = 8 * k / n;         // 0..7
     const std::int64_t rest = 8 * k - eighth * n;  // position within the eighth, in units of 1/n
     const bool mirrored = eighth % 2 == 1;         // odd eighths run backwards from the next quarter
     const double part = static_cast<double>(mirrored ? n - rest : rest) / static_cast<double>(n);
-    const double angle = part * 0.78539816339744830961;
-    double cosine = 1, sine = angle, term_c = 1, term_s = angle;
-    for (int i = 1; i <= 10; ++i) {
-        term_c = -term_c * angle * angle / ((2 * i - 1) * (2 * i));
-        term_s = -term_s * angle * angle / ((2 * i) * (2 * i + 1));
-        cosine += term_c;
-        sine += term_s;
-    }
-    if (mirrored) std::swap(cosine, sine);
-    for (std::int64_t quarter = eighth / 2; quarter > 0; --quarter) {
-        const double old = cosine;
-        cosine = -sine;
-        sine = old;
-    }
-    return {cosine + 0.0, sine + 0.0};
+    Circle point = circle_near_zero(part * 0.78539816339744830961);
+    if (mirrored) std::swap(point.cosine, point.sine);
+    point = turned(point, static_cast<int>(eighth / 2));
+    return {point.cosine + 0.0, point.sine + 0.0};
 }
 
 class MeshBuilder {

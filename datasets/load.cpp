@@ -155,8 +155,9 @@ std::string read_all(const std::filesystem::path& file) {
 }  // namespace
 
 bool names_a_file(const std::string& text) {
-    static const std::set<std::string> known = {"off", "obj", "ply",  "stl", "xyz", "pts", "csv", "pcd", "las", "laz",
-                                                "e57", "glb", "gltf", "3ds", "dae", "fbx", "ac",  "ase", "wrl", "x3d"};
+    static const std::set<std::string> known = {"off", "obj", "ply", "stl", "xyz",  "pts", "csv", "pcd",
+                                                "las", "laz", "e57", "glb", "gltf", "3ds", "dae", "fbx",
+                                                "ac",  "ase", "wrl", "wrz", "vrml", "x3d"};
     return text.find('/') != std::string::npos || known.contains(extension_of(text)) ||
            lower_case(text).ends_with(".surface.toml");
 }
@@ -177,7 +178,8 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty())
         throw InputError(
-            name + ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl, .xyz or what it is");
+            name +
+            ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl, .wrl, .xyz or what it is");
     if (kind == "las" || kind == "laz" || kind == "e57")
         throw InputError(fmt::format(
             "{}: {} is not read, since no library of Debian 12 reads it: convert it to .xyz or .ply, for example with "
@@ -188,15 +190,19 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
                             : "E57"));
     using Read = readers::Soup (*)(const std::string& name, std::string_view bytes);
     static const std::map<std::string, Read> own = {
-        {"obj", readers::read_obj}, {"off", readers::read_off}, {"ply", readers::read_ply}, {"stl", readers::read_stl},
-        {"pcd", readers::read_pcd}, {"xyz", readers::read_xyz}, {"pts", readers::read_xyz}, {"csv", readers::read_csv}};
+        {"obj", readers::read_obj},   {"off", readers::read_off}, {"ply", readers::read_ply},
+        {"stl", readers::read_stl},   {"pcd", readers::read_pcd}, {"xyz", readers::read_xyz},
+        {"pts", readers::read_xyz},   {"csv", readers::read_csv}, {"wrl", readers::read_vrml},
+        {"vrml", readers::read_vrml}, {"wrz", readers::read_vrml}};
     const auto read = own.find(kind);
     if (read == own.end()) return readers::load_with_assimp(file, format);
     const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     LoadReport report;
     report.format = kind;
-    return readers::finish(name, read->second(name, bytes), report, kind == "stl");
+    const bool vrml = read->second == readers::read_vrml;
+    if (vrml) report.unreferenced = std::nullopt;  // shapes may share their vertices and use some of them each
+    return readers::finish(name, read->second(name, bytes), report, vrml || kind == "stl");
 }
 
 }  // namespace hausbench

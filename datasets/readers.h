@@ -30,6 +30,7 @@ Soup read_obj(const std::string& name, std::string_view bytes);
 Soup read_off(const std::string& name, std::string_view bytes);
 Soup read_stl(const std::string& name, std::string_view bytes);  // repeats equal points
 Soup read_ply(const std::string& name, std::string_view bytes);
+Soup read_vrml(const std::string& name, std::string_view bytes);  // repeats equal points
 Soup read_pcd(const std::string& name, std::string_view bytes);
 Soup read_xyz(const std::string& name, std::string_view bytes);  // .pts too; point_file.cpp
 Soup read_csv(const std::string& name, std::string_view bytes);  // point_file.cpp

@@ -1,0 +1,28 @@
+// Cosines and sines that are the same bits on every machine: those of the C library depend on its version and on the processor.
+#pragma once
+
+namespace hausbench {
+
+struct Circle {
+    double cosine, sine;
+};
+
+// By the Taylor series, to a few units in the last place; |angle| <= pi / 4.
+inline Circle circle_near_zero(double angle) {
+    double cosine = 1, sine = angle, term_c = 1, term_s = angle;
+    for (int i = 1; i <= 10; ++i) {
+        term_c = -term_c * angle * angle / ((2 * i - 1) * (2 * i));
+        term_s = -term_s * angle * angle / ((2 * i) * (2 * i + 1));
+        cosine += term_c;
+        sine += term_s;
+    }
+    return {cosine, sine};
+}
+
+// The same, turned to the left by so many quarters of a turn.
+inline Circle turned(Circle circle, int quarters) {
+    for (; quarters > 0; --quarters) circle = {-circle.sine, circle.cosine};
+    return circle;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,343 @@
+// Reads VRML 2.0 (VRML97), text: the faces of every IndexedFaceSet, where the Transforms around it put them; USE repeats what DEF named. Skips
+// what has no surface (colours, lights, scripts, lines, points). Refuses, where they would be seen, the shapes that are no IndexedFaceSet.
+#include "circle.h"
+#include "error.h"
+#include "parse.h"
+#include "readers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace hausbench::readers {
+namespace {
+
+constexpr int deepest = 256;  // nodes in nodes; each takes a few hundred bytes of the stack
+constexpr std::size_t parts_a_byte = 200,
+                      parts_anyway = std::size_t{1} << 22;  // of nodes, points and corners, with what USE repeats
+
+struct Word {
+    std::string_view text;
+    std::uint32_t line = 0;
+};
+
+struct Node;
+
+struct Field {
+    std::vector<Word> words;
+    std::vector<const Node*> nodes;
+};
+
+struct Node {
+    Word type;
+    std::map<std::string_view, Field> fields;  // that are read
+
+    const Field& field(std::string_view name) const {
+        static const Field none;
+        const auto at = fields.find(name);
+        return at == fields.end() ? none : at->second;
+    }
+    bool is(const std::set<std::string_view>& types) const { return types.contains(type.text); }
+};
+
+bool one_of(char c, std::string_view characters) { return characters.find(c) != std::string_view::npos; }
+
+// From text to nodes.
+class VrmlText {
+public:
+    VrmlText(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
+
+    Field read() {
+        if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+        if (rest_.starts_with("#VRML V1"))
+            refuse(name_, 1, "is VRML 1.0, which is not read: convert it to VRML 2.0, OBJ or STL");
+        if (!rest_.starts_with("#VRML V2.0")) refuse(name_, 1, "is no VRML file: it does not begin with '#VRML V2.0'");
+        if (rest_.find('\0') != std::string_view::npos)
+            throw InputError(name_ + ": holds a zero byte, which no VRML file does: save or fetch it again");
+        Field scene;
+        while (peek()) read_value(scene, 0);
+        if (!scene.words.empty())
+            refuse(name_, scene.words[0].line, fmt::format("'{}' is no node", shown(scene.words[0].text)));
+        return scene;
+    }
+
+private:
+    // The first character of the next word; 0 at the end.
+    char peek() {
+        while (!rest_.empty()) {
+            const char c = rest_[0];
+            if (c == '#') {
+                rest_.remove_prefix(std::min(rest_.find_first_of("\r\n"), rest_.size()));
+                continue;
+            }
+            if (!one_of(c, " \t\r\n\v\f,")) return c;
+            line_ += c == '\n' || (c == '\r' && !rest_.starts_with("\r\n")) ? 1 : 0;
+            rest_.remove_prefix(1);
+        }
+        return '\0';
+    }
+
+    Word next() {
+        const char first = peek();
+        if (!first) refuse(name_, line_, "the file ends inside of a node: it is truncated, fetch or save it again");
+        std::size_t size = 1;
+        if (first == '"') {
+            while (size < rest_.size() && rest_[size] != '"') size += rest_[size] == '\\' ? 2 : 1;
+            if (size >= rest_.size()) refuse(name_, line_, "a text begins here and does not end: add its '\"'");
+            ++size;
+        } else if (!one_of(first, "{}[]")) {
+            size = std::min(rest_.find_first_of(" \t\r\n\v\f,{}[]\"#"), rest_.size());
+        }
+        const Word word{rest_.substr(0, size), line_};
+        line_ += static_cast<std::uint32_t>(std::count(word.text.begin(), word.text.end(), '\n'));
+        rest_.remove_prefix(size);
+        return word;
+    }
+
+    // ROUTE a TO b, which moves nothing here. Refuses what defines nodes of its own.
+    bool is_statement(const Word& word) {
+        if (word.text == "PROTO" || word.text == "EXTERNPROTO")
+            refuse(name_, word.line, fmt::format("{} is not read: convert the file to OBJ or STL", word.text));
+        if (word.text != "ROUTE") return false;
+        for (int i = 0; i < 3; ++i) next();
+        return true;
+    }
+
+    // A node, or a word that is none.
+    void read_value(Field& field, int depth) {
+        const Word word = next();
+        if (is_statement(word)) return;
+        if (one_of(word.text[0], "{}[]"))
+            refuse(name_, word.line, fmt::format("'{}' where a value is expected", word.text));
+        if (word.text == "DEF") {
+            const Word name = next();
+            const Node& node = read_node(next(), depth);
+            field.nodes.push_back(defined_[name.text] = &node);
+        } else if (word.text == "USE") {
+            const Word name = next();
+            const auto node = defined_.find(name.text);
+            if (node == defined_.end())
+                refuse(name_, name.line, fmt::format("USE of '{}', which no DEF before it names", shown(name.text)));
+            field.nodes.push_back(node->second);
+        } else if (peek() == '{') {
+            field.nodes.push_back(&read_node(word, depth));
+        } else {
+            field.words.push_back(word);
+        }
+    }
+
+    // One value, several numbers, or a list in brackets.
+    Field read_field(int depth) {
+        Field field;
+        if (peek() == '[') {
+            for (next(); peek() != ']';) read_value(field, depth);
+            next();
+            return field;
+        }
+        do read_value(field, depth);
+        while (field.nodes.empty() && peek() && one_of(peek(), "+-.0123456789\""));
+        return field;
+    }
+
+    const Node& read_node(Word type, int depth) {
+        static const std::set<std::string_view> kept = {
+            "center", "ccw",   "children", "choice",           "coord",       "coordIndex", "geometry",
+            "level",  "point", "rotation", "scaleOrientation", "translation", "scale",      "whichChoice"};
+        if (depth > deepest)
+            refuse(name_, type.line, fmt::format("nodes are nested deeper than {}: take some of them apart", deepest));
+        const Word open = next();
+        if (open.text != "{")
+            refuse(name_, open.line, fmt::format("'{}' where {} needs a '{{'", shown(open.text), shown(type.text)));
+        Node& node = nodes_.emplace_back(Node{type, {}});
+        if (type.text == "Script") {  // declares fields of any name and type
+            for (int open_braces = 1; open_braces > 0;) {
+                const Word word = next();
+                open_braces += word.text == "{" ? 1 : word.text == "}" ? -1 : 0;
+            }
+            return node;
+        }
+        for (Word name = next(); name.text != "}"; name = next()) {
+            if (is_statement(name)) continue;
+            if (!std::isalpha(static_cast<unsigned char>(name.text[0])) && name.text[0] != '_')
+                refuse(name_, name.line,
+                       fmt::format("'{}' where {} needs the name of a field", shown(name.text), shown(type.text)));
+            Field field = read_field(depth + 1);
+            if (kept.contains(name.text)) node.fields[name.text] = std::move(field);
+        }
+        return node;
+    }
+
+    const std::string& name_;
+    std::string_view rest_;
+    std::uint32_t line_ = 1;
+    std::deque<Node> nodes_;  // flat, so that a deep tree is freed without recursion
+    std::map<std::string_view, const Node*> defined_;
+};
+
+// Where the Transforms above a node put its points: matrix * p + shift.
+struct Placement {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+    Vec3 shift = Vec3::Zero();
+};
+
+Circle circle_at(double angle) {
+    constexpr double quarter = 1.5707963267948966, and_more = 6.123233995736766e-17;  // their sum is pi / 2
+    const double within = std::fmod(angle, 4 * quarter), quarters = std::round(within / quarter);
+    const Circle rest = circle_near_zero(within - quarters * quarter - quarters * and_more);
+    return turned(rest, (static_cast<int>(quarters) + 4) % 4);
+}
+
+// From nodes to faces.
+class VrmlScene {
+public:
+    VrmlScene(const std::string& name, std::size_t bytes)
+        : name_(name), parts_left_(std::max(parts_anyway, parts_a_byte * bytes)) {
+        soup_.objects = 0;
+    }
+
+    Soup draw(const Field& scene) {
+        for (const Node* node : scene.nodes) draw(*node, {}, 0);
+        if (soup_.faces.empty()) throw InputError(name_ + ": holds no IndexedFaceSet with a face");
+        return std::move(soup_);
+    }
+
+private:
+    [[noreturn]] void refuse_at(const Word& word, const std::string& why) const { refuse(name_, word.line, why); }
+
+    void spend(const Node& node, std::size_t parts) {
+        if (parts > parts_left_)
+            refuse_at(node.type, "USE repeats what DEF names so often that no memory holds it: write fewer of them");
+        parts_left_ -= parts;
+    }
+
+    double number(const Word& word) const {
+        const auto value = decimal(word.text);
+        if (!value || !std::isfinite(*value))
+            refuse_at(word, fmt::format("'{}' is no {}number", shown(word.text), value ? "finite " : ""));
+        return *value;
+    }
+
+    // The numbers of a field of a Transform.
+    template <int n>
+    Eigen::Matrix<double, n, 1> vector(const Node& node, std::string_view name, double unless_given) const {
+        const auto& words = node.field(name).words;
+        Eigen::Matrix<double, n, 1> values = Eigen::Matrix<double, n, 1>::Constant(unless_given);
+        if (words.empty()) return values;
+        if (words.size() != n) refuse_at(words[0], fmt::format("'{}' has {} numbers, not {}", name, words.size(), n));
+        for (int i = 0; i < n; ++i) values[i] = number(words[static_cast<std::size_t>(i)]);
+        return values;
+    }
+
+    // Of an axis and an angle, by the right-hand rule.
+    Eigen::Matrix3d rotation(const Node& node, std::string_view name) const {
+        const auto values = vector<4>(node, name, 0);
+        if (values[3] == 0) return Eigen::Matrix3d::Identity();
+        const Vec3 axis = values.head<3>() / values.head<3>().norm();
+        if (!axis.allFinite()) refuse_at(node.field(name).words[0], fmt::format("'{}' has no axis", name));
+        const auto [cosine, sine] = circle_at(values[3]);
+        Eigen::Matrix3d across;
+        across << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+        const Eigen::Matrix3d along = axis * axis.transpose();
+        return along + cosine * (Eigen::Matrix3d::Identity() - along) + sine * across;
+    }
+
+    // VRML97, 6.52: translation * center * rotation * scaleOrientation * scale * -scaleOrientation * -center.
+    Placement placement(const Node& node) const {
+        const Vec3 scale = vector<3>(node, "scale", 1), center = vector<3>(node, "center", 0);
+        const Eigen::Matrix3d oriented = rotation(node, "scaleOrientation");
+        Placement here;
+        here.matrix = rotation(node, "rotation") * oriented * scale.asDiagonal() * oriented.transpose();
+        here.shift = vector<3>(node, "translation", 0) + (center - here.matrix * center);
+        return here;
+    }
+
+    void draw(const Node& node, const Placement& at, int depth) {
+        if (depth > deepest)
+            refuse_at(node.type, fmt::format("nodes are nested deeper than {}, with what USE repeats", deepest));
+        spend(node, 1);
+        if (node.is({"Inline"})) refuse_at(node.type, "Inline is not read: convert what it names alone");
+        if (node.is({"Shape"}))
+            for (const Node* geometry : node.field("geometry").nodes) draw_geometry(*geometry, at);
+        if (node.is({"Transform"})) {
+            const Placement here = placement(node);
+            draw_all(node.field("children").nodes, {at.matrix * here.matrix, at.matrix * here.shift + at.shift}, depth);
+        }
+        if (node.is({"Group", "Anchor", "Billboard", "Collision"})) draw_all(node.field("children").nodes, at, depth);
+        if (node.is({"LOD"}) && !node.field("level").nodes.empty()) draw(*node.field("level").nodes[0], at, depth + 1);
+        if (node.is({"Switch"})) {
+            const auto& chosen = node.field("whichChoice").words;
+            const auto& choice = node.field("choice").nodes;
+            const auto which = whole<std::size_t>(chosen.empty() ? "-1" : chosen[0].text);  // none of a negative number
+            if (which && *which < choice.size()) draw(*choice[*which], at, depth + 1);
+        }
+    }
+
+    void draw_all(const std::vector<const Node*>& nodes, const Placement& at, int depth) {
+        for (const Node* node : nodes) draw(*node, at, depth + 1);
+    }
+
+    void draw_geometry(const Node& node, const Placement& at) {
+        if (node.is({"IndexedLineSet", "PointSet"})) return;
+        if (!node.is({"IndexedFaceSet"}))
+            refuse_at(node.type,
+                      fmt::format("{} is not read, only IndexedFaceSet: convert it, or the file to OBJ or STL",
+                                  shown(node.type.text)));
+        if (node.field("coord").nodes.empty()) return;
+        const Node& coordinate = *node.field("coord").nodes[0];
+        if (!coordinate.is({"Coordinate"}))
+            refuse_at(coordinate.type, fmt::format("'coord' is a Coordinate, not a {}", shown(coordinate.type.text)));
+        const auto& numbers = coordinate.field("point").words;
+        if (numbers.size() % 3 != 0)
+            refuse_at(numbers.back(), fmt::format("'point' has {} numbers, not three for each", numbers.size()));
+        spend(node, numbers.size() / 3 + node.field("coordIndex").words.size());
+        ++soup_.objects;
+        const std::size_t first = soup_.points.size();
+        for (std::size_t i = 0; i < numbers.size(); i += 3) {
+            const Vec3 point(number(numbers[i]), number(numbers[i + 1]), number(numbers[i + 2]));
+            soup_.points.push_back(at.matrix * point + at.shift);
+            soup_.point_lines.push_back(numbers[i].line);
+        }
+        const auto& ccw = node.field("ccw").words;
+        const bool backwards = !ccw.empty() && ccw[0].text == "FALSE";
+        add_faces(node.field("coordIndex").words, first, backwards != (at.matrix.determinant() < 0));
+    }
+
+    // -1 ends a face; the last need not be ended.
+    void add_faces(const std::vector<Word>& corners, std::size_t first, bool backwards) {
+        std::vector<std::size_t> face;
+        for (std::size_t i = 0; i <= corners.size(); ++i) {
+            const bool ends = i == corners.size() || corners[i].text == "-1";
+            if (!ends) {
+                const auto index = whole<std::size_t>(corners[i].text);
+                if (!index || *index >= soup_.points.size() - first)
+                    refuse_at(corners[i], fmt::format("'{}' names none of the {} vertices, which are counted from 0",
+                                                      shown(corners[i].text), soup_.points.size() - first));
+                face.push_back(first + *index);
+            } else if (!face.empty()) {
+                if (backwards) std::reverse(face.begin(), face.end());
+                soup_.face_lines.push_back(corners[i - 1].line);
+                soup_.faces.push_back(std::exchange(face, {}));
+            }
+        }
+    }
+
+    const std::string& name_;
+    std::size_t parts_left_;
+    Soup soup_;
+};
+
+}  // namespace
+
+Soup read_vrml(const std::string& name, std::string_view bytes) {
+    VrmlText text(name, bytes);
+    const Field scene = text.read();
+    return VrmlScene(name, bytes.size()).draw(scene);
+}
+
+}  // namespace hausbench::readers
