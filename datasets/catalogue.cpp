@@ -112,8 +112,10 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     const std::filesystem::path path(model.path);
     const std::filesystem::path file = local ? model.folder / path : cache_ / "raw" / model.sha256 / path.filename();
     if (!std::filesystem::exists(file))
-        return MissingModel{local ? fmt::format("file {} does not exist", file.string())
-                                  : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
+        return MissingModel{
+            local ? fmt::format("file {} does not exist", file.string())
+                  : fmt::format("package {} was not fetched: run `make {}`", model.package,
+                                tier_of(model.name).empty() ? "datasets" : "fetch-" + tier_of(model.name))};
     const std::string found = sha256_of_file(file);
     if (!model.sha256.empty() && found != model.sha256)
         throw InputError(

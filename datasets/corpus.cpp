@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 namespace hausbench {
@@ -20,6 +21,36 @@ constexpr Part chosen = {"model", "manifest"}, rest = {"whole", "whole_manifest"
 
 std::vector<std::string> of_manifest(const TomlReader& corpus, const Part& part) {
     return corpus.texts(part.manifest, "names of models");
+}
+
+std::filesystem::path beside(const std::filesystem::path& manifest, const std::string& name) {
+    if (manifest.empty()) return {};
+    const std::filesystem::path file = manifest.parent_path() / name;
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path();
+}
+
+// The name of the model, as datasets/fetch.py makes it: the file's, without its extension, of what names are made of.
+std::string model_of_tier(const std::string& tier, std::string_view file) {
+    file.remove_prefix(file.rfind('/') + 1);
+    std::string name = tier + "_" + std::string(file.substr(0, file.rfind('.')));
+    const auto is_of_names = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.' || c == '-'; };
+    std::replace_if(
+        name.begin(), name.end(), [&](char c) { return !is_of_names(static_cast<unsigned char>(c)); }, '_');
+    return name;
+}
+
+// The lines of a tier's list, one for each mesh.
+std::vector<std::string_view> lines_of(const TomlReader& tier) {
+    const auto* text = tier.required("meshes").as_string();
+    if (!text) tier.fail(tier.required("meshes"), "'meshes' must be a text with a line for each mesh");
+    std::vector<std::string_view> lines;
+    for (std::string_view rest = text->get(); !rest.empty();) {
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        if (!line.empty()) lines.push_back(line);
+    }
+    return lines;
 }
 
 ModelInfo by_rule(const CorpusRule& rule, const std::string& from) {
@@ -43,12 +74,7 @@ const std::vector<CorpusRule>& corpus_rules() {
     return rules;
 }
 
-std::filesystem::path corpus_beside(const std::filesystem::path& manifest) {
-    if (manifest.empty()) return {};
-    const std::filesystem::path file = manifest.parent_path() / "corpus.toml";
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path();
-}
+std::filesystem::path corpus_beside(const std::filesystem::path& manifest) { return beside(manifest, "corpus.toml"); }
 
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest) {
     const toml::table root = parse_toml(file);
@@ -80,6 +106,74 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
         for (const CorpusRule& rule : corpus_rules())
             if (!there.contains(name + rule.ending)) corpus.models.push_back(by_rule(rule, name));
     return corpus;
+}
+
+const std::vector<std::string>& tiers() {
+    static const std::vector<std::string> all = {"kicad"};
+    return all;
+}
+
+std::filesystem::path tier_beside(const std::filesystem::path& manifest, const std::string& tier) {
+    return tier.empty() ? std::filesystem::path() : beside(manifest, tier + ".toml");
+}
+
+std::string tier_of(const std::string& model) {
+    for (const std::string& tier : tiers())
+        if (model.starts_with(tier + "_")) return tier;
+    return "";
+}
+
+void add_tier_of(const std::string& model, const std::filesystem::path& manifest, Catalogue& catalogue) {
+    const std::filesystem::path file = tier_beside(manifest, tier_of(model));
+    if (file.empty() || catalogue.has(model)) return;
+    std::vector<ModelInfo> models = read_tier(file);
+    if (!models.empty() && !catalogue.has(models.front().name)) catalogue.add(file, std::move(models));
+}
+
+std::vector<std::string> tier_names(const std::filesystem::path& file) {
+    const toml::table root = parse_toml(file);
+    const std::string tier = file.stem().string();
+    std::vector<std::string> names;
+    for (const std::string_view line : lines_of(TomlReader(file, root)))
+        names.push_back(model_of_tier(tier, line.substr(line.rfind(' ') + 1)));
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+std::vector<ModelInfo> read_tier(const std::filesystem::path& file) {
+    const toml::table root = parse_toml(file);
+    const TomlReader reader(file, root);
+    const std::string tier = file.stem().string();
+    ModelInfo common;
+    common.source = "debian";
+    common.package = reader.text("package");
+    common.version = reader.text("version");
+    common.licence = reader.text("licence");
+    common.of_corpus = true;
+    const std::string folder = reader.text("folder");
+    const auto lines = lines_of(reader);
+    reader.refuse_other_keys();
+    std::vector<ModelInfo> models;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const std::string_view line = lines[i];
+        const std::size_t triangles = line.find(' '), path = line.find(' ', triangles + 1);
+        ModelInfo& model = models.emplace_back(common);
+        model.sha256 = line.substr(0, triangles);
+        if (path == std::string_view::npos || model.sha256.size() != 64 ||
+            model.sha256.find_first_not_of("0123456789abcdef") != std::string::npos)
+            reader.fail(*reader.find("meshes"),
+                        fmt::format("mesh {} of 'meshes' is not \"SHA-256 TRIANGLES FILE\"", i + 1));
+        model.path = folder + std::string(line.substr(path + 1));
+        model.name = model_of_tier(tier, line.substr(path + 1));
+        model.note = std::string(line.substr(path + 1));
+        if (!names.insert(model.name).second)
+            reader.fail(*reader.find("meshes"), fmt::format("'{}' is listed twice: remove one", model.name));
+    }
+    for (const std::string& name : names)
+        for (const CorpusRule& rule : corpus_rules())
+            if (!names.contains(name + rule.ending)) models.push_back(by_rule(rule, name));
+    return models;
 }
 
 std::vector<std::string> corpus_names(const std::filesystem::path& file, bool whole) {

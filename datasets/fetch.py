@@ -4,8 +4,10 @@
     fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin
     fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments ask for
     fetch.py --corpus --check                also the whole corpus; the files that exist are hashed again
+    fetch.py --tier kicad                    also the meshes of datasets/kicad.toml: 379 MB to download, 1.2 GB of disk
 
-datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them.
+datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them. So are those of
+datasets/kicad.toml, the tier kicad: one long list of one package.
 
 Each mesh becomes CACHE/raw/<sha256>/<file name>, only if its SHA-256 is that of the manifest; the file is complete or
 absent (renamed into place). Meshes that exist are not fetched again. Root is not needed.
@@ -23,10 +25,11 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -82,9 +85,51 @@ class Catalogue:
     manifest: list[str]
     corpus: list[str]  # sorted
     whole: list[str]  # the whole corpus, sorted
+    tiers: dict[str, list[str]] = field(default_factory=dict)  # sorted
+
+    def each(self, asked: Any) -> list[str]:
+        """What `each` of a scene stands for."""
+        groups = {"corpus": self.corpus, "whole_corpus": self.whole, **self.tiers}
+        return groups.get(asked, []) if isinstance(asked, str) else list(asked)
+
+
+TIERS = ("kicad",)  # each a file of that name beside the manifest
+
+
+def model_of_tier(tier: str, file: str) -> str:
+    """The name of the model, as datasets/corpus.cpp makes it."""
+    return f"{tier}_" + re.sub("[^A-Za-z0-9_.-]", "_", file.rpartition("/")[2].rpartition(".")[0])
+
+
+def read_tier(file: Path) -> dict[str, dict[str, Any]]:
+    """The models of a tier; none where there is no such file."""
+    if not file.is_file():
+        return {}
+    try:
+        with file.open("rb") as stream:
+            root = tomllib.load(stream)
+        common = {"source": "debian", **{key: root[key] for key in ("package", "version", "licence")}}
+        rows = [line.split(maxsplit=2) for line in str(root["meshes"]).split("\n") if line]
+        return {model_of_tier(file.stem, path): {**common, "path": root["folder"] + path, "sha256": sha256, "triangles": int(count)}
+                for sha256, count, path in rows}
+    except (OSError, KeyError, ValueError) as error:
+        raise ManifestError(f"{file}: {error}") from error
+
+
+def with_rules(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    return {name + ending: {"source": "derived", "from": name} for name in names for ending in RULES}
 
 
 def read_catalogue(manifest: Path) -> Catalogue:
+    tables = {tier: read_tier(manifest.with_name(f"{tier}.toml")) for tier in TIERS}
+    catalogue = read_without_tiers(manifest)
+    for table in tables.values():
+        catalogue.models.update({**with_rules(table), **table})
+    catalogue.tiers.update({tier: sorted(table) for tier, table in tables.items()})
+    return catalogue
+
+
+def read_without_tiers(manifest: Path) -> Catalogue:
     models, file = read_manifest(manifest), manifest.with_name("corpus.toml")
     names = list(models)
     if not file.is_file():
@@ -101,8 +146,7 @@ def read_catalogue(manifest: Path) -> Catalogue:
         raise ManifestError(f"{file}: {name}: " + ("the manifest has it too: list it under 'manifest'" if name in own else
                                                    "'manifest' names it, and the manifest does not have it"))
     whole = sorted([*own, *shared])
-    derived = {name + ending: {"source": "derived", "from": name} for name in whole for ending in RULES}
-    return Catalogue({**derived, **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole)
+    return Catalogue({**with_rules(whole), **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole)
 
 
 def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
@@ -144,7 +188,7 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
         each = [severity_text(value) for value in severity] if isinstance(severity, list) else scene.get("each", [""])
         sides = [_named(scene.get(key, "")) for key in ("source", "target")]
         names = [*sides, *scene.get("sources", []), *scene.get("targets", [])]
-        for one in catalogue.corpus if each == "corpus" else catalogue.whole if each == "whole_corpus" else each:
+        for one in catalogue.each(each):
             found.update(dict.fromkeys(name.replace("{}", one) for name in names))
     own = {model["from"] for model in experiment.get("model", {}).values() if "from" in model}
     return [name for name in [*found, *own] if name in catalogue.models]
@@ -250,11 +294,13 @@ class Asked:
     experiments: tuple[Path, ...] = ()
     profile: str = "quick"
     check: bool = False
+    tiers: tuple[str, ...] = ()
 
     def models(self, catalogue: Catalogue) -> list[str]:
         """Without any name all of the manifest, which `make` always fetches."""
         more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
-        return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more]
+        return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more,
+                *(name for tier in self.tiers for name in catalogue.tiers[tier])]
 
 
 def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:
@@ -309,6 +355,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
     parser.add_argument("--corpus", action="store_true", help="the whole corpus too")
+    parser.add_argument("--tier", choices=TIERS, action="append", default=[],
+                        help="the meshes of a tier too; kicad: 6,061, 379 MB to download and 1.2 GB of disk")
     parser.add_argument("--experiment", type=Path, nargs="+", default=[], metavar="FILE",
                         help="the meshes of the corpus that these experiments ask for too")
     parser.add_argument("--profile", default="quick", help="of the experiments (default: quick)")
@@ -318,7 +366,7 @@ def main(arguments: list[str] | None = None) -> int:
                         help="where the meshes go (default: $HAUSBENCH_CACHE, or datasets/cache)")
     given = parser.parse_args(arguments)
     try:
-        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)
+        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check, tuple(given.tier))
         return fetch(given.manifest, given.cache.absolute(), given.models, asked=asked)
     except ManifestError as error:
         print(f"error: {error}", file=sys.stderr)

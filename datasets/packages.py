@@ -8,7 +8,7 @@ members are letters ("FONT.ttf!letter/H.obj", see letters.py; needs fontTools).
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 from typing import IO, Any
 
@@ -80,7 +80,7 @@ def fetch_npm(package: str, version: str, folder: Path) -> Path:
     return files[0]
 
 
-def tar_members(stream: IO[bytes], wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+def tar_members(stream: IO[bytes], wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
     """Name and bytes of the wanted files of a tar archive, read front to back, nothing written to disk."""
     import tarfile
 
@@ -94,7 +94,7 @@ def tar_members(stream: IO[bytes], wanted: set[str]) -> Iterator[tuple[str, byte
         raise Unavailable(f"the archive cannot be read: {error}") from error
 
 
-def deb_members(deb: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+def deb_members(deb: Path, wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
     import subprocess
 
     try:
@@ -107,7 +107,7 @@ def deb_members(deb: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
         yield from tar_members(process.stdout, wanted)
 
 
-def npm_members(tarball: Path, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
+def npm_members(tarball: Path, wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
     with tarball.open("rb") as stream:
         yield from tar_members(stream, wanted)
 

@@ -1,5 +1,6 @@
 // Models by name: generated shapes with pinned bits, operations on shapes, the manifest and its errors.
 #include "catalogue.h"
+#include "corpus.h"
 #include "derive.h"
 #include "error.h"
 #include "hash.h"
@@ -605,6 +606,57 @@ TEST_F(Manifest, MistakesInTheCorpusAreNamedWithTheirLine) {
     expect_of(ball, {"corpus.toml", "'ball' is one of datasets/manifest.toml too"});
     expect_of("[model.a]\nsource = 'debian'\n", {"corpus.toml: line 1", "'package'"});
     expect_of("[model.a\n", {"corpus.toml: line 1"});
+}
+
+const std::string tier_head = "package = 'parts'\nversion = '2'\nfolder = 'usr/3d/'\nlicence = 'CC'\n";
+
+TEST_F(Manifest, ATierIsReadWhereOneOfItsModelsIsAskedFor) {
+    const std::filesystem::path manifest = folder_.path() / "manifest.toml";
+    const std::string hash = fetch("q-1.wrl", "what the reader is given"), other(64, 'b');
+    std::ofstream(folder_.path() / "kicad.toml")
+        << tier_head << "meshes = '''\n" + other + " 100 X.3dshapes/p,5 b.wrl\n" + hash + " 20 Y/q-1.wrl\n'''\n";
+    Catalogue all = catalogue(ball, reader());
+    EXPECT_FALSE(all.has("kicad_q-1"));
+    add_tier_of("ball", manifest, all);
+    add_tier_of("kicadq-1", manifest, all);
+    EXPECT_EQ(all.models().size(), 1u);
+    for (int i = 0; i < 2; ++i) {
+        add_tier_of("kicad_q-1_half", manifest, all);
+        add_tier_of("kicad_nobody", manifest, all);
+        EXPECT_EQ(all.models().size(), 1u + 2 + 4);
+    }
+    EXPECT_EQ(all.find("kicad_p_5_b").path, "usr/3d/X.3dshapes/p,5 b.wrl");
+    EXPECT_EQ(all.find("kicad_p_5_b").version, "2");
+    EXPECT_EQ(std::get<ResolvedModel>(all.resolve("kicad_q-1")).elements, 20);
+    EXPECT_TRUE(all.find("kicad_q-1_remeshed").by_rule());
+    EXPECT_NE(std::get<MissingModel>(all.resolve("kicad_p_5_b_half"))
+                  .reason.find("package parts was not fetched: run `make fetch-kicad`"),
+              std::string::npos);
+    EXPECT_EQ(tier_names(folder_.path() / "kicad.toml"), (std::vector<std::string>{"kicad_p_5_b", "kicad_q-1"}));
+    EXPECT_TRUE(all.corpus().empty());
+}
+
+TEST_F(Manifest, MistakesInATierAreNamed) {
+    const std::string hash(64, 'a');
+    const auto expect_of = [&](const std::string& text, const std::vector<std::string>& parts) {
+        std::ofstream(folder_.path() / "kicad.toml") << text;
+        try {
+            read_tier(folder_.path() / "kicad.toml");
+            FAIL() << text;
+        } catch (const InputError& problem) {
+            for (const std::string& part : parts)
+                EXPECT_NE(std::string(problem.what()).find(part), std::string::npos) << problem.what();
+        }
+    };
+    const auto list = [](const std::string& lines) { return tier_head + "meshes = '''\n" + lines + "'''\n"; };
+    expect_of(list(hash + " 100 X/p.wrl\n" + hash + " 100\n"),
+              {"kicad.toml: line 5", "mesh 2", "SHA-256 TRIANGLES FILE"});
+    expect_of(list(std::string(63, 'a') + " 100 X/p.wrl\n"), {"mesh 1"});
+    expect_of(list(std::string(64, 'g') + " 100 X/p.wrl\n"), {"mesh 1"});
+    expect_of(list(hash + " 100 X/p,.wrl\n" + hash + " 100 Y/p_.wrl\n"), {"'kicad_p_' is listed twice"});
+    expect_of(list("") + "license = 'CC'\n", {"kicad.toml: line 7", "did you mean 'licence'"});
+    expect_of(tier_head, {"'meshes'"});
+    expect_of(tier_head + "meshes = 3\n", {"line 5", "a line for each mesh"});
 }
 
 TEST_F(Manifest, ACrashOfCgalIsToldWithTheModel) {

@@ -1,6 +1,7 @@
 // `hausbench export`: writes a model, or any mesh file, in a format for other programs.
 #include "commands/verb.h"
 
+#include "corpus.h"
 #include "error.h"
 #include "isolated.h"
 #include "mesh_file.h"
@@ -13,7 +14,8 @@ namespace hausbench {
 
 namespace {
 
-LoadedShape find_shape(const Catalogue& catalogue, const std::string& model) {
+LoadedShape find_shape(Catalogue catalogue, const std::string& model) {
+    add_tier_of(model, manifest_file(), catalogue);
     std::vector<std::string> names;
     for (const ModelInfo& info : catalogue.models()) {
         if (info.name != model) {

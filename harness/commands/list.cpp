@@ -10,7 +10,8 @@ void add_list(CLI::App& app, int&) {
     static std::string what;
     auto* verb = app.add_subcommand("list", "list the solvers, or what is asked for; everything with --json");
     verb->add_option("what", what,
-                     "solvers, experiments, models, or columns (of result files, as JSON); or the name of one solver, "
+                     "solvers, experiments, models, corpus, kicad, or columns (of result files, as JSON); or the name "
+                     "of one solver, "
                      "experiment or model");
     verb->add_flag("--json", json, "print everything as one JSON object");
     take_plugins(verb);

@@ -2,6 +2,7 @@
 
 #include "corpus.h"
 #include "error.h"
+#include "paths.h"
 #include "record/profiles.h"
 
 #include <fmt/format.h>
@@ -43,6 +44,14 @@ void expect_file(const fs::path& experiment, int line, const ModelInfo& model) {
                        file.string()));
 }
 
+// Before models that may take the place of a rule's.
+void add_tiers(Catalogue& catalogue, const std::vector<ModelInfo>& models) {
+    for (const ModelInfo& model : models) {
+        add_tier_of(model.name, manifest_file(), catalogue);
+        add_tier_of(model.from, manifest_file(), catalogue);
+    }
+}
+
 }  // namespace
 
 void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
@@ -51,20 +60,23 @@ void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
     for (const ModelInfo& model : experiment.models) {
         if (model.source == "file") expect_file(file, 0, model);
     }
+    add_tiers(catalogue, experiment.models);
     catalogue.add(file, experiment.models);
-    std::vector<std::string> names;
-    for (const ModelInfo& model : catalogue.models()) names.push_back(model.name);
     const auto use = [&](const std::string& name, int line) {
+        add_tier_of(name, manifest_file(), catalogue);
         if (catalogue.has(name)) return;
         if (const std::string origin = origin_by_rule(name); catalogue.has(origin))
             refuse(file, line,
                    fmt::format("no model '{}': '{}' is not of the corpus: list it under 'manifest' in "
                                "datasets/corpus.toml, or define [model.{}]",
                                name, origin, name));
-        if (!names_a_file(name))
+        if (!names_a_file(name)) {
+            std::vector<std::string> names;
+            for (const ModelInfo& model : catalogue.models()) names.push_back(model.name);
             refuse(file, line,
                    fmt::format("no model '{}'{}: define [model.{}] with a path, or give a path such as \"{}.ply\"",
                                name, nearest_hint(name, names), name, name));
+        }
         const ModelInfo model = file_model(name, folder);
         expect_file(file, line, model);
         catalogue.add(file, {model});
@@ -91,9 +103,11 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         auto models = models_of(file, text("experiment_toml"), profile);
         if (profile != text("profile"))
             std::erase_if(models, [&](const ModelInfo& model) { return catalogue.has(model.name); });
+        add_tiers(catalogue, models);
         catalogue.add(file, std::move(models));
     }
     for (const ModelRecord& model : result.models) {
+        add_tier_of(model.name, manifest_file(), catalogue);
         if (!catalogue.has(model.name) && names_a_file(model.name))
             catalogue.add(file, {file_model(model.name, file.parent_path())});
     }

@@ -457,6 +457,90 @@ def test_the_sweeps_over_the_corpus(stem: str, quick: int, paper: int) -> None:
         assert profile == "paper" or most <= (5000 if quick == 20 else 500)
 
 
+# ---- a tier
+
+
+def with_tier(world: World) -> None:
+    """A manifest with a; the tier kicad has p and q of another package."""
+    (world.shelf / "pack=1.0.deb").write_bytes(tar({"a.obj": b"a"}))
+    (world.shelf / "parts=2.0.deb").write_bytes(tar({"./usr/3d/X.3dshapes/p,5.wrl": b"p", "./usr/3d/Y/q-1.wrl": b"q", "./usr/3d/Y/r.wrl": b"r"}))
+    world.model("a", "debian", "a.obj", sha(b"a"))
+    (world.folder / "kicad.toml").write_text(
+        'package = "parts"\nversion = "2.0"\nfolder = "usr/3d/"\nlicence = "CC"\n'
+        f"meshes = '''\n{sha(b'p')} 100 X.3dshapes/p,5.wrl\n{sha(b'q')} 200 Y/q-1.wrl\n'''\n")
+
+
+def test_a_tier_is_fetched_only_where_it_is_asked_for(world: World) -> None:
+    with_tier(world)
+    catalogue = fetch.read_catalogue(world.manifest)
+    assert catalogue.tiers == {"kicad": ["kicad_p_5", "kicad_q-1"]} and catalogue.manifest == ["a"] and catalogue.whole == []
+    assert catalogue.models["kicad_q-1"]["path"] == "usr/3d/Y/q-1.wrl" and catalogue.models["kicad_q-1"]["triangles"] == 200
+    corpus = fetch.Asked(corpus=True)
+    assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), corpus) == 0 and kept_of(world) == "a"
+    assert world.fetch("kicad_q-1_half") == 0 and kept_of(world) == "aq"
+    command = ["--manifest", str(world.manifest), "--cache", str(world.cache), "--tier", "kicad"]
+    assert fetch.main(command) == 0 and kept_of(world) == "apq"
+    assert sum("parts=2.0" in call for call in world.calls()) == 2
+    assert world.cache / "raw" / sha(b"p") / "p,5.wrl" in list(world.cache.rglob("*.wrl"))
+
+
+def test_experiments_ask_for_a_tier(world: World) -> None:
+    with_tier(world)
+    file = world.folder / "s.toml"
+    file.write_text('[[scene]]\nsource = "{}"\ntarget = "{}_half"\neach = "kicad"\nprofiles = ["kicad"]\n')
+    catalogue = fetch.read_catalogue(world.manifest)
+    assert fetch.asked_by(file, "quick", catalogue) == []
+    assert fetch.asked_by(file, "kicad", catalogue) == ["kicad_p_5", "kicad_p_5_half", "kicad_q-1", "kicad_q-1_half"]
+
+
+@pytest.mark.parametrize(("old", "new"), [(" 100 ", " many "), ("package", "pack"), ("\nmeshes", "\nmeshes = 3\nothers"), (" 200 Y/q-1.wrl", "")])
+def test_a_tier_that_cannot_be_read_is_an_error(world: World, old: str, new: str) -> None:
+    with_tier(world)
+    file = world.folder / "kicad.toml"
+    file.write_text(file.read_text().replace(old, new))
+    with pytest.raises(fetch.ManifestError, match="kicad.toml"):
+        world.fetch()
+
+
+def test_the_tier_of_the_project() -> None:
+    catalogue = fetch.read_catalogue(DATASETS / "manifest.toml")
+    names = catalogue.tiers["kicad"]
+    assert len(names) == len(set(names)) == 6061
+    hashes = set()
+    for name in names:
+        table = catalogue.models[name]
+        assert re.fullmatch(r"kicad_[A-Za-z0-9_.-]+", name) and table["triangles"] >= 100
+        assert re.fullmatch(r"[0-9a-f]{64}", table["sha256"]) and re.fullmatch(r"usr/share/kicad/3dmodels/[^/!]+/[^/!]+\.wrl", table["path"])
+        assert catalogue.models[name + "_half"] == {"source": "derived", "from": name}
+        hashes.add(table["sha256"])
+    assert len(hashes) == len(names)
+    file = DATASETS.parent / "experiments" / "corpus" / "corpus_remesh.toml"
+    assert [name for name in fetch.asked_by(file, "kicad", catalogue) if name in names] == names
+    assert not [name for name in fetch.asked_by(file, "corpus", catalogue) if name in names]
+
+
+def vrml(count: int, more: str = "") -> bytes:
+    corners = ", ".join(["0 1 2 -1"] * (count - 2) + ["0, 1, 2, 3"])
+    return f"#VRML V2.0 utf8\n{more}Shape {{ geometry IndexedFaceSet {{ coordIndex [{corners}] }} }}".encode()
+
+
+def test_the_list_of_a_tier(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    import list_tier
+
+    lines = "Shape { geometry IndexedLineSet { coordIndex [ " + "0 1 2 3 -1 " * 200 + "] } }"
+    assert [list_tier.triangles(vrml(count, lines)) for count in (3, 99, 100)] == [3, 99, 100]
+    folder = list_tier.FOLDER
+    files = {folder + "B/same.wrl": vrml(100), folder + "A/first.wrl": vrml(100), folder + "A/few.wrl": vrml(99), folder + "A/x,y.wrl": vrml(101),
+             folder + "A/other.step": vrml(300), "usr/share/doc/a.wrl": vrml(400)}
+    monkeypatch.setattr(list_tier.Apt, "fetch", lambda *_: Path("parts.deb"))
+    monkeypatch.setattr(list_tier, "deb_members", lambda _, wanted: [pair for pair in files.items() if pair[0] in wanted])
+    list_tier.main()
+    root = tomllib.loads(capsys.readouterr().out)
+    assert root["meshes"] == f"{sha(vrml(100))} 100 A/first.wrl\n{sha(vrml(101))} 101 A/x,y.wrl\n"
+    with pytest.raises(SystemExit, match="kicad_x_y"):
+        list_tier.listed([(folder + "A/x,y.wrl", vrml(100)), (folder + "B/x+y.wrl", vrml(101))])
+
+
 # ---- the manifest
 
 MODELS: dict[str, dict[str, Any]] = tomllib.loads((DATASETS / "manifest.toml").read_text())["model"]

@@ -25,7 +25,7 @@ void expect_valid(const LoadedShape& loaded) {
 }
 
 void readers(std::string_view bytes) {
-    static const std::vector<std::string> formats = {"off", "obj", "stl", "ply", "xyz", "pts", "csv", "pcd"};
+    static const std::vector<std::string> formats = {"off", "obj", "stl", "ply", "xyz", "pts", "csv", "pcd", "wrl"};
     if (bytes.empty()) return;
     const auto format = static_cast<std::uint8_t>(bytes[0]) % formats.size();
     const MemoryFile file(bytes.substr(1));
