@@ -13,7 +13,8 @@ namespace hausbench {
 // `what`: as below; the models of a tier are there only where it asks for them.
 nlohmann::json list_as_json(const std::string& what = "");
 
-// `what` is empty (a line for each solver), "solvers", "models", "corpus", "kicad" (a tier of the corpus) or "experiments", or the name of one of these: all that is known of it.
+// `what` is empty (a line for each solver), "solvers", "models", "corpus", "kicad" (a tier of the corpus) or "experiments", or the name of
+// one of these: all that is known of it.
 // Throws InputError for another name.
 std::string list_as_text(const std::string& what, const Paper& paper);
 
