@@ -135,7 +135,7 @@ std::vector<std::string> tier_names(const std::filesystem::path& file) {
     const std::string tier = file.stem().string();
     std::vector<std::string> names;
     for (const std::string_view line : lines_of(TomlReader(file, root)))
-        names.push_back(model_of_tier(tier, line.substr(line.rfind(' ') + 1)));
+        names.push_back(model_of_tier(tier, line.substr(line.find(' ', line.find(' ') + 1) + 1)));
     std::sort(names.begin(), names.end());
     return names;
 }
