@@ -28,7 +28,7 @@ struct LoadedShape {
 // Whether a text is the path of a file rather than a name: it has a '/', or an extension that is read.
 bool names_a_file(const std::string& text);
 
-// OBJ, PLY, STL, OFF and point clouds (XYZ, PTS, CSV, PCD) in float64, all of them also gzipped; everything else through assimp. A file
+// OBJ, PLY, STL, OFF, VRML and point clouds (XYZ, PTS, CSV, PCD) in float64, also gzipped; everything else through assimp. A file
 // with vertices and no faces is a point set; NAME.surface.toml is an algebraic surface (surface_file.h).
 // `format` ("obj", ...) overrides the file's extension. Throws InputError, one line that
 // names the file, the place and the remedy, for a missing, empty or unparsable file, no vertices, a NaN or infinite
