@@ -75,16 +75,16 @@ def write_case(case: Case, folder: Path) -> Path:
 
 
 @contextmanager
-def fresh_copy(program: Path) -> Iterator[Path]:
-    """A copy of the program beside it, so that it finds its own tree above it; gone afterwards.
+def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
+    """A copy of the program beside it, so that it finds its own tree above it, or in the build folder of `root`; gone afterwards.
 
     Where the pages of a program's file lie in memory can be worth a tenth of a solve's time, run after run, until the file is
     written again: two copies of one program were that far apart. With a copy for each block this is noise, which intervals know,
     and no difference between base and candidate.
     """
-    again = program.parent / "again"
+    again = (root / "build" if root else program.parent) / "again"
     try:
-        again.mkdir(exist_ok=True)
+        again.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f"{program.name}-", dir=again)
         os.close(handle)
         shutil.copy2(program, name)
@@ -108,7 +108,7 @@ def measure(program: Path, case: Case, folder: Path, slowdown: float = 0, root: 
     file = write_case(case, folder)
     planted = ["--planted-slowdown", str(slowdown)] if slowdown else []
     try:
-        with fresh_copy(program) as copy:
+        with fresh_copy(program, root) as copy:
             run(run_words(copy, file) + planted, folder, (0, 1), root=root)
         return read(file.with_suffix(".planted.h5" if slowdown else ".h5"))
     finally:
@@ -151,10 +151,10 @@ def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64
     return float(passes.sum(axis=0).min())
 
 
-def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:
+def measure_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> dict[str, float]:
     """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
-    with fresh_copy(program) as copy:
+    with fresh_copy(program, root) as copy:
         out = run([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", "--benchmark_repetitions=8",
                    "--benchmark_min_time=0.002"], folder)
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}

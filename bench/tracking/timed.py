@@ -12,6 +12,7 @@ from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
 from bench.tracking.progress import Progress
+from bench.tracking.quiet import Quiet
 
 # What the repeats of a block take together: the least of many is steadier than that of few, and a process costs as much by itself.
 SECONDS_OF_REPEATS = 0.02
@@ -44,8 +45,8 @@ class Placed:
 
 
 def programs_of(base: Build, candidate: Build, folder: Path) -> dict[str, Placed]:
-    """Both trees are reached by links of one length. Names of files lie among the data of a solve, so longer ones may move what it works
-    on to other addresses: `scan` was slower by 4.5 % where only the path of the tree was another.
+    """Both trees are reached by links of one length, and programs are copied there. Names of files lie among the data of a solve, so
+    longer ones may move what it works on to other addresses: `scan` was slower by 4.5 % where only the path of the tree was another.
     """
     placed = {}
     for name, build in (("tree-1", base), ("tree-2", candidate)):
@@ -54,19 +55,21 @@ def programs_of(base: Build, candidate: Build, folder: Path) -> dict[str, Placed
     return {"base": placed["tree-1"], "candidate": placed["tree-2"], "planted": placed["tree-2"]}
 
 
-def kernels_of(base: Build, candidate: Build) -> dict[str, Path]:
-    """None where one of the two builds has no kernel_bench."""
-    return {"base": base.kernels, "candidate": candidate.kernels} if base.kernels and candidate.kernels else {}
+def kernels_of(base: Build, candidate: Build, programs: dict[str, Placed]) -> dict[str, Placed]:
+    """In the same places. None where one of the two builds has no kernel_bench."""
+    if not (base.kernels and candidate.kernels):
+        return {}
+    return {"base": Placed(base.kernels, programs["base"].root), "candidate": Placed(candidate.kernels, programs["candidate"].root)}
 
 
-def of_case(case: Case, programs: dict[str, Placed], folder: Path) -> Subject:
+def of_case(case: Case, programs: dict[str, Placed], folder: Path, quiet: Quiet) -> Subject:
     """Its first block decides how many repeats the later ones have, on all sides alike."""
     asked = [case]
     shapes: dict[str, str] = {}
 
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
         placed = programs[which]
-        block = measure(placed.program, asked[0], folder, PLANTED if which == "planted" else 0, placed.root)
+        block = quiet.kept(lambda: measure(placed.program, asked[0], folder, PLANTED if which == "planted" else 0, placed.root))
         shapes[which] = block.shapes
         if asked[0] is case:
             repeats = min(MOST_REPEATS, max(int(case.experiment["repeats"]), round(SECONDS_OF_REPEATS / block.cpu)))
@@ -76,9 +79,10 @@ def of_case(case: Case, programs: dict[str, Placed], folder: Path) -> Subject:
     return Subject(case.name, (case.name,), side, shapes=shapes)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Path], folder: Path) -> Subject:
+def of_kernels(names: Sequence[str], programs: dict[str, Placed], folder: Path, quiet: Quiet) -> Subject:
     def side(which: str, some: Sequence[str]) -> dict[str, float]:
-        return measure_kernels(programs[which], list(some), folder)
+        placed = programs[which]
+        return quiet.kept(lambda: measure_kernels(placed.program, list(some), folder, placed.root))
 
     return Subject("kernels", tuple(names), side)
 

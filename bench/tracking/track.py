@@ -32,10 +32,12 @@ from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
+from bench.tracking.quiet import Quiet
 
 TIERS = ("counters", "instructions", "time")
 BLOCKS = 72  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
 PLANTED_IN = "guthe on mesh to its half"
+PATIENCE = 90.0  # seconds in all for a core on which nothing else runs
 
 
 @dataclass
@@ -119,26 +121,34 @@ def base_of(task: Task) -> Build:
     return base
 
 
-def time_tier(report: Report, task: Task) -> None:
-    candidate, base = here(task.given.program), base_of(task)
-    programs, kernel_programs = timed.programs_of(base, candidate, task.folder), timed.kernels_of(base, candidate)
+def known_to_both(task: Task, base: Build, candidate: Build, quiet: Quiet) -> timed.Known:
+    programs = timed.programs_of(base, candidate, task.folder)
+    kernel_programs = timed.kernels_of(base, candidate, programs)
     known = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, programs, task.folder))
+        known.add(timed.of_case(case, programs, task.folder, quiet))
     if task.kernels and kernel_programs:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder))
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder, quiet))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
+    return known
+
+
+def time_tier(report: Report, task: Task) -> None:
+    candidate, base = here(task.given.program), base_of(task)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
-    notes = known.left_out + known.broken
-    try:
-        judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))
-    except NotMeasured as why:  # after each side has measured it once
-        report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
-        return
+    quiet = Quiet(PATIENCE)
+    with quiet.alone():
+        known = known_to_both(task, base, candidate, quiet)
+        notes = known.left_out + known.broken
+        try:
+            judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))
+        except NotMeasured as why:  # after each side has measured it once
+            report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
+            return
     verdict, reasons = verdict_of_times(judged)
     many = f"{SCREENING} blocks a side, and up to {task.given.blocks} of what looked slower and of the plant"
-    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
+    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}", quiet.line()]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
 

@@ -136,6 +136,8 @@ def test_each_block_has_a_copy_of_its_program_that_is_gone_afterwards(tmp_path: 
     with fresh_copy(program) as one, fresh_copy(program) as other:
         assert one != other and one.parent == tmp_path / "again" and blocks.run([str(one)], tmp_path) == f"{one}\n"
         assert (one.parent / "commit.json").is_file()
+    with fresh_copy(program, tmp_path / "tree") as one:
+        assert one.parent == tmp_path / "tree" / "build" / "again" and (one.parent / "commit.json").is_file()
     with pytest.raises(NotMeasured), fresh_copy(program):
         raise NotMeasured("why")
     assert [file.name for file in (tmp_path / "again").iterdir()] == ["commit.json"]

@@ -13,7 +13,8 @@ from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
-from bench.tracking.timed import Known, Placed, Subject, answer, judge_all, kernels_of, of_case, programs_of, question, screen
+from bench.tracking.quiet import Quiet
+from bench.tracking.timed import Known, Placed, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
@@ -167,7 +168,7 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     monkeypatch.setattr(timed, "measure", measure)
     old, new = (Placed(tmp_path / f"{name}-program", tmp_path / name) for name in ("old", "new"))
     programs = {"base": old, "candidate": new, "planted": new}
-    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path)
+    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path, Quiet(0, lambda: 1.0))
     for which in ("base", "candidate", "planted"):
         one.block(which)
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
@@ -184,6 +185,19 @@ def test_paths_of_both_trees_are_of_one_length(tmp_path: Path) -> None:
     assert (programs["base"].program, programs["candidate"].program) == (Path("old"), Path("new"))
 
 
-def test_kernels_need_both_builds() -> None:
+def test_kernels_need_both_builds_and_lie_where_the_programs_do() -> None:
     old, new = Build("a", Path("old"), None), Build("b", Path("new"), Path("bench"))
-    assert kernels_of(old, new) == {} and kernels_of(new, new) == {"base": Path("bench"), "candidate": Path("bench")}
+    programs = {"base": Placed(Path("old"), Path("1")), "candidate": Placed(Path("new"), Path("2"))}
+    assert kernels_of(old, new, programs) == {}
+    assert kernels_of(new, new, programs) == {"base": Placed(Path("bench"), Path("1")), "candidate": Placed(Path("bench"), Path("2"))}
+
+
+def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Of a case and of the kernels: the first try is disturbed."""
+    probes, placed = [1.0, 1.5, 1.0, 1.0], {"base": Placed(tmp_path / "program", tmp_path)}
+    times = iter([5.0, 4.0])
+    monkeypatch.setattr(timed, "measure", lambda *given: Block(next(times), 0.002, 0.0, "shapes"))
+    assert of_case(Case("case", {"repeats": 3}), placed, tmp_path, Quiet(9, iter(probes).__next__, [1.0] * 40)).block("base") == {"case": 4.0}
+    times = iter([5.0, 4.0])
+    monkeypatch.setattr(timed, "measure_kernels", lambda program, names, folder, root: {names[0]: next(times)})
+    assert of_kernels(["a"], placed, tmp_path, Quiet(9, iter(probes).__next__, [1.0] * 40)).block("base") == {"a": 4.0}
