@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import statistics
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -20,7 +21,9 @@ T = TypeVar("T")
 QUIET = 0.04  # a probe that is slower by more than that was disturbed
 TRIES = 4
 WAIT = 0.5  # seconds before one block
+PAUSE = 0.01  # seconds
 FIRST = 40  # probes before anything is judged
+REMEMBERED = 400  # probes: a machine may become another one for good
 LOOPS = 4  # a probe is the least of so many: a timer's interrupt disturbs one
 
 
@@ -35,11 +38,9 @@ def loop() -> float:
     return least
 
 
-def unrest(probes: Sequence[float]) -> float:
-    """By how much the last probe is slower than most of those that were not disturbed: a tenth of all may be faster, since a clock that is
-    sometimes raised is not what blocks can wait for.
-    """
-    return probes[-1] / (statistics.quantiles(probes, n=10)[0] if len(probes) > 1 else probes[-1]) - 1
+def unrest(probe: float, earlier: Sequence[float]) -> float:
+    """By how much it is slower than the best tenth of the earlier ones: than a clock that is raised now and then blocks cannot wait for."""
+    return probe / statistics.quantiles(earlier, n=10)[0] - 1
 
 
 @dataclass
@@ -48,7 +49,7 @@ class Quiet:
 
     seconds: float
     probe: Callable[[], float] = loop
-    probes: list[float] = field(default_factory=list)
+    probes: deque[float] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # beside blocks; those while it waits would drown them
     cores: list[int] = field(default_factory=lambda: sorted(os.sched_getaffinity(0)))
     blocks: int = 0
     again: int = 0
@@ -60,7 +61,7 @@ class Quiet:
         before = os.sched_getaffinity(0)
         try:
             self.move()
-            self.probes += [self.probe() for _ in range(FIRST)]
+            self.probes.extend(self.probe() for _ in range(FIRST))
             yield
         finally:
             os.sched_setaffinity(0, before)
@@ -70,17 +71,18 @@ class Quiet:
         self.cores.append(self.cores.pop(0))
         os.sched_setaffinity(0, {self.cores[-1]})
 
-    def now(self) -> float:
-        self.probes.append(self.probe())
-        return unrest(self.probes)
+    def judged(self, probe: float) -> float:
+        self.probes.append(probe)
+        return unrest(probe, self.probes)
 
     def wait(self) -> float:
         """On whichever core is quiet first. The unrest at the end."""
         begun = time.monotonic()
-        while (found := self.now()) > QUIET and time.monotonic() - begun < min(WAIT, self.seconds):
+        while unrest(probe := self.probe(), self.probes) > QUIET and time.monotonic() - begun < min(WAIT, self.seconds):
+            time.sleep(PAUSE)
             self.move()
         self.seconds -= time.monotonic() - begun
-        return found
+        return self.judged(probe)
 
     def kept(self, block: Callable[[], T]) -> T:
         """What the least disturbed of its tries gave."""
@@ -89,7 +91,7 @@ class Quiet:
         while not tries or (tries[-1][0] > QUIET and len(tries) < TRIES and self.seconds > 0):
             before, begun = self.wait(), time.monotonic()
             found = block()
-            tries.append((max(before, self.now()), found))
+            tries.append((max(before, self.judged(self.probe())), found))
             if len(tries) > 1:
                 self.again += 1
                 self.seconds -= time.monotonic() - begun

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
+from collections import deque
 from collections.abc import Iterable
 
 import pytest
@@ -17,6 +19,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """Seconds, which only probes and blocks take."""
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "sleep", lambda seconds: now.append(now.pop() + seconds))
     monkeypatch.setattr(os, "sched_setaffinity", lambda process, cores: None)
     return now
 
@@ -29,7 +32,7 @@ def made(clock: list[float], probes: Iterable[float], seconds: float = 10.0) -> 
         clock[0] += 0.01
         return next(coming)
 
-    return Quiet(seconds, probe, [1.0] * FIRST, [0, 1])
+    return Quiet(seconds, probe, deque([1.0] * FIRST), [0, 1])
 
 
 def test_a_quiet_block_is_measured_once(clock: list[float]) -> None:
@@ -74,9 +77,22 @@ def test_once_its_seconds_are_used_up_blocks_are_taken_as_they_come(clock: list[
 
 
 def test_a_clock_that_is_raised_now_and_then_is_not_waited_for() -> None:
-    usual = [1.0, 1.01] * 20
-    assert unrest([*usual, 0.5, 0.5, 1.0]) == pytest.approx(0.0) and unrest([*usual, 0.5]) == pytest.approx(-0.5)
-    assert unrest([*usual, 1.5]) == pytest.approx(0.5) and unrest([2.0]) == 0
+    usual = [1.0, 1.01] * 20 + [0.5, 0.5]
+    assert unrest(1.0, usual) == pytest.approx(0.0) and unrest(0.5, usual) == pytest.approx(-0.5) and unrest(1.5, usual) == pytest.approx(0.5)
+
+
+def test_a_machine_that_is_slow_for_long_is_a_slow_machine(clock: list[float]) -> None:
+    """But what it says while it is waited for changes nothing."""
+    one = Quiet(1e9, lambda: 1.5)
+    one.probes.extend([1.0] * FIRST)
+    one.probe = made(clock, itertools.repeat(1.5)).probe
+    one.kept(lambda: 1.0)
+    assert one.again == TRIES - 1 and len(one.probes) == FIRST + 2 * TRIES
+    for _ in range(200):
+        one.kept(lambda: 1.0)
+    again = one.again
+    one.kept(lambda: 1.0)
+    assert one.again == again and one.disturbed < 100
 
 
 def test_probe_and_blocks_share_a_core() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -168,7 +169,7 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     monkeypatch.setattr(timed, "measure", measure)
     old, new = (Placed(tmp_path / f"{name}-program", tmp_path / name) for name in ("old", "new"))
     programs = {"base": old, "candidate": new, "planted": new}
-    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path, Quiet(0, lambda: 1.0))
+    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path, Quiet(0, lambda: 1.0, deque([1.0, 1.0])))
     for which in ("base", "candidate", "planted"):
         one.block(which)
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
@@ -197,7 +198,7 @@ def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_
     probes, placed = [1.0, 1.5, 1.0, 1.0], {"base": Placed(tmp_path / "program", tmp_path)}
     times = iter([5.0, 4.0])
     monkeypatch.setattr(timed, "measure", lambda *given: Block(next(times), 0.002, 0.0, "shapes"))
-    assert of_case(Case("case", {"repeats": 3}), placed, tmp_path, Quiet(9, iter(probes).__next__, [1.0] * 40)).block("base") == {"case": 4.0}
+    assert of_case(Case("case", {"repeats": 3}), placed, tmp_path, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"case": 4.0}
     times = iter([5.0, 4.0])
     monkeypatch.setattr(timed, "measure_kernels", lambda program, names, folder, root: {names[0]: next(times)})
-    assert of_kernels(["a"], placed, tmp_path, Quiet(9, iter(probes).__next__, [1.0] * 40)).block("base") == {"a": 4.0}
+    assert of_kernels(["a"], placed, tmp_path, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"a": 4.0}
