@@ -19,7 +19,7 @@ from analysis.shared.verdicts import Verdict, never
 
 NEVER_RAN: Final = ("skipped", "not_built")
 ANSWERS: Final = "ok"
-MOST_NAMED: Final = 6  # meshes of one reason, by name; the CSV has all
+MOST_NAMED: Final = 20  # meshes of one reason, by name; the CSV has all
 
 
 def seconds(results: Results, row: int) -> float:
@@ -58,6 +58,10 @@ def sound(results: Results) -> Verdict:
                  len({cases.scene[row] for row in rows}))
 
 
+def named(scenes: list[str]) -> str:
+    return f"{len(scenes)}: {', '.join(scenes)}" if len(scenes) <= MOST_NAMED else str(len(scenes))
+
+
 def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
     """A sentence for each reason why rows are not `ok`, the most frequent first: of meshes, and of single solvers."""
     cases = results.cases
@@ -66,12 +70,14 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
         meshes.setdefault(f"{status}: {shown_reason(reason)}", []).append(scene)
     lines = []
     for why, scenes in sorted(meshes.items(), key=lambda one: -len(one[1])):
-        named = ", ".join(scenes[:MOST_NAMED]) + (", …" if len(scenes) > MOST_NAMED else "")
-        lines.append(f"Not measured, {why} ({len(scenes)}: {named}).")
-    single = Counter((style.title(cases.solver[row], cases.label[row]), cases.status[row], shown_reason(cases.reason[row]))
-                     for row in range(len(cases)) if cases.scene[row] not in lost and cases.status[row] != ANSWERS)
-    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({count})."
-              for (solver, status, reason), count in single.most_common()]
+        lines.append(f"Not measured, {why} ({named(scenes)}).")
+    single: dict[tuple[str, str, str], list[str]] = {}
+    for row in range(len(cases)):
+        if cases.scene[row] not in lost and cases.status[row] != ANSWERS:
+            kind = (style.title(cases.solver[row], cases.label[row]), cases.status[row], shown_reason(cases.reason[row]))
+            single.setdefault(kind, []).append(cases.scene[row])
+    lines += [f"{solver}, {style.status_word(status)}: {reason or 'no reason'} ({named(scenes)})."
+              for (solver, status, reason), scenes in sorted(single.items(), key=lambda one: -len(one[1]))]
     return lines
 
 

@@ -10,7 +10,7 @@ from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
 from analysis import paper_profile
-from analysis.corpus.every_mesh import shown_reason
+from analysis.corpus.every_mesh import named, shown_reason
 
 UNREADABLE = "model '{0}': /cache/raw/0/{0}.gts: cannot be read: No suitable reader found for the file format of file \"{0}.gts\"; convert it"
 
@@ -44,7 +44,8 @@ def test_counts_times_and_reasons(make: Make) -> None:
     assert rows["cover (ours)"][0][-1] == "5.40"  # 6 ms of wall time: 5.4 of CPU time
     assert "on 6 of 8 meshes, within 10.0 s" in text
     assert "Not measured, failed: model … cannot be read: No suitable reader found for the file format of file … (2: mesh6, mesh7)." in text
-    assert "CGAL, timeout: killed: no answer within … s (1)." in text
+    assert "CGAL, timeout: killed: no answer within … s (1: mesh5)." in text
+    assert named([f"mesh{i}" for i in range(21)]) == "21"
     assert len(records) == 16 and sum(record["status"] == "failed" for record in records) == 4
 
 
