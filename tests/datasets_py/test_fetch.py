@@ -532,7 +532,7 @@ def test_the_list_of_a_tier(capsys: pytest.CaptureFixture[str], monkeypatch: pyt
     folder = list_tier.FOLDER
     files = {folder + "B/same.wrl": vrml(100), folder + "A/first.wrl": vrml(100), folder + "A/few.wrl": vrml(99), folder + "A/x,y.wrl": vrml(101),
              folder + "A/other.step": vrml(300), "usr/share/doc/a.wrl": vrml(400)}
-    monkeypatch.setattr(list_tier.Apt, "fetch", lambda *_: Path("parts.deb"))
+    monkeypatch.setattr(packages.Apt, "fetch", lambda *_: Path("parts.deb"))
     monkeypatch.setattr(list_tier, "deb_members", lambda _, wanted: [pair for pair in files.items() if pair[0] in wanted])
     list_tier.main()
     root = tomllib.loads(capsys.readouterr().out)
