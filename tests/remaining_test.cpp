@@ -21,7 +21,8 @@ TEST(SecondsLeft, LongCasesFirstPromiseNoLongRun) {
 }
 
 TEST(SecondsLeft, EachSolverHasAnErrorOfItsOwn) {
-    EXPECT_NEAR(seconds_left({{"a", 100, 2, 20, 8000}, {"b", 100, 3, 30, 1500}}, 9500), 2 * 400 + 3 * 50, 950 * near);
+    EXPECT_NEAR(seconds_left({{"a", 100, 2, 20, 8000}, {"b", 100, 30, 30, 1500}}, 9500), 2 * 400 + 30 * 50,
+                2300 * near);
     EXPECT_NEAR(seconds_left({{"a", 100, 0, 2, 800}, {"b", 100, 3}}, 800), 1200, 1200 * near) << "nothing of b ended";
     EXPECT_NEAR(seconds_left({{"a", 100, 1, 1, 300}, {"a", 200, 1, 1, 900}}, 1200), 1200, 1200 * near) << "one solver";
 }
