@@ -40,6 +40,17 @@ std::string model_of_tier(const std::string& tier, std::string_view file) {
     return name;
 }
 
+// "SHA-256 TRIANGLES FILE"; a file's name may hold blanks. No file: it is no such line.
+struct TierLine {
+    std::string_view sha256, file;
+
+    explicit TierLine(std::string_view line) {
+        const std::size_t triangles = line.find(' '), path = line.find(' ', triangles + 1);
+        sha256 = line.substr(0, triangles);
+        if (path != std::string_view::npos) file = line.substr(path + 1);
+    }
+};
+
 // The lines of a tier's list, one for each mesh.
 std::vector<std::string_view> lines_of(const TomlReader& tier) {
     const auto* text = tier.required("meshes").as_string();
@@ -135,7 +146,7 @@ std::vector<std::string> tier_names(const std::filesystem::path& file) {
     const std::string tier = file.stem().string();
     std::vector<std::string> names;
     for (const std::string_view line : lines_of(TomlReader(file, root)))
-        names.push_back(model_of_tier(tier, line.substr(line.find(' ', line.find(' ') + 1) + 1)));
+        names.push_back(model_of_tier(tier, TierLine(line).file));
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -156,17 +167,16 @@ std::vector<ModelInfo> read_tier(const std::filesystem::path& file) {
     std::vector<ModelInfo> models;
     std::set<std::string> names;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        const std::string_view line = lines[i];
-        const std::size_t triangles = line.find(' '), path = line.find(' ', triangles + 1);
+        const TierLine line(lines[i]);
         ModelInfo& model = models.emplace_back(common);
-        model.sha256 = line.substr(0, triangles);
-        if (path == std::string_view::npos || model.sha256.size() != 64 ||
+        model.sha256 = line.sha256;
+        if (line.file.empty() || model.sha256.size() != 64 ||
             model.sha256.find_first_not_of("0123456789abcdef") != std::string::npos)
             reader.fail(*reader.find("meshes"),
                         fmt::format("mesh {} of 'meshes' is not \"SHA-256 TRIANGLES FILE\"", i + 1));
-        model.path = folder + std::string(line.substr(path + 1));
-        model.name = model_of_tier(tier, line.substr(path + 1));
-        model.note = std::string(line.substr(path + 1));
+        model.path = folder + std::string(line.file);
+        model.name = model_of_tier(tier, line.file);
+        model.note = line.file;
         if (!names.insert(model.name).second)
             reader.fail(*reader.find("meshes"), fmt::format("'{}' is listed twice: remove one", model.name));
     }

@@ -12,6 +12,7 @@ import hashlib
 import re
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -63,9 +64,9 @@ def listed(files: Iterable[tuple[str, bytes]]) -> list[str]:
         if count >= LEAST and (digest not in found or name < found[digest][0]):
             found[digest] = (name, count)
     lines = sorted((name, f"{digest} {count} {name}") for digest, (name, count) in found.items())
-    names = [model_of_tier(TIER, name) for name, _ in lines]
-    if twice := {name for name in names if names.count(name) > 1} if len(set(names)) < len(names) else None:
-        raise SystemExit(f"two files would have the same name of a model: {', '.join(sorted(twice))}")
+    names = Counter(model_of_tier(TIER, name) for name, _ in lines)
+    if twice := sorted(name for name, count in names.items() if count > 1):
+        raise SystemExit(f"two files would have the same name of a model: {', '.join(twice)}")
     return [line for _, line in lines]
 
 

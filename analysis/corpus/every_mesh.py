@@ -81,6 +81,14 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
     return lines
 
 
+def late(results: Results) -> list[str]:
+    """Solvers are asked to stop at the limit, and ended some seconds after it: an answer in between counts."""
+    cases = results.cases
+    after = Counter(style.title(cases.solver[row], cases.label[row]) for row in range(len(cases))
+                    if cases.status[row] == ANSWERS and cases.solve_seconds[row] > cases.case_seconds_limit[row])
+    return [f"{solver}: {count} of its answers came after the limit, before it was ended." for solver, count in after.most_common()]
+
+
 def make(results: Results) -> Report:
     cases, lost = results.cases, unmeasured(results)
     measured = [scene for scene in results.scenes if scene not in lost]
@@ -88,7 +96,7 @@ def make(results: Results) -> Report:
     times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
     statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
     table = tables.Table(
-        f"{results.meta.get('title', '')}: answers to {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} "
+        f"{results.meta.get('title', '')}: asked for {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} "
         f"of {len(results.scenes)} meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
         ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
     records: list[tables.Record] = []
@@ -105,7 +113,7 @@ def make(results: Results) -> Report:
                         "diagonal": float(cases.source_diagonal[row]), "seconds": seconds(results, row)})
     table.notes += ["Times are those of preparing and of the first answer, of the answers within tolerance alone; the interval of a median "
                     "is over meshes.",
-                    *explained(results, lost), sound(results).line(), f"{machine_line(results)}."]
+                    *late(results), *explained(results, lost), sound(results).line(), f"{machine_line(results)}."]
     return Report(lambda: draw(labels, times, len(measured)), table, records)
 
 

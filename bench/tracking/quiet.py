@@ -45,7 +45,9 @@ def unrest(probe: float, earlier: Sequence[float]) -> float:
 
 @dataclass
 class Quiet:
-    """`seconds` in all for waiting and for blocks that are measured again; once they are used up, blocks are taken as they come."""
+    """Blocks are measured within alone(), which takes the first probes. `seconds` in all for waiting and for blocks that are measured again; once
+    they are used up, blocks are taken as they come.
+    """
 
     seconds: float
     probe: Callable[[], float] = loop

@@ -57,6 +57,13 @@ def test_a_certified_solver_that_fails_is_seen(make: Make, columns: dict[str, An
     assert said in verdict
 
 
+def test_answers_after_the_limit_are_counted(make: Make) -> None:
+    file = corpus()
+    assert "after the limit" not in make(file)[2]
+    file.case("cgal", "mesh8", [10.1], lower=1.0, upper=1.0, prepare_seconds=0.0, certified=0, tolerance=1e-3, case_seconds_limit=10.0)
+    assert "CGAL: 1 of its answers came after the limit" in make(file)[2]
+
+
 def test_like_reasons_stand_together() -> None:
     assert shown_reason(UNREADABLE.format("a")) == shown_reason(UNREADABLE.format("b2"))
     assert shown_reason("killed: no answer within 10 s") != shown_reason("killed by signal 11")
