@@ -72,7 +72,7 @@ def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
 def build_in(tree: Path, commit: str, jobs: int) -> Build:
     """What the worktree has checked out."""
     build = tree / "build" / "release"
-    log = tree / "build.log"
+    log = tree.parent / f"{tree.name}.log"  # in the tree it would be a change
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     # Two worktrees share what ccache holds only if their own paths are left out of it.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}

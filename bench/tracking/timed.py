@@ -11,6 +11,7 @@ from bench.tracking.blocks import NotMeasured, measure, measure_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
+from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.quiet import Quiet
 
@@ -24,67 +25,64 @@ Say = Callable[[str], None]
 @dataclass(frozen=True)
 class Subject:
     """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, of these names: seconds by name.
-    What it found of the shapes is in `shapes`, by side.
+    What it found of the shapes is in `shapes`, by side. `move`: the next blocks, of either side, are measured under another path.
     """
 
     name: str
     names: tuple[str, ...]
     side: Callable[[str, Sequence[str]], dict[str, float]]
     shapes: dict[str, str] = field(default_factory=dict)
+    move: Callable[[], None] = lambda: None
 
     def block(self, which: str) -> dict[str, float]:
         return self.side(which, self.names)
 
 
 @dataclass(frozen=True)
-class Placed:
-    """A program, and a link to its tree."""
+class Program:
+    """And the tree of which it was built."""
 
-    program: Path
-    root: Path
-
-
-def programs_of(base: Build, candidate: Build, folder: Path) -> dict[str, Placed]:
-    """Both trees are reached by links of one length, and programs are copied there. Names of files lie among the data of a solve, so
-    longer ones may move what it works on to other addresses: `scan` was slower by 4.5 % where only the path of the tree was another.
-    """
-    placed = {}
-    for name, build in (("tree-1", base), ("tree-2", candidate)):
-        (folder / name).symlink_to(build.tree.resolve(), target_is_directory=True)
-        placed[name] = Placed(build.program, folder / name)
-    return {"base": placed["tree-1"], "candidate": placed["tree-2"], "planted": placed["tree-2"]}
+    file: Path
+    tree: Path
 
 
-def kernels_of(base: Build, candidate: Build, programs: dict[str, Placed]) -> dict[str, Placed]:
-    """In the same places. None where one of the two builds has no kernel_bench."""
+def programs_of(base: Build, candidate: Build) -> dict[str, Program]:
+    old, new = (Program(build.program, build.tree) for build in (base, candidate))
+    return {"base": old, "candidate": new, "planted": new}
+
+
+def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
+    """None where one of the two builds has no kernel_bench."""
     if not (base.kernels and candidate.kernels):
         return {}
-    return {"base": Placed(base.kernels, programs["base"].root), "candidate": Placed(candidate.kernels, programs["candidate"].root)}
+    return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
 
 
-def of_case(case: Case, programs: dict[str, Placed], folder: Path, quiet: Quiet) -> Subject:
+def of_case(case: Case, programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
     """Its first block decides how many repeats the later ones have, on all sides alike."""
     asked = [case]
     shapes: dict[str, str] = {}
 
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
-        placed = programs[which]
-        block = quiet.kept(lambda: measure(placed.program, asked[0], folder, PLANTED if which == "planted" else 0, placed.root))
+        program, slowdown = programs[which], PLANTED if which == "planted" else 0
+        with places.root(program.tree) as root:
+            block = quiet.kept(lambda: measure(program.file, asked[0], places.folder, slowdown, root))
         shapes[which] = block.shapes
         if asked[0] is case:
             repeats = min(MOST_REPEATS, max(int(case.experiment["repeats"]), round(SECONDS_OF_REPEATS / block.cpu)))
             asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
         return {case.name: block.cpu}
 
-    return Subject(case.name, (case.name,), side, shapes=shapes)
+    return Subject(case.name, (case.name,), side, shapes, places.move)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Placed], folder: Path, quiet: Quiet) -> Subject:
+def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
     def side(which: str, some: Sequence[str]) -> dict[str, float]:
-        placed = programs[which]
-        return quiet.kept(lambda: measure_kernels(placed.program, list(some), folder, placed.root))
+        program = programs[which]
+        with places.root(program.tree) as root:
+            return quiet.kept(lambda: measure_kernels(program.file, list(some), places.folder, root))
 
-    return Subject("kernels", tuple(names), side)
+    return Subject("kernels", tuple(names), side, move=places.move)
 
 
 @dataclass
@@ -133,15 +131,17 @@ class Question:
     slower: str = "candidate"
 
     def turn(self, number: int, names: Sequence[str]) -> None:
-        """Four blocks. Turns begin with either side, alternately."""
+        """Two pairs of blocks, each pair at a place of its own. Turns begin with either side, alternately."""
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
-        for which in (first, second, second, first):
-            found = self.subject.side(which, names)
-            for name in names:
-                if name not in found:
-                    raise NotMeasured(f"{name}: it was not measured this time")
-                sides = self.sides[name]
-                (sides.candidate if which == self.slower else sides.base).append(found[name])
+        for pair in ((first, second), (second, first)):
+            self.subject.move()
+            for which in pair:
+                found = self.subject.side(which, names)
+                for name in names:
+                    if name not in found:
+                        raise NotMeasured(f"{name}: it was not measured this time")
+                    sides = self.sides[name]
+                    (sides.candidate if which == self.slower else sides.base).append(found[name])
 
 
 def question(subject: Subject, names: Sequence[str], beside: str = "base", slower: str = "candidate") -> Question:

@@ -32,6 +32,7 @@ from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
+from bench.tracking.places import Places
 from bench.tracking.quiet import Quiet
 
 TIERS = ("counters", "instructions", "time")
@@ -122,13 +123,12 @@ def base_of(task: Task) -> Build:
 
 
 def known_to_both(task: Task, base: Build, candidate: Build, quiet: Quiet) -> timed.Known:
-    programs = timed.programs_of(base, candidate, task.folder)
-    kernel_programs = timed.kernels_of(base, candidate, programs)
+    programs, kernel_programs, places = timed.programs_of(base, candidate), timed.kernels_of(base, candidate), Places(task.folder)
     known = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, programs, task.folder, quiet))
+        known.add(timed.of_case(case, programs, places, quiet))
     if task.kernels and kernel_programs:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder, quiet))
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, places, quiet))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
     return known

@@ -61,8 +61,11 @@ def test_a_worktree_is_used_again_and_put_right(repository: Path, commands: list
 
 def test_a_build_that_fails_names_its_log(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bench.tracking.builds.subprocess.call", lambda command, **rest: 1)
-    with pytest.raises(NotBuilt, match="does not build: its output is in .*build.log"):
+    with pytest.raises(NotBuilt, match="does not build: its output is in ") as problem:
         build_of("HEAD")
+    tree = repository / "build" / "versions" / commit_of("HEAD")
+    assert str(problem.value).endswith(f" {tree}.log") and Path(f"{tree}.log").is_file()
+    assert not subprocess.check_output(["git", "-C", tree, "status", "--porcelain"]), "a build of a clean tree says that it is clean"
 
 
 def test_the_first_commits_have_no_kernel_bench(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:

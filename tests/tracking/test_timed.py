@@ -14,8 +14,9 @@ from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
+from bench.tracking.places import Places
 from bench.tracking.quiet import Quiet
-from bench.tracking.timed import Known, Placed, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
+from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
@@ -42,6 +43,15 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
     assert [call[0] for call in calls[:4]] == ["a"] * 4, "one subject at a time"
     found = questions[0].sides["a"]
     assert len(found.base) == len(found.candidate) == 4 and found.base == sorted(found.base), "in the order of time: block i stands beside block i"
+
+
+def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
+    """The same for both sides, so that what differs between pairs is no difference between sides."""
+    calls: Calls = []
+    one = subject("a", calls)
+    screen([question(Subject("a", ("a",), one.side, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
+    pairs = [["base", "candidate"], ["candidate", "base"], ["candidate", "base"], ["base", "candidate"]]
+    assert [call[1] for call in calls] == [what for pair in pairs for what in ["move", *pair]]
 
 
 def test_a_plant_is_measured_beside_the_candidate() -> None:
@@ -162,43 +172,38 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     asked: list[tuple[str, int, float]] = []
 
     def measure(program: Path, case: Case, folder: Path, slowdown: float, root: Path) -> Block:
-        assert root == tmp_path / program.name[:3]
+        assert folder == tmp_path and (root / program.name[:3]).is_file()
         asked.append((program.name, case.experiment["repeats"], slowdown))
         return Block(seconds * len(asked), 0.002, 0.0, "shapes")
 
     monkeypatch.setattr(timed, "measure", measure)
-    old, new = (Placed(tmp_path / f"{name}-program", tmp_path / name) for name in ("old", "new"))
-    programs = {"base": old, "candidate": new, "planted": new}
-    one = of_case(Case("case", {"repeats": 3}), programs, tmp_path, Quiet(0, lambda: 1.0, deque([1.0, 1.0])))
+    for name in ("old", "new"):
+        (tmp_path / f"{name} tree").mkdir()
+        (tmp_path / f"{name} tree" / name).touch()
+    old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
+    places = Places(tmp_path)
+    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new}, places, Quiet(0, lambda: 1.0, deque([1.0, 1.0])))
     for which in ("base", "candidate", "planted"):
         one.block(which)
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
-    assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"}
+    assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"} and one.move == places.move
 
 
-def test_paths_of_both_trees_are_of_one_length(tmp_path: Path) -> None:
-    for name in ("a", "a/long/way/down"):
-        (tmp_path / name).mkdir(parents=True, exist_ok=True)
-    old, new = Build("a", Path("old"), None, tmp_path / "a/long/way/down"), Build("b", Path("new"), Path("bench"), tmp_path / "a")
-    programs = programs_of(old, new, tmp_path)
-    assert len(str(programs["base"].root)) == len(str(programs["candidate"].root)) and programs["planted"] == programs["candidate"]
-    assert programs["base"].root.resolve() == old.tree and programs["candidate"].root.resolve() == new.tree
-    assert (programs["base"].program, programs["candidate"].program) == (Path("old"), Path("new"))
-
-
-def test_kernels_need_both_builds_and_lie_where_the_programs_do() -> None:
-    old, new = Build("a", Path("old"), None), Build("b", Path("new"), Path("bench"))
-    programs = {"base": Placed(Path("old"), Path("1")), "candidate": Placed(Path("new"), Path("2"))}
-    assert kernels_of(old, new, programs) == {}
-    assert kernels_of(new, new, programs) == {"base": Placed(Path("bench"), Path("1")), "candidate": Placed(Path("bench"), Path("2"))}
+def test_programs_and_kernels_know_their_trees() -> None:
+    old, new = Build("a", Path("old"), None, Path("1")), Build("b", Path("new"), Path("bench"), Path("2"))
+    programs = programs_of(old, new)
+    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == programs["planted"] == Program(Path("new"), Path("2"))
+    assert kernels_of(old, new) == kernels_of(new, old) == {}, "kernels need both builds"
+    assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
 
 
 def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Of a case and of the kernels: the first try is disturbed."""
-    probes, placed = [1.0, 1.5, 1.0, 1.0], {"base": Placed(tmp_path / "program", tmp_path)}
+    probes, programs, places = [1.0, 1.5, 1.0, 1.0], {"base": Program(tmp_path / "program", tmp_path)}, Places(tmp_path)
     times = iter([5.0, 4.0])
     monkeypatch.setattr(timed, "measure", lambda *given: Block(next(times), 0.002, 0.0, "shapes"))
-    assert of_case(Case("case", {"repeats": 3}), placed, tmp_path, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"case": 4.0}
+    assert of_case(Case("case", {"repeats": 3}), programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"case": 4.0}
     times = iter([5.0, 4.0])
-    monkeypatch.setattr(timed, "measure_kernels", lambda program, names, folder, root: {names[0]: next(times)})
-    assert of_kernels(["a"], placed, tmp_path, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"a": 4.0}
+    monkeypatch.setattr(timed, "measure_kernels", lambda program, names, folder, root: {names[0]: next(times) if root.is_dir() else 0.0})
+    kernels = of_kernels(["a"], programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40)))
+    assert kernels.block("base") == {"a": 4.0} and kernels.move == places.move

@@ -17,6 +17,7 @@ from bench.tracking.blocks import NotMeasured
 from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
 from bench.tracking.gate import Verdict
+from bench.tracking.places import Places
 from bench.tracking.quiet import Quiet
 from bench.tracking.timed import Subject
 
@@ -38,7 +39,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     """Every tier as it is, but for what measures; and what it was asked for."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
-    def of_case(case: Case, programs: dict[str, timed.Placed], folder: Path, quiet: Quiet) -> Subject:
+    def of_case(case: Case, programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
         def side(which: str, _: Sequence[str]) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
@@ -46,7 +47,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
         asked["timed"].append(case.name)
         return Subject(case.name, (case.name,), side, shapes={"base": "s"})
 
-    def of_kernels(names: list[str], programs: dict[str, timed.Placed], folder: Path, quiet: Quiet) -> Subject:
+    def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
         asked["timed"] += names
         return Subject("kernels", tuple(names), lambda which, some: dict.fromkeys(some, 1.0))
 
@@ -61,8 +62,8 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     monkeypatch.setattr(track, "commit_of", lambda revision: revision)
     monkeypatch.setattr(track, "build_of", lambda revision: Build("base", Path("old"), Path("kernels"), Path("tree of the base")))
     monkeypatch.setattr(track, "fetch", lambda tree, names: asked["fetched"].append((tree, set(names))))
-    monkeypatch.setattr(timed, "programs_of", lambda base, candidate, folder: {})
-    monkeypatch.setattr(timed, "kernels_of", lambda base, candidate, programs: {"base": Path("kernels")})
+    monkeypatch.setattr(timed, "programs_of", lambda base, candidate: {})
+    monkeypatch.setattr(timed, "kernels_of", lambda base, candidate: {"base": Path("kernels")})
     monkeypatch.setattr(timed, "of_case", of_case)
     monkeypatch.setattr(timed, "of_kernels", of_kernels)
     return asked
@@ -134,7 +135,7 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
 
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, quiet: Subject(case.name, (case.name,), side))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), side))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 3
     assert "this build does not: time_limit" in capsys.readouterr().out
 
@@ -149,7 +150,7 @@ def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, wor
         return {"guthe on mesh to its half": 1.0}
 
     tiers(monkeypatch)
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, quiet: Subject(case.name, (case.name,), side, shapes={"base": "s"}))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), side, shapes={"base": "s"}))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 4
     assert "a block failed" in capsys.readouterr().out
 

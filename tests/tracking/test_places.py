@@ -1,0 +1,45 @@
+"""Where blocks are measured: one path for both sides, another length for each pair."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bench.tracking.places import LENGTHS, Places
+
+
+def tree(folder: Path) -> Path:
+    for name in ("datasets", "build/release", ".git"):
+        (folder / name).mkdir(parents=True)
+    (folder / "datasets" / "manifest.toml").write_text(folder.name)
+    return folder
+
+
+def test_both_sides_lie_under_the_same_path(tmp_path: Path) -> None:
+    places, seen = Places(tmp_path), []
+    for name in ("base", "the candidate, under a longer path"):
+        with places.root(tree(tmp_path / name)) as root:
+            seen.append(root)
+            assert (root / "datasets" / "manifest.toml").read_text() == name
+            assert root.resolve() == root, "what the system says of the program is its path, too"
+    assert seen[0] == seen[1] and not seen[0].exists()
+
+
+def test_nothing_that_was_built_comes_along_and_nothing_of_the_tree_is_lost(tmp_path: Path) -> None:
+    own = tree(tmp_path / "own")
+    with pytest.raises(KeyError), Places(tmp_path).root(own) as root:
+        assert not list((root / "build").iterdir()) and not (root / ".git").exists()
+        (root / "build" / "left").touch()
+        raise KeyError
+    assert (own / "datasets" / "manifest.toml").is_file() and (own / "build" / "release").is_dir() and list(tmp_path.iterdir()) == [own]
+
+
+def test_lengths_differ(tmp_path: Path) -> None:
+    """Of 64 all turn up in 2,000, but with a chance of 1e-12."""
+    places, own, lengths = Places(tmp_path), tree(tmp_path / "own"), set()
+    for _ in range(2000):
+        places.move()
+        with places.root(own) as root:
+            lengths.add(len(str(root)))
+    assert len(lengths) == LENGTHS
