@@ -24,6 +24,7 @@ import numpy.typing as npt
 from bench.tracking.cases import MESH, Case
 
 LIMIT = 120.0  # seconds of one block
+REPETITIONS = 8  # of a kernel, of at least 2 ms each
 
 
 class NotMeasured(Exception):
@@ -151,11 +152,11 @@ def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64
     return float(passes.sum(axis=0).min())
 
 
-def measure_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> dict[str, float]:
-    """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
+def measure_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None, repetitions: int = REPETITIONS) -> dict[str, float]:
+    """CPU seconds of one iteration of each benchmark, the least of all repetitions. Those that the program lacks are not there."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
-        out = run([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", "--benchmark_repetitions=8",
+        out = run([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", f"--benchmark_repetitions={repetitions}",
                    "--benchmark_min_time=0.002"], folder)
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}

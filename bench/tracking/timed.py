@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analysis.shared.statistics import NO_DATA
-from bench.tracking.blocks import NotMeasured, measure, measure_kernels
+from bench.tracking.blocks import REPETITIONS, NotMeasured, measure, measure_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
@@ -15,27 +15,30 @@ from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.quiet import Quiet
 
-# What the repeats of a block take together: the least of many is steadier than that of few, and a process costs as much by itself.
-SECONDS_OF_REPEATS = 0.02
-MOST_REPEATS = 40
+# What the repeats of a block take together. A process costs 0.13 s by itself. On a busy host a core was found undisturbed for 25 ms on end a
+# tenth to a fifth of the time, so the least of three repeats of such a solve is seldom one without disturbance; that of ten mostly is.
+SECONDS_OF_SCREENING = 0.1
+SECONDS_OF_ANSWER = 0.25
+MOST_REPEATS = 150
 
 Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, of these names: seconds by name.
+    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, of these names, with repeats for so
+    many seconds: seconds by name.
     What it found of the shapes is in `shapes`, by side. `move`: the next blocks, of either side, are measured under another path.
     """
 
     name: str
     names: tuple[str, ...]
-    side: Callable[[str, Sequence[str]], dict[str, float]]
+    side: Callable[[str, Sequence[str], float], dict[str, float]]
     shapes: dict[str, str] = field(default_factory=dict)
     move: Callable[[], None] = lambda: None
 
     def block(self, which: str) -> dict[str, float]:
-        return self.side(which, self.names)
+        return self.side(which, self.names, SECONDS_OF_SCREENING)
 
 
 @dataclass(frozen=True)
@@ -59,28 +62,31 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
 
 
 def of_case(case: Case, programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
-    """Its first block decides how many repeats the later ones have, on all sides alike."""
-    asked = [case]
+    """Its first block, with the repeats of the experiment, decides how many the later ones have, on all sides alike."""
+    solve: list[float] = []  # seconds
     shapes: dict[str, str] = {}
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def repeats(seconds: float) -> int:
+        asked = int(case.experiment["repeats"])
+        return max(asked, min(MOST_REPEATS, round(seconds / solve[0]))) if solve else asked
+
+    def side(which: str, _: Sequence[str], seconds: float) -> dict[str, float]:
         program, slowdown = programs[which], PLANTED if which == "planted" else 0
+        asked = Case(case.name, {**case.experiment, "repeats": repeats(seconds)})
         with places.root(program.tree) as root:
-            block = quiet.kept(lambda: measure(program.file, asked[0], places.folder, slowdown, root))
+            block = quiet.kept(lambda: measure(program.file, asked, places.folder, slowdown, root))
         shapes[which] = block.shapes
-        if asked[0] is case:
-            repeats = min(MOST_REPEATS, max(int(case.experiment["repeats"]), round(SECONDS_OF_REPEATS / block.cpu)))
-            asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
+        solve.append(block.cpu)
         return {case.name: block.cpu}
 
     return Subject(case.name, (case.name,), side, shapes, places.move)
 
 
 def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
-    def side(which: str, some: Sequence[str]) -> dict[str, float]:
-        program = programs[which]
+    def side(which: str, some: Sequence[str], seconds: float) -> dict[str, float]:
+        program, repetitions = programs[which], round(seconds / SECONDS_OF_SCREENING * REPETITIONS)
         with places.root(program.tree) as root:
-            return quiet.kept(lambda: measure_kernels(program.file, list(some), places.folder, root))
+            return quiet.kept(lambda: measure_kernels(program.file, list(some), places.folder, root, repetitions))
 
     return Subject("kernels", tuple(names), side, move=places.move)
 
@@ -130,13 +136,13 @@ class Question:
     beside: str = "base"
     slower: str = "candidate"
 
-    def turn(self, number: int, names: Sequence[str]) -> None:
-        """Two pairs of blocks, each pair at a place of its own. Turns begin with either side, alternately."""
+    def turn(self, number: int, names: Sequence[str], seconds: float) -> None:
+        """Two pairs of blocks, each pair at a place of its own, with repeats for so many seconds. Turns begin with either side, alternately."""
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
             for which in pair:
-                found = self.subject.side(which, names)
+                found = self.subject.side(which, names, seconds)
                 for name in names:
                     if name not in found:
                         raise NotMeasured(f"{name}: it was not measured this time")
@@ -154,7 +160,7 @@ def screen(questions: Sequence[Question], count: int) -> None:
     progress = Progress(count // 2, "turns", "time")
     for number in range(count // 2):
         for one in questions:
-            one.turn(number, one.names)
+            one.turn(number, one.names, SECONDS_OF_SCREENING)
         progress.done(number + 1)
 
 
@@ -167,7 +173,7 @@ def answer(questions: Sequence[Question], count: int, cases: int) -> None:
             progress.over()
             return
         for one, names in asked:
-            one.turn(number, names)
+            one.turn(number, names, SECONDS_OF_ANSWER)
         progress.done(number + 1)
 
 

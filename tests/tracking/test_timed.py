@@ -11,19 +11,33 @@ import pytest
 
 from analysis.shared.statistics import order_statistic_rank
 from bench.tracking import timed
-from bench.tracking.blocks import Block, NotMeasured
+from bench.tracking.blocks import REPETITIONS, Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.places import Places
 from bench.tracking.quiet import Quiet
-from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
+from bench.tracking.timed import (
+    SECONDS_OF_ANSWER,
+    SECONDS_OF_SCREENING,
+    Known,
+    Program,
+    Subject,
+    answer,
+    judge_all,
+    kernels_of,
+    of_case,
+    of_kernels,
+    programs_of,
+    question,
+    screen,
+)
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
 
 
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Subject:
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
@@ -91,7 +105,7 @@ def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() ->
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
     asked: list[Sequence[str]] = []
 
-    def side(which: str, some: Sequence[str]) -> dict[str, float]:
+    def side(which: str, some: Sequence[str], repeats: float) -> dict[str, float]:
         asked.append(some)
         return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
 
@@ -100,11 +114,22 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
     assert [one.red for one in judged] == [False, True, False]
 
 
+def test_blocks_that_decide_have_more_repeats_than_those_that_screen() -> None:
+    asked: list[float] = []
+
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+        asked.append(repeats)
+        return {"a": 1.1 if which == "candidate" else 1.0}
+
+    judge_all(Known([Subject("a", ("a",), side)]), "", 72, lambda line: None)
+    assert asked[:48] == [SECONDS_OF_SCREENING] * 48 and len(asked) > 96 and set(asked[48:]) == {SECONDS_OF_ANSWER}
+
+
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     """The second run is independent of the first, and has one case."""
     names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all(Known([Subject("all", names, side)]), "", 24, lambda line: None)
@@ -112,7 +137,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
 
 
 def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         found = base if which == "base" else candidate
         if isinstance(found, NotMeasured):
             raise found
@@ -149,7 +174,7 @@ def test_other_shapes_are_left_out() -> None:
 
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
-    kernels = Subject("kernels", ("build",), lambda which, names: {})
+    kernels = Subject("kernels", ("build",), lambda which, names, repeats: {})
     known = Known([kernels, subject("a", calls), subject("b", calls)])
     assert [getattr(known.to_plant_in(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
     assert Known([kernels]).to_plant_in("b") is None
@@ -158,7 +183,7 @@ def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         calls.append(which)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
@@ -166,7 +191,7 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         screen([question(Subject("kernels", ("old", "new"), side), ("old", "new"))], 24)
 
 
-@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 10), (1.0, 3), (0.0001, 40)])
+@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 50), (1.0, 3), (0.0001, 150)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
     """Three, which the experiment asks for, at least."""
     asked: list[tuple[str, int, float]] = []
@@ -186,6 +211,8 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
     for which in ("base", "candidate", "planted"):
         one.block(which)
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
+    one.side("base", (), 2 * SECONDS_OF_SCREENING)
+    assert asked[3] == ("old-program", min(2 * repeats if repeats > 3 else 3, 150), 0)
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"} and one.move == places.move
 
 
@@ -204,6 +231,15 @@ def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_
     monkeypatch.setattr(timed, "measure", lambda *given: Block(next(times), 0.002, 0.0, "shapes"))
     assert of_case(Case("case", {"repeats": 3}), programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"case": 4.0}
     times = iter([5.0, 4.0])
-    monkeypatch.setattr(timed, "measure_kernels", lambda program, names, folder, root: {names[0]: next(times) if root.is_dir() else 0.0})
+    numbers: list[int] = []
+
+    def measure_kernels(program: Path, names: list[str], folder: Path, root: Path, repetitions: int) -> dict[str, float]:
+        numbers.append(repetitions)
+        return {names[0]: next(times) if root.is_dir() else 0.0}
+
+    monkeypatch.setattr(timed, "measure_kernels", measure_kernels)
     kernels = of_kernels(["a"], programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40)))
-    assert kernels.block("base") == {"a": 4.0} and kernels.move == places.move
+    assert kernels.block("base") == {"a": 4.0} and kernels.move == places.move and numbers == [REPETITIONS] * 2
+    probes, times = [1.0, 1.0], iter([3.0])
+    of_kernels(["a"], programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).side("base", ["a"], 2 * SECONDS_OF_SCREENING)
+    assert numbers[-1] == 2 * REPETITIONS

@@ -40,7 +40,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
     def of_case(case: Case, programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
-        def side(which: str, _: Sequence[str]) -> dict[str, float]:
+        def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
 
@@ -49,7 +49,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
 
     def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
         asked["timed"] += names
-        return Subject("kernels", tuple(names), lambda which, some: dict.fromkeys(some, 1.0))
+        return Subject("kernels", tuple(names), lambda which, some, repeats: dict.fromkeys(some, 1.0))
 
     def jobs_of(found: list[Case], kernels: list[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> counted.Counting:
         asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
@@ -130,7 +130,7 @@ def test_a_tier_that_breaks_says_so_and_the_others_run(monkeypatch: pytest.Monke
 def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     tiers(monkeypatch)
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         if which == "candidate":
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
@@ -143,7 +143,7 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
 def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str]) -> dict[str, float]:
+    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         calls.append(which)
         if len(calls) > 10:
             raise NotMeasured("no end within 120 s")
