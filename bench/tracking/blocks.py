@@ -12,16 +12,19 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import h5py
 import numpy as np
 import numpy.typing as npt
 
 from bench.tracking.cases import MESH, Case
+
+T = TypeVar("T")
 
 LIMIT = 120.0  # seconds of one block
 REPETITIONS = 8  # of a kernel, of at least 2 ms each
@@ -47,24 +50,46 @@ class Block:
     counters: dict[str, int] = field(default_factory=dict)  # all that the program has, zeros too
 
 
+def environment_of(root: Path | None) -> dict[str, str]:
+    """A root that is set for another program would give this one other models."""
+    return {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | ({"HAUSBENCH_ROOT": str(root)} if root else {})
+
+
+def checked(code: int, output: str, errors: str, good: tuple[int, ...]) -> str:
+    """The output. NotMeasured of another exit code than the good ones."""
+    if code not in good:
+        words = (errors.strip() or output.strip()).splitlines()
+        raise NotMeasured(f"exit code {code}: {words[-1] if words else 'it said nothing'}")
+    return output
+
+
 def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None, root: Path | None = None) -> str:
     """Standard output. NotMeasured where it ends with another exit code than the good ones, or not in time. `root`: of the program's
     tree, where that is not to be found above the program.
     """
     limit = LIMIT if limit is None else limit
-    # A root that is set for another program would give it other models.
-    environment = {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | ({"HAUSBENCH_ROOT": str(root)} if root else {})
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False, stdin=subprocess.DEVNULL,
-                              timeout=limit, env=environment)
+                              timeout=limit, env=environment_of(root))
     except OSError as problem:
         raise NotMeasured(f"{command[0]} does not run: {problem.strerror}") from None
     except subprocess.TimeoutExpired:
         raise NotMeasured(f"no end within {limit:.0f} s") from None
-    if done.returncode not in good:
-        words = (done.stderr.strip() or done.stdout.strip()).splitlines()
-        raise NotMeasured(f"exit code {done.returncode}: {words[-1] if words else 'it said nothing'}")
-    return done.stdout
+    return checked(done.returncode, done.stdout, done.stderr, good)
+
+
+@dataclass(frozen=True)
+class Job(Generic[T]):
+    """What is to be run for one block, and how the block is read of its standard output, or of what it leaves."""
+
+    command: list[str]
+    folder: Path
+    read: Callable[[str], T]
+    good: tuple[int, ...] = (0,)
+    root: Path | None = None
+
+    def alone(self) -> T:
+        return self.read(run(self.command, self.folder, self.good, root=self.root))
 
 
 def write_case(case: Case, folder: Path) -> Path:
@@ -104,17 +129,23 @@ def run_words(program: Path, file: Path) -> list[str]:
     return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet"]
 
 
-def measure(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Block:
+@contextmanager
+def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Iterator[Job[Block]]:
     """Runs the case in `folder`. NotMeasured where it has no answer. An unsound row (exit code 1) has a time all the same."""
     file = write_case(case, folder)
+    result = file.with_suffix(".planted.h5" if slowdown else ".h5")
     planted = ["--planted-slowdown", str(slowdown)] if slowdown else []
     try:
         with fresh_copy(program, root) as copy:
-            run(run_words(copy, file) + planted, folder, (0, 1), root=root)
-        return read(file.with_suffix(".planted.h5" if slowdown else ".h5"))
+            yield Job(run_words(copy, file) + planted, folder, lambda _: read(result), (0, 1), root)
     finally:
         for left in folder.glob(f"{file.stem}*"):
             left.unlink()
+
+
+def measure(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Block:
+    with job_of_case(program, case, folder, slowdown, root) as job:
+        return job.alone()
 
 
 def texts(values: object) -> list[str]:
@@ -152,16 +183,27 @@ def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64
     return float(passes.sum(axis=0).min())
 
 
-def measure_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None, repetitions: int = REPETITIONS) -> dict[str, float]:
+@contextmanager
+def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None,
+                   repetitions: int = REPETITIONS) -> Iterator[Job[dict[str, float]]]:
     """CPU seconds of one iteration of each benchmark, the least of all repetitions. Those that the program lacks are not there."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
-        out = run([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json", f"--benchmark_repetitions={repetitions}",
-                   "--benchmark_min_time=0.002"], folder)
+        yield Job([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json",
+                   f"--benchmark_repetitions={repetitions}", "--benchmark_min_time=0.002"], folder, least_of_kernels)
+
+
+def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:
+    with job_of_kernels(program, names, folder) as job:
+        return job.alone()
+
+
+def least_of_kernels(output: str) -> dict[str, float]:
+    """NotMeasured where there is none."""
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}
     try:
-        found = json.loads(out)["benchmarks"]
+        found = json.loads(output)["benchmarks"]
     except ValueError:  # it has none of them, and prints nothing
         raise NotMeasured("kernel_bench has none of the benchmarks") from None
     for one in found:

@@ -1,8 +1,8 @@
-"""Where the programs of both sides lie: each pair of blocks under one path, and another pair under a path of another length.
+"""Where the programs of both sides lie: those of one pair of blocks under paths of one length, and another pair under paths of another.
 
 Paths are among what a program allocates, so their lengths decide where its arrays begin: `cover` was slower by 7 % where the path of the program
-was longer, in every repeat of every process. Under one path a build is as fast as itself. And what a change of the code moves by accident
-is noise over paths of many lengths, which intervals know, and no slowdown.
+was longer, in every repeat of every process. Under paths of one length a build is as fast as itself. And what a change of the code moves
+by accident is noise over many lengths, which intervals know, and no slowdown.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ OWN = ("build", ".git")  # of a tree, and not of the folder that stands for it
 
 @dataclass
 class Places:
-    """In `folder`, one at a time."""
+    """In `folder`."""
 
     folder: Path
     padding: int = 0
@@ -30,11 +30,11 @@ class Places:
         self.padding = random.randrange(LENGTHS)
 
     @contextmanager
-    def root(self, tree: Path) -> Iterator[Path]:
+    def root(self, tree: Path, number: int = 0) -> Iterator[Path]:
         """A folder that has what the tree has, and a build folder that is empty. A program in it finds its tree above itself, as commits
-        before HAUSBENCH_ROOT need.
+        before HAUSBENCH_ROOT need. `number`: a digit that tells folders apart that are there at the same time.
         """
-        root = self.folder / ("tree" + "-" * self.padding)
+        root = self.folder / f"tree-{number}{'-' * self.padding}"
         root.mkdir()
         try:
             for entry in tree.iterdir():

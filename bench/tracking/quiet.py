@@ -102,4 +102,4 @@ class Quiet:
         return least[1]
 
     def line(self) -> str:
-        return f"{self.blocks} blocks, {self.again} of them again since something else ran on their core, {self.disturbed} kept all the same"
+        return f"{self.blocks} measurements, {self.again} of them again since something else ran on their core, {self.disturbed} kept all the same"

@@ -1,19 +1,21 @@
-"""Tier 3: base and candidate in turn, each block a fresh process, and the self-test in the same blocks."""
+"""Tier 3: base and candidate in turns, each block a fresh process, and the self-test in the same blocks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analysis.shared.statistics import NO_DATA
-from bench.tracking.blocks import REPETITIONS, NotMeasured, measure, measure_kernels
+from bench.tracking.blocks import REPETITIONS, Block, NotMeasured, job_of_case, job_of_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
 from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.quiet import Quiet
+from bench.tracking.turns import in_turns
 
 # What the repeats of a block take together. A process costs 0.13 s by itself. On a busy host a core was found undisturbed for 25 ms on end a
 # tenth to a fifth of the time, so the least of three repeats of such a solve is seldom one without disturbance; that of ten mostly is.
@@ -26,19 +28,19 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `side` measures a block of that side, of these names, with repeats for so
-    many seconds: seconds by name.
-    What it found of the shapes is in `shapes`, by side. `move`: the next blocks, of either side, are measured under another path.
+    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides, in turns, of these names,
+    with repeats for so many seconds: seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the
+    next blocks, of either side, are measured under paths of another length.
     """
 
     name: str
     names: tuple[str, ...]
-    side: Callable[[str, Sequence[str], float], dict[str, float]]
+    blocks: Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]
     shapes: dict[str, str] = field(default_factory=dict)
     move: Callable[[], None] = lambda: None
 
     def block(self, which: str) -> dict[str, float]:
-        return self.side(which, self.names, SECONDS_OF_SCREENING)
+        return self.blocks([which], self.names, SECONDS_OF_SCREENING)[0]
 
 
 @dataclass(frozen=True)
@@ -70,25 +72,40 @@ def of_case(case: Case, programs: dict[str, Program], places: Places, quiet: Qui
         asked = int(case.experiment["repeats"])
         return max(asked, min(MOST_REPEATS, round(seconds / solve[0]))) if solve else asked
 
-    def side(which: str, _: Sequence[str], seconds: float) -> dict[str, float]:
-        program, slowdown = programs[which], PLANTED if which == "planted" else 0
+    def blocks(sides: Sequence[str], _: Sequence[str], seconds: float) -> list[dict[str, float]]:
         asked = Case(case.name, {**case.experiment, "repeats": repeats(seconds)})
-        with places.root(program.tree) as root:
-            block = quiet.kept(lambda: measure(program.file, asked, places.folder, slowdown, root))
-        shapes[which] = block.shapes
-        solve.append(block.cpu)
-        return {case.name: block.cpu}
 
-    return Subject(case.name, (case.name,), side, shapes, places.move)
+        def together() -> list[Block]:
+            with ExitStack() as stack:
+                roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
+                jobs = [stack.enter_context(job_of_case(programs[side].file, asked, places.folder, PLANTED if side == "planted" else 0, root))
+                        for side, root in zip(sides, roots)]
+                found = in_turns(jobs)
+            return found
+
+        found = quiet.kept(together)
+        shapes.update({side: block.shapes for side, block in zip(sides, found)})
+        solve.append(found[0].cpu)
+        return [{case.name: block.cpu} for block in found]
+
+    return Subject(case.name, (case.name,), blocks, shapes, places.move)
 
 
 def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
-    def side(which: str, some: Sequence[str], seconds: float) -> dict[str, float]:
-        program, repetitions = programs[which], round(seconds / SECONDS_OF_SCREENING * REPETITIONS)
-        with places.root(program.tree) as root:
-            return quiet.kept(lambda: measure_kernels(program.file, list(some), places.folder, root, repetitions))
+    def blocks(sides: Sequence[str], some: Sequence[str], seconds: float) -> list[dict[str, float]]:
+        repetitions = round(seconds / SECONDS_OF_SCREENING * REPETITIONS)
 
-    return Subject("kernels", tuple(names), side, move=places.move)
+        def together() -> list[dict[str, float]]:
+            with ExitStack() as stack:
+                roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
+                jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), places.folder, root, repetitions))
+                        for side, root in zip(sides, roots)]
+                found = in_turns(jobs)
+            return found
+
+        return quiet.kept(together)
+
+    return Subject("kernels", tuple(names), blocks, move=places.move)
 
 
 @dataclass
@@ -141,8 +158,7 @@ class Question:
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
-            for which in pair:
-                found = self.subject.side(which, names, seconds)
+            for which, found in zip(pair, self.subject.blocks(pair, names, seconds)):
                 for name in names:
                     if name not in found:
                         raise NotMeasured(f"{name}: it was not measured this time")

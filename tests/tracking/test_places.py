@@ -16,14 +16,14 @@ def tree(folder: Path) -> Path:
     return folder
 
 
-def test_both_sides_lie_under_the_same_path(tmp_path: Path) -> None:
-    places, seen = Places(tmp_path), []
-    for name in ("base", "the candidate, under a longer path"):
-        with places.root(tree(tmp_path / name)) as root:
-            seen.append(root)
+def test_both_sides_lie_under_paths_of_one_length(tmp_path: Path) -> None:
+    places, names = Places(tmp_path), ("base", "the candidate, under a longer path")
+    with places.root(tree(tmp_path / names[0]), 0) as one, places.root(tree(tmp_path / names[1]), 1) as other:
+        assert one != other and len(str(one)) == len(str(other))
+        for name, root in zip(names, (one, other)):
             assert (root / "datasets" / "manifest.toml").read_text() == name
             assert root.resolve() == root, "what the system says of the program is its path, too"
-    assert seen[0] == seen[1] and not seen[0].exists()
+    assert not one.exists() and not other.exists()
 
 
 def test_nothing_that_was_built_comes_along_and_nothing_of_the_tree_is_lost(tmp_path: Path) -> None:

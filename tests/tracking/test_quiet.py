@@ -73,7 +73,7 @@ def test_once_its_seconds_are_used_up_blocks_are_taken_as_they_come(clock: list[
     for _ in range(20):
         one.kept(block)
     assert one.again == 2 and one.disturbed == 20 and -1.5 < one.seconds <= 0
-    assert one.line() == "20 blocks, 2 of them again since something else ran on their core, 20 kept all the same"
+    assert one.line() == "20 measurements, 2 of them again since something else ran on their core, 20 kept all the same"
 
 
 def test_a_clock_that_is_raised_now_and_then_is_not_waited_for() -> None:

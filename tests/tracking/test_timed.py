@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -36,12 +37,17 @@ SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
 
 
+def each(side: Callable[[str, Sequence[str], float], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]:
+    """Blocks of each side by itself."""
+    return lambda sides, names, repeats: [side(which, names, repeats) for which in sides]
+
+
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Subject:
     def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
-    return Subject(name, (name,), side, {"base": "shapes"})
+    return Subject(name, (name,), each(side), {"base": "shapes"})
 
 
 def slower(much: float, planted: float = 0.05) -> dict[str, float]:
@@ -63,7 +69,7 @@ def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
     """The same for both sides, so that what differs between pairs is no difference between sides."""
     calls: Calls = []
     one = subject("a", calls)
-    screen([question(Subject("a", ("a",), one.side, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
+    screen([question(Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
     pairs = [["base", "candidate"], ["candidate", "base"], ["candidate", "base"], ["base", "candidate"]]
     assert [call[1] for call in calls] == [what for pair in pairs for what in ["move", *pair]]
 
@@ -109,7 +115,7 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
         asked.append(some)
         return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
 
-    judged, _ = judge_all(Known([Subject("kernels", ("a", "b", "c"), side)]), "", 60, lambda line: None)
+    judged, _ = judge_all(Known([Subject("kernels", ("a", "b", "c"), each(side))]), "", 60, lambda line: None)
     assert [tuple(names) for names in asked[:48]] == [("a", "b", "c")] * 48 and {tuple(names) for names in asked[48:]} == {("b",)}
     assert [one.red for one in judged] == [False, True, False]
 
@@ -121,7 +127,7 @@ def test_blocks_that_decide_have_more_repeats_than_those_that_screen() -> None:
         asked.append(repeats)
         return {"a": 1.1 if which == "candidate" else 1.0}
 
-    judge_all(Known([Subject("a", ("a",), side)]), "", 72, lambda line: None)
+    judge_all(Known([Subject("a", ("a",), each(side))]), "", 72, lambda line: None)
     assert asked[:48] == [SECONDS_OF_SCREENING] * 48 and len(asked) > 96 and set(asked[48:]) == {SECONDS_OF_ANSWER}
 
 
@@ -132,7 +138,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
-    judged, _ = judge_all(Known([Subject("all", names, side)]), "", 24, lambda line: None)
+    judged, _ = judge_all(Known([Subject("all", names, each(side))]), "", 24, lambda line: None)
     assert min(one.ratio.coverage for one in judged) >= 1 - 0.05 / 60 > judged[0].second.coverage >= 0.95
 
 
@@ -144,7 +150,7 @@ def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] |
         return found
 
     known = Known()
-    known.add(Subject("case", ("old", "new"), side, shapes=shapes or {}))
+    known.add(Subject("case", ("old", "new"), each(side), shapes=shapes or {}))
     return known
 
 
@@ -174,7 +180,7 @@ def test_other_shapes_are_left_out() -> None:
 
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
-    kernels = Subject("kernels", ("build",), lambda which, names, repeats: {})
+    kernels = Subject("kernels", ("build",), lambda sides, names, repeats: [])
     known = Known([kernels, subject("a", calls), subject("b", calls)])
     assert [getattr(known.to_plant_in(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
     assert Known([kernels]).to_plant_in("b") is None
@@ -188,30 +194,38 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
     with pytest.raises(NotMeasured, match="new: it was not measured this time"):
-        screen([question(Subject("kernels", ("old", "new"), side), ("old", "new"))], 24)
+        screen([question(Subject("kernels", ("old", "new"), each(side)), ("old", "new"))], 24)
 
 
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 50), (1.0, 3), (0.0001, 150)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
-    """Three, which the experiment asks for, at least."""
+    """Three, which the experiment asks for, at least. Two that are measured together lie under paths of one length."""
     asked: list[tuple[str, int, float]] = []
 
-    def measure(program: Path, case: Case, folder: Path, slowdown: float, root: Path) -> Block:
+    @contextmanager
+    def job_of_case(program: Path, case: Case, folder: Path, slowdown: float, root: Path) -> Iterator[tuple[Block, Path]]:
         assert folder == tmp_path and (root / program.name[:3]).is_file()
         asked.append((program.name, case.experiment["repeats"], slowdown))
-        return Block(seconds * len(asked), 0.002, 0.0, "shapes")
+        yield Block(seconds * len(asked), 0.002, 0.0, "shapes"), root
 
-    monkeypatch.setattr(timed, "measure", measure)
+    def in_turns(jobs: list[tuple[Block, Path]]) -> list[Block]:
+        roots = [root for _, root in jobs]
+        assert len({len(str(root)) for root in roots}) == 1 and len(set(roots)) == len(roots) and all(root.is_dir() for root in roots)
+        return [block for block, _ in jobs]
+
+    monkeypatch.setattr(timed, "job_of_case", job_of_case)
+    monkeypatch.setattr(timed, "in_turns", in_turns)
     for name in ("old", "new"):
         (tmp_path / f"{name} tree").mkdir()
         (tmp_path / f"{name} tree" / name).touch()
     old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
     places = Places(tmp_path)
     one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new}, places, Quiet(0, lambda: 1.0, deque([1.0, 1.0])))
-    for which in ("base", "candidate", "planted"):
-        one.block(which)
+    assert one.block("base") == {"case": seconds}
+    one.move()
+    assert one.blocks(["candidate", "planted"], (), SECONDS_OF_SCREENING) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
-    one.side("base", (), 2 * SECONDS_OF_SCREENING)
+    one.blocks(["base"], (), 2 * SECONDS_OF_SCREENING)
     assert asked[3] == ("old-program", min(2 * repeats if repeats > 3 else 3, 150), 0)
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"} and one.move == places.move
 
@@ -224,22 +238,30 @@ def test_programs_and_kernels_know_their_trees() -> None:
     assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
 
 
+def quiet(*probes: float) -> Quiet:
+    return Quiet(9, iter(probes).__next__, deque([1.0] * 40))
+
+
 def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Of a case and of the kernels: the first try is disturbed."""
-    probes, programs, places = [1.0, 1.5, 1.0, 1.0], {"base": Program(tmp_path / "program", tmp_path)}, Places(tmp_path)
-    times = iter([5.0, 4.0])
-    monkeypatch.setattr(timed, "measure", lambda *given: Block(next(times), 0.002, 0.0, "shapes"))
-    assert of_case(Case("case", {"repeats": 3}), programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).block("base") == {"case": 4.0}
-    times = iter([5.0, 4.0])
-    numbers: list[int] = []
+    """Of a case and of the kernels: the first try is disturbed. Kernels are repeated as much longer as cases are."""
+    programs, places, numbers = {"base": Program(tmp_path / "program", tmp_path / "tree")}, Places(tmp_path), []
+    (tmp_path / "tree").mkdir()
 
-    def measure_kernels(program: Path, names: list[str], folder: Path, root: Path, repetitions: int) -> dict[str, float]:
+    @contextmanager
+    def job_of_case(*given: object) -> Iterator[Block]:
+        yield Block(next(times), 0.002, 0.0, "shapes")
+
+    @contextmanager
+    def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path, repetitions: int) -> Iterator[dict[str, float]]:
         numbers.append(repetitions)
-        return {names[0]: next(times) if root.is_dir() else 0.0}
+        assert root.is_dir()
+        yield {names[0]: next(times)}
 
-    monkeypatch.setattr(timed, "measure_kernels", measure_kernels)
-    kernels = of_kernels(["a"], programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40)))
+    monkeypatch.setattr(timed, "job_of_case", job_of_case)
+    monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
+    monkeypatch.setattr(timed, "in_turns", list)
+    times = iter([5.0, 4.0, 5.0, 4.0, 3.0])
+    assert of_case(Case("case", {"repeats": 3}), programs, places, quiet(1.0, 1.5, 1.0, 1.0)).block("base") == {"case": 4.0}
+    kernels = of_kernels(["a"], programs, places, quiet(1.0, 1.5, 1.0, 1.0, 1.0, 1.0))
     assert kernels.block("base") == {"a": 4.0} and kernels.move == places.move and numbers == [REPETITIONS] * 2
-    probes, times = [1.0, 1.0], iter([3.0])
-    of_kernels(["a"], programs, places, Quiet(9, iter(probes).__next__, deque([1.0] * 40))).side("base", ["a"], 2 * SECONDS_OF_SCREENING)
-    assert numbers[-1] == 2 * REPETITIONS
+    assert kernels.blocks(["base"], ["b"], 2 * SECONDS_OF_SCREENING) == [{"b": 3.0}] and numbers[2] == 2 * REPETITIONS

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,11 @@ def words(tmp_path: Path) -> list[str]:
     return ["--program", str(program), "--record", str(tmp_path / "record.json"), "--baseline", str(tmp_path / "baseline.toml")]
 
 
+def each(side: Callable[[str, Sequence[str], float], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]:
+    """Blocks of each side by itself."""
+    return lambda sides, names, repeats: [side(which, names, repeats) for which in sides]
+
+
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 
 
@@ -45,11 +50,11 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
             return {case.name: seconds[which]}
 
         asked["timed"].append(case.name)
-        return Subject(case.name, (case.name,), side, shapes={"base": "s"})
+        return Subject(case.name, (case.name,), each(side), shapes={"base": "s"})
 
     def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
         asked["timed"] += names
-        return Subject("kernels", tuple(names), lambda which, some, repeats: dict.fromkeys(some, 1.0))
+        return Subject("kernels", tuple(names), lambda sides, some, repeats: [dict.fromkeys(some, 1.0) for _ in sides])
 
     def jobs_of(found: list[Case], kernels: list[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> counted.Counting:
         asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
@@ -135,7 +140,7 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
 
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), side))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), each(side)))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 3
     assert "this build does not: time_limit" in capsys.readouterr().out
 
@@ -150,7 +155,7 @@ def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, wor
         return {"guthe on mesh to its half": 1.0}
 
     tiers(monkeypatch)
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), side, shapes={"base": "s"}))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), each(side), shapes={"base": "s"}))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 4
     assert "a block failed" in capsys.readouterr().out
 
