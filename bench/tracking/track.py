@@ -37,7 +37,7 @@ from bench.tracking.quiet import Quiet
 
 TIERS = ("counters", "instructions", "time")
 BLOCKS = 72  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
-PLANTED_IN = "guthe on mesh to its half"
+PLANTED_IN = "kang on mesh to its half"  # of the mesh solvers, the one of which pairs of blocks scatter least
 PATIENCE = 30.0  # seconds in all for a core on which nothing else runs: a run on a noisy machine is to end within six minutes
 
 
