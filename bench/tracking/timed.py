@@ -1,4 +1,4 @@
-"""Tier 3: base and candidate in turns, each block a fresh process, and the self-test in the same blocks."""
+"""Tier 3: base and candidate side by side, each block a fresh process, and the self-test in the same blocks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, deci
 from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.quiet import Quiet
-from bench.tracking.turns import in_turns
+from bench.tracking.together import together
 
 # What the repeats of a block take together. A process costs 0.13 s by itself. On a busy host a core was found undisturbed for 25 ms on end a
 # tenth to a fifth of the time, so the least of three repeats of such a solve is seldom one without disturbance; that of ten mostly is.
@@ -28,7 +28,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides, in turns, of these names,
+    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides at once, of these names,
     with repeats for so many seconds: seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the
     next blocks, of either side, are measured under paths of another length.
     """
@@ -75,15 +75,15 @@ def of_case(case: Case, programs: dict[str, Program], places: Places, quiet: Qui
     def blocks(sides: Sequence[str], _: Sequence[str], seconds: float) -> list[dict[str, float]]:
         asked = Case(case.name, {**case.experiment, "repeats": repeats(seconds)})
 
-        def together() -> list[Block]:
+        def pair() -> list[Block]:
             with ExitStack() as stack:
                 roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
                 jobs = [stack.enter_context(job_of_case(programs[side].file, asked, places.folder, PLANTED if side == "planted" else 0, root))
                         for side, root in zip(sides, roots)]
-                found = in_turns(jobs)
+                found = together(jobs)
             return found
 
-        found = quiet.kept(together)
+        found = quiet.kept(pair)
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
         solve.append(found[0].cpu)
         return [{case.name: block.cpu} for block in found]
@@ -95,15 +95,15 @@ def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Place
     def blocks(sides: Sequence[str], some: Sequence[str], seconds: float) -> list[dict[str, float]]:
         repetitions = round(seconds / SECONDS_OF_SCREENING * REPETITIONS)
 
-        def together() -> list[dict[str, float]]:
+        def pair() -> list[dict[str, float]]:
             with ExitStack() as stack:
                 roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
                 jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), places.folder, root, repetitions))
                         for side, root in zip(sides, roots)]
-                found = in_turns(jobs)
+                found = together(jobs)
             return found
 
-        return quiet.kept(together)
+        return quiet.kept(pair)
 
     return Subject("kernels", tuple(names), blocks, move=places.move)
 

@@ -208,13 +208,13 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
         asked.append((program.name, case.experiment["repeats"], slowdown))
         yield Block(seconds * len(asked), 0.002, 0.0, "shapes"), root
 
-    def in_turns(jobs: list[tuple[Block, Path]]) -> list[Block]:
+    def together(jobs: list[tuple[Block, Path]]) -> list[Block]:
         roots = [root for _, root in jobs]
         assert len({len(str(root)) for root in roots}) == 1 and len(set(roots)) == len(roots) and all(root.is_dir() for root in roots)
         return [block for block, _ in jobs]
 
     monkeypatch.setattr(timed, "job_of_case", job_of_case)
-    monkeypatch.setattr(timed, "in_turns", in_turns)
+    monkeypatch.setattr(timed, "together", together)
     for name in ("old", "new"):
         (tmp_path / f"{name} tree").mkdir()
         (tmp_path / f"{name} tree" / name).touch()
@@ -259,7 +259,7 @@ def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_
 
     monkeypatch.setattr(timed, "job_of_case", job_of_case)
     monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
-    monkeypatch.setattr(timed, "in_turns", list)
+    monkeypatch.setattr(timed, "together", list)
     times = iter([5.0, 4.0, 5.0, 4.0, 3.0])
     assert of_case(Case("case", {"repeats": 3}), programs, places, quiet(1.0, 1.5, 1.0, 1.0)).block("base") == {"case": 4.0}
     kernels = of_kernels(["a"], programs, places, quiet(1.0, 1.5, 1.0, 1.0, 1.0, 1.0))

@@ -1,0 +1,70 @@
+"""Two programs at the same time on one core, so that what slows the core slows both.
+
+Other guests of a host slow a core by a half, for milliseconds or for seconds on end. One block after the other meets different disturbances;
+two that share a core have it in turns of a few milliseconds, by the system's own scheduler, and meet the same ones. CPU time is each one's own, and
+1 to 2 % longer than alone, since caches change hands; both pay that. On a busy host, of pairs that ran so, 28 to 31 of 32 showed a
+planted slowdown of 5 % as one of more than 3 % (nohd, guthe, kang, zheng), and 66 to 84 % of those of which one block followed the other. To stop one
+while the other runs, for 20 to 100 ms, was no better.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from typing import IO, TypeVar
+
+from bench.tracking import blocks
+from bench.tracking.blocks import Job, NotMeasured, checked, environment_of
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Running:
+    process: subprocess.Popen[str]
+    output: IO[str]
+    errors: IO[str]
+
+    def said(self, good: tuple[int, ...]) -> str:
+        """Of one that is over."""
+        texts = []
+        for file in (self.output, self.errors):
+            file.seek(0)
+            texts.append(file.read())
+        return checked(self.process.returncode, texts[0], texts[1], good)
+
+
+@contextmanager
+def started(job: Job[T]) -> Iterator[Running]:
+    """Gone afterwards, and its workers with it, which die with their parent."""
+    with tempfile.TemporaryFile("w+", errors="replace") as output, tempfile.TemporaryFile("w+", errors="replace") as errors:
+        try:
+            process = subprocess.Popen(job.command, cwd=job.folder, stdin=subprocess.DEVNULL, stdout=output, stderr=errors, text=True,
+                                       env=environment_of(job.root))
+        except OSError as problem:
+            raise NotMeasured(f"{job.command[0]} does not run: {problem.strerror}") from None
+        try:
+            yield Running(process, output, errors)
+        finally:
+            process.kill()  # nothing where it is over
+            process.wait()
+
+
+def together(jobs: Sequence[Job[T]]) -> list[T]:
+    """What each of them gives; on the cores of this process, of which the caller leaves one. NotMeasured where one of them has no answer,
+    or not all are over in time.
+    """
+    with ExitStack() as stack:
+        running = [stack.enter_context(started(job)) for job in jobs]
+        end = time.monotonic() + blocks.LIMIT
+        for one in running:
+            with suppress(subprocess.TimeoutExpired):
+                one.process.wait(max(0.0, end - time.monotonic()))
+        if any(one.process.poll() is None for one in running):
+            raise NotMeasured(f"no end within {blocks.LIMIT:.0f} s")
+        found = [job.read(one.said(job.good)) for job, one in zip(jobs, running, strict=True)]
+    return found

@@ -1,0 +1,55 @@
+"""Two programs at the same time: their answers are their own, and nothing of them is left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from bench.tracking import blocks
+from bench.tracking.blocks import Job, NotMeasured
+from bench.tracking.together import together
+
+
+def job(folder: Path, *words: str, good: tuple[int, ...] = (0,)) -> Job[str]:
+    return Job(list(words), folder, str.strip, good)
+
+
+def python(folder: Path, *words: str) -> Job[str]:
+    return job(folder, sys.executable, "-c", *words)
+
+
+def test_both_run_at_the_same_time(tmp_path: Path) -> None:
+    """Each waits for the other."""
+    meet = "import os, sys, time\nopen(sys.argv[1], 'w')\nwhile not os.path.exists(sys.argv[2]): time.sleep(0.01)\nprint(sys.argv[1])"
+    assert together([python(tmp_path, meet, "a", "b"), python(tmp_path, meet, "b", "a")]) == ["a", "b"]
+
+
+def test_what_one_alone_gives(tmp_path: Path) -> None:
+    assert together([job(tmp_path, "echo", "alone")]) == ["alone"]
+    assert together([job(tmp_path, "sh", "-c", "pwd; exit 1", good=(0, 1))]) == [str(tmp_path.resolve())]
+
+
+def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
+    """More than a pipe holds."""
+    found = together([python(tmp_path, f"print('{letter}' * 300000)") for letter in "ab"])
+    assert found == ["a" * 300000, "b" * 300000]
+
+
+def test_one_that_fails_is_not_measured_and_the_other_is_ended(tmp_path: Path) -> None:
+    with pytest.raises(NotMeasured, match="exit code 2: unknown solver"):
+        together([job(tmp_path, "sh", "-c", "echo unknown solver >&2; exit 2"), job(tmp_path, "echo", "fine")])
+    begun = time.monotonic()
+    with pytest.raises(NotMeasured, match="none does not run: No such file"):
+        together([job(tmp_path, "sleep", "60"), job(tmp_path, str(tmp_path / "none"))])
+    assert time.monotonic() - begun < 30
+
+
+def test_programs_that_hang_are_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(blocks, "LIMIT", 2.0)
+    with pytest.raises(NotMeasured, match="no end within 2 s"):
+        together([python(tmp_path, f"import os, time; open('{name}' + str(os.getpid()), 'w'); time.sleep(60)") for name in "ab"])
+    left = [int(file.name[1:]) for file in tmp_path.iterdir()]
+    assert len(left) == 2 and not any(Path(f"/proc/{pid}").exists() for pid in left)
