@@ -27,7 +27,6 @@ from bench.tracking.cases import MESH, Case
 T = TypeVar("T")
 
 LIMIT = 120.0  # seconds of one block
-REPETITIONS = 8  # of a kernel, of at least 2 ms each
 
 
 class NotMeasured(Exception):
@@ -184,13 +183,12 @@ def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64
 
 
 @contextmanager
-def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None,
-                   repetitions: int = REPETITIONS) -> Iterator[Job[dict[str, float]]]:
-    """CPU seconds of one iteration of each benchmark, the least of all repetitions. Those that the program lacks are not there."""
+def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> Iterator[Job[dict[str, float]]]:
+    """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
         yield Job([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json",
-                   f"--benchmark_repetitions={repetitions}", "--benchmark_min_time=0.002"], folder, least_of_kernels)
+                   "--benchmark_repetitions=8", "--benchmark_min_time=0.002"], folder, least_of_kernels)
 
 
 def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, float]:

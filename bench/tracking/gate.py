@@ -1,7 +1,7 @@
 """What blocks of base and candidate say. Pure functions; the statistics are those of analysis/shared/statistics.py.
 
-A block is a fresh process, and its time the least of its repeats. Four blocks make a turn: base, candidate, candidate, base, or the other way
-round. Each block of the candidate is paired with the one of the base beside it. The median of the log ratios of the pairs has a
+A block is a fresh process, and its time the least of its repeats. Blocks come in pairs of base and candidate, which share a core, and two pairs
+make a turn: in one the base begins, in the other the candidate. The median of the log ratios of the pairs has a
 sign-test interval, which assumes nothing about how times are distributed. With many cases one interval in twenty would be wrong by
 chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 

@@ -8,39 +8,36 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analysis.shared.statistics import NO_DATA
-from bench.tracking.blocks import REPETITIONS, Block, NotMeasured, job_of_case, job_of_kernels
+from bench.tracking.blocks import NotMeasured, job_of_case, job_of_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
 from bench.tracking.places import Places
 from bench.tracking.progress import Progress
-from bench.tracking.quiet import Quiet
 from bench.tracking.together import together
 
-# What the repeats of a block take together. A process costs 0.13 s by itself. On a busy host a core was found undisturbed for 25 ms on end a
-# tenth to a fifth of the time, so the least of three repeats of such a solve is seldom one without disturbance; that of ten mostly is.
-SECONDS_OF_SCREENING = 0.1
-SECONDS_OF_ANSWER = 0.25
-MOST_REPEATS = 150
+# What the repeats of a block take together, so that a solve of 0.2 ms has many turns on the core that it shares. A process takes 0.13 s by itself.
+SECONDS_OF_REPEATS = 0.08
+MOST_REPEATS = 400
 
 Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides at once, of these names,
-    with repeats for so many seconds: seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the
+    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides at once, of these names:
+    seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the
     next blocks, of either side, are measured under paths of another length.
     """
 
     name: str
     names: tuple[str, ...]
-    blocks: Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]
+    blocks: Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]
     shapes: dict[str, str] = field(default_factory=dict)
     move: Callable[[], None] = lambda: None
 
     def block(self, which: str) -> dict[str, float]:
-        return self.blocks([which], self.names, SECONDS_OF_SCREENING)[0]
+        return self.blocks([which], self.names)[0]
 
 
 @dataclass(frozen=True)
@@ -63,47 +60,33 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
     return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
 
 
-def of_case(case: Case, programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
+def of_case(case: Case, programs: dict[str, Program], places: Places) -> Subject:
     """Its first block, with the repeats of the experiment, decides how many the later ones have, on all sides alike."""
-    solve: list[float] = []  # seconds
+    asked = [case]
     shapes: dict[str, str] = {}
 
-    def repeats(seconds: float) -> int:
-        asked = int(case.experiment["repeats"])
-        return max(asked, min(MOST_REPEATS, round(seconds / solve[0]))) if solve else asked
-
-    def blocks(sides: Sequence[str], _: Sequence[str], seconds: float) -> list[dict[str, float]]:
-        asked = Case(case.name, {**case.experiment, "repeats": repeats(seconds)})
-
-        def pair() -> list[Block]:
-            with ExitStack() as stack:
-                roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-                jobs = [stack.enter_context(job_of_case(programs[side].file, asked, places.folder, PLANTED if side == "planted" else 0, root))
-                        for side, root in zip(sides, roots)]
-                found = together(jobs)
-            return found
-
-        found = quiet.kept(pair)
+    def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
+        with ExitStack() as stack:
+            roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
+            jobs = [stack.enter_context(job_of_case(programs[side].file, asked[0], places.folder, PLANTED if side == "planted" else 0, root))
+                    for side, root in zip(sides, roots)]
+            found = together(jobs)
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
-        solve.append(found[0].cpu)
+        if asked[0] is case:
+            repeats = max(int(case.experiment["repeats"]), min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)))
+            asked[0] = Case(case.name, {**case.experiment, "repeats": repeats})
         return [{case.name: block.cpu} for block in found]
 
     return Subject(case.name, (case.name,), blocks, shapes, places.move)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places, quiet: Quiet) -> Subject:
-    def blocks(sides: Sequence[str], some: Sequence[str], seconds: float) -> list[dict[str, float]]:
-        repetitions = round(seconds / SECONDS_OF_SCREENING * REPETITIONS)
-
-        def pair() -> list[dict[str, float]]:
-            with ExitStack() as stack:
-                roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-                jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), places.folder, root, repetitions))
-                        for side, root in zip(sides, roots)]
-                found = together(jobs)
-            return found
-
-        return quiet.kept(pair)
+def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places) -> Subject:
+    def blocks(sides: Sequence[str], some: Sequence[str]) -> list[dict[str, float]]:
+        with ExitStack() as stack:
+            roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
+            jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), places.folder, root)) for side, root in zip(sides, roots)]
+            found = together(jobs)
+        return found
 
     return Subject("kernels", tuple(names), blocks, move=places.move)
 
@@ -153,12 +136,12 @@ class Question:
     beside: str = "base"
     slower: str = "candidate"
 
-    def turn(self, number: int, names: Sequence[str], seconds: float) -> None:
-        """Two pairs of blocks, each pair at a place of its own, with repeats for so many seconds. Turns begin with either side, alternately."""
+    def turn(self, number: int, names: Sequence[str]) -> None:
+        """Two pairs of blocks, each pair at a place of its own. Turns begin with either side, alternately."""
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
-            for which, found in zip(pair, self.subject.blocks(pair, names, seconds)):
+            for which, found in zip(pair, self.subject.blocks(pair, names)):
                 for name in names:
                     if name not in found:
                         raise NotMeasured(f"{name}: it was not measured this time")
@@ -176,7 +159,7 @@ def screen(questions: Sequence[Question], count: int) -> None:
     progress = Progress(count // 2, "turns", "time")
     for number in range(count // 2):
         for one in questions:
-            one.turn(number, one.names, SECONDS_OF_SCREENING)
+            one.turn(number, one.names)
         progress.done(number + 1)
 
 
@@ -189,7 +172,7 @@ def answer(questions: Sequence[Question], count: int, cases: int) -> None:
             progress.over()
             return
         for one, names in asked:
-            one.turn(number, names, SECONDS_OF_ANSWER)
+            one.turn(number, names)
         progress.done(number + 1)
 
 

@@ -9,6 +9,7 @@ while the other runs, for 20 to 100 ms, was no better.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tempfile
 import time
@@ -21,6 +22,17 @@ from bench.tracking import blocks
 from bench.tracking.blocks import Job, NotMeasured, checked, environment_of
 
 T = TypeVar("T")
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """This process, and what it starts, has the last of its cores alone meanwhile: the first serves most devices."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 @dataclass(frozen=True)
@@ -55,7 +67,7 @@ def started(job: Job[T]) -> Iterator[Running]:
 
 
 def together(jobs: Sequence[Job[T]]) -> list[T]:
-    """What each of them gives; on the cores of this process, of which the caller leaves one. NotMeasured where one of them has no answer,
+    """What each of them gives; within one_core(), so that they share it. NotMeasured where one of them has no answer,
     or not all are over in time.
     """
     with ExitStack() as stack:

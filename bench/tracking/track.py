@@ -33,12 +33,11 @@ from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, h
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
 from bench.tracking.places import Places
-from bench.tracking.quiet import Quiet
+from bench.tracking.together import one_core
 
 TIERS = ("counters", "instructions", "time")
-BLOCKS = 72  # of each side, of what looks slower: where blocks are 2.5 % slower or not, by chance, 5 % shows all the same
+BLOCKS = 60  # of each side, of what looks slower: 5 % shows where 85 % of the pairs show it
 PLANTED_IN = "kang on mesh to its half"  # of the mesh solvers, the one of which pairs of blocks scatter least
-PATIENCE = 30.0  # seconds in all for a core on which nothing else runs: a run on a noisy machine is to end within six minutes
 
 
 @dataclass
@@ -122,13 +121,13 @@ def base_of(task: Task) -> Build:
     return base
 
 
-def known_to_both(task: Task, base: Build, candidate: Build, quiet: Quiet) -> timed.Known:
+def known_to_both(task: Task, base: Build, candidate: Build) -> timed.Known:
     programs, kernel_programs, places = timed.programs_of(base, candidate), timed.kernels_of(base, candidate), Places(task.folder)
     known = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, programs, places, quiet))
+        known.add(timed.of_case(case, programs, places))
     if task.kernels and kernel_programs:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, places, quiet))
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, places))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
     return known
@@ -137,9 +136,8 @@ def known_to_both(task: Task, base: Build, candidate: Build, quiet: Quiet) -> ti
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
-    quiet = Quiet(PATIENCE)
-    with quiet.alone():
-        known = known_to_both(task, base, candidate, quiet)
+    with one_core():
+        known = known_to_both(task, base, candidate)
         notes = known.left_out + known.broken
         try:
             judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))
@@ -148,7 +146,7 @@ def time_tier(report: Report, task: Task) -> None:
             return
     verdict, reasons = verdict_of_times(judged)
     many = f"{SCREENING} blocks a side, and up to {task.given.blocks} of what looked slower and of the plant"
-    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}", quiet.line()]
+    lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
 

@@ -1,12 +1,11 @@
 """Is the gate to be believed? Runs it on builds of which the answer is known, and keeps its verdicts as a table.
 
-    python3 -m bench.tracking.trials [--runs 10] [--load N] [--patience MINUTES] [KIND ...]
+    python3 -m bench.tracking.trials [--runs 10] [--load N] [KIND ...]
 
 KIND is `unchanged` (this commit beside itself), `slower` (`kang` burns 5 % of the time of each solve) or `visit` (each query counts a
 node visit more). What is planted is planted in a copy of this commit, in build/versions, and built. Runs accumulate in
-results/reference/tracking_trials.jsonl, and the table is results/reference/tracking.md. Take them where nothing else runs; --load N keeps
-N cores busy on purpose. Other guests of a host cannot be sent away: with --patience each run waits, so many minutes at most, until a short
-probe is as fast most of the time as at its best. What the probe found before each run is in the table, whether it waited or not.
+results/reference/tracking_trials.jsonl, and the table is results/reference/tracking.md. Take them where nothing else of one's own runs; --load N keeps
+N cores busy on purpose. Other guests of a host cannot be sent away: how much they disturb a short probe just before each run is in the table.
 """
 
 from __future__ import annotations
@@ -31,13 +30,10 @@ from bench.tracking.blocks import measure
 from bench.tracking.cases import ROOT, cases
 from bench.tracking.gate import Verdict
 from bench.tracking.history import this_machine
-from bench.tracking.progress import say
 
 LOG = ROOT / "results" / "reference" / "tracking_trials.jsonl"
 PROBE = "naive on points near"  # arithmetic alone: what shares a core with it slows it at once
 PROBE_BLOCKS = 12
-QUIET = 0.04
-PAUSE = 20.0  # seconds
 TABLE = ROOT / "results" / "reference" / "tracking.md"
 
 
@@ -109,18 +105,9 @@ def unrest(program: Path) -> float:
     return statistics.quantiles(seconds, n=4)[2] / min(seconds) - 1
 
 
-def wait_for_quiet(program: Path, minutes: float) -> float:
-    """The unrest at the end: of a machine that is quiet, or when the time is over."""
-    end = time.monotonic() + 60 * minutes
-    while (found := unrest(program)) > QUIET and time.monotonic() < end:
-        say("trials", f"the machine is not quiet ({100 * found:.0f} %)")
-        time.sleep(PAUSE)
-    return found
-
-
-def trial(name: str, program: Path, load: int, patience: float = 0) -> dict[str, Any]:
+def trial(name: str, program: Path, load: int) -> dict[str, Any]:
     """One run of the gate beside HEAD."""
-    found = wait_for_quiet(program, patience)
+    found = unrest(program)
     with tempfile.TemporaryDirectory() as folder, busy(load):
         record = Path(folder) / "record.json"
         begun = time.monotonic()
@@ -167,7 +154,6 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--runs", type=int, default=10, help="of each kind (default: 10)")
     parser.add_argument("--load", type=int, default=0, help="cores to keep busy meanwhile (default: 0)")
-    parser.add_argument("--patience", type=float, default=0, metavar="MINUTES", help="wait for a quiet machine before each run (default: 0)")
     given = parser.parse_args(words)
     if unknown := [kind for kind in given.kinds if kind not in KINDS]:
         parser.error(f"there is no kind {unknown[0]}: {', '.join(KINDS)}")
@@ -177,7 +163,7 @@ def main(words: Sequence[str]) -> int:
     LOG.parent.mkdir(exist_ok=True)
     for number in range(given.runs):
         for name in chosen:
-            one = trial(name, programs[name], given.load, given.patience)
+            one = trial(name, programs[name], given.load)
             print(f"{name} {number + 1}: exit {one['exit']}, {one['tiers']}, {one['seconds']} s{'' if right(one) else ': WRONG'}", flush=True)
             with LOG.open("a") as log:
                 log.write(json.dumps(one) + "\n")

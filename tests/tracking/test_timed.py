@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,38 +11,23 @@ import pytest
 
 from analysis.shared.statistics import order_statistic_rank
 from bench.tracking import timed
-from bench.tracking.blocks import REPETITIONS, Block, NotMeasured
+from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.places import Places
-from bench.tracking.quiet import Quiet
-from bench.tracking.timed import (
-    SECONDS_OF_ANSWER,
-    SECONDS_OF_SCREENING,
-    Known,
-    Program,
-    Subject,
-    answer,
-    judge_all,
-    kernels_of,
-    of_case,
-    of_kernels,
-    programs_of,
-    question,
-    screen,
-)
+from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
 
 
-def each(side: Callable[[str, Sequence[str], float], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]:
+def each(side: Callable[[str, Sequence[str]], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
     """Blocks of each side by itself."""
-    return lambda sides, names, repeats: [side(which, names, repeats) for which in sides]
+    return lambda sides, names: [side(which, names) for which in sides]
 
 
 def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Subject:
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append((name, which))
         return {name: seconds[which] + 1e-6 * len(calls)}
 
@@ -111,7 +95,7 @@ def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() ->
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
     asked: list[Sequence[str]] = []
 
-    def side(which: str, some: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, some: Sequence[str]) -> dict[str, float]:
         asked.append(some)
         return {name: 1.1 if which == "candidate" and name == "b" else 1.0 for name in some}
 
@@ -120,22 +104,11 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
     assert [one.red for one in judged] == [False, True, False]
 
 
-def test_blocks_that_decide_have_more_repeats_than_those_that_screen() -> None:
-    asked: list[float] = []
-
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
-        asked.append(repeats)
-        return {"a": 1.1 if which == "candidate" else 1.0}
-
-    judge_all(Known([Subject("a", ("a",), each(side))]), "", 72, lambda line: None)
-    assert asked[:48] == [SECONDS_OF_SCREENING] * 48 and len(asked) > 96 and set(asked[48:]) == {SECONDS_OF_ANSWER}
-
-
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
     """The second run is independent of the first, and has one case."""
     names = tuple(f"case {i}" for i in range(60))
 
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         return {name: 1.2 if which == "candidate" and name == "case 0" else 1.0 for name in names}
 
     judged, _ = judge_all(Known([Subject("all", names, each(side))]), "", 24, lambda line: None)
@@ -143,7 +116,7 @@ def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
 
 
 def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] | NotMeasured, shapes: dict[str, str] | None = None) -> Known:
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         found = base if which == "base" else candidate
         if isinstance(found, NotMeasured):
             raise found
@@ -180,7 +153,7 @@ def test_other_shapes_are_left_out() -> None:
 
 def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
     calls: Calls = []
-    kernels = Subject("kernels", ("build",), lambda sides, names, repeats: [])
+    kernels = Subject("kernels", ("build",), lambda sides, names: [])
     known = Known([kernels, subject("a", calls), subject("b", calls)])
     assert [getattr(known.to_plant_in(wanted), "name", None) for wanted in ("b", "not fetched", "kernels")] == ["b", "a", "a"]
     assert Known([kernels]).to_plant_in("b") is None
@@ -189,7 +162,7 @@ def test_the_plant_is_in_the_case_that_is_wanted_or_in_the_first_one() -> None:
 def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append(which)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
@@ -197,7 +170,7 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         screen([question(Subject("kernels", ("old", "new"), each(side)), ("old", "new"))], 24)
 
 
-@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 50), (1.0, 3), (0.0001, 150)])
+@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 40), (1.0, 3), (0.0001, 400)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
     """Three, which the experiment asks for, at least. Two that are measured together lie under paths of one length."""
     asked: list[tuple[str, int, float]] = []
@@ -220,13 +193,11 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
         (tmp_path / f"{name} tree" / name).touch()
     old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
     places = Places(tmp_path)
-    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new}, places, Quiet(0, lambda: 1.0, deque([1.0, 1.0])))
+    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new}, places)
     assert one.block("base") == {"case": seconds}
     one.move()
-    assert one.blocks(["candidate", "planted"], (), SECONDS_OF_SCREENING) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
+    assert one.blocks(["candidate", "planted"], ()) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
-    one.blocks(["base"], (), 2 * SECONDS_OF_SCREENING)
-    assert asked[3] == ("old-program", min(2 * repeats if repeats > 3 else 3, 150), 0)
     assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"} and one.move == places.move
 
 
@@ -238,30 +209,24 @@ def test_programs_and_kernels_know_their_trees() -> None:
     assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
 
 
-def quiet(*probes: float) -> Quiet:
-    return Quiet(9, iter(probes).__next__, deque([1.0] * 40))
-
-
-def test_a_block_is_what_a_quiet_core_gave(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Of a case and of the kernels: the first try is disturbed. Kernels are repeated as much longer as cases are."""
-    programs, places, numbers = {"base": Program(tmp_path / "program", tmp_path / "tree")}, Places(tmp_path), []
-    (tmp_path / "tree").mkdir()
+def test_kernels_of_both_sides_are_measured_at_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    places, trees = Places(tmp_path), [tmp_path / name for name in ("old tree", "new tree")]
+    for tree in trees:
+        tree.mkdir()
+        (tree / tree.name[:3]).touch()
 
     @contextmanager
-    def job_of_case(*given: object) -> Iterator[Block]:
-        yield Block(next(times), 0.002, 0.0, "shapes")
+    def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path) -> Iterator[tuple[str, Path]]:
+        assert (root / program.name).is_file() and folder == tmp_path
+        yield names[0] + program.name, root
 
-    @contextmanager
-    def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path, repetitions: int) -> Iterator[dict[str, float]]:
-        numbers.append(repetitions)
-        assert root.is_dir()
-        yield {names[0]: next(times)}
+    def together(jobs: list[tuple[str, Path]]) -> list[dict[str, float]]:
+        assert len({len(str(root)) for _, root in jobs}) == 1 and all(root.is_dir() for _, root in jobs)
+        return [{name: 1.0} for name, _ in jobs]
 
-    monkeypatch.setattr(timed, "job_of_case", job_of_case)
     monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
-    monkeypatch.setattr(timed, "together", list)
-    times = iter([5.0, 4.0, 5.0, 4.0, 3.0])
-    assert of_case(Case("case", {"repeats": 3}), programs, places, quiet(1.0, 1.5, 1.0, 1.0)).block("base") == {"case": 4.0}
-    kernels = of_kernels(["a"], programs, places, quiet(1.0, 1.5, 1.0, 1.0, 1.0, 1.0))
-    assert kernels.block("base") == {"a": 4.0} and kernels.move == places.move and numbers == [REPETITIONS] * 2
-    assert kernels.blocks(["base"], ["b"], 2 * SECONDS_OF_SCREENING) == [{"b": 3.0}] and numbers[2] == 2 * REPETITIONS
+    monkeypatch.setattr(timed, "together", together)
+    programs = {"base": Program(tmp_path / "old", trees[0]), "candidate": Program(tmp_path / "new", trees[1])}
+    kernels = of_kernels(["a", "b"], programs, places)
+    assert kernels.names == ("a", "b") and kernels.move == places.move
+    assert kernels.blocks(["candidate", "base"], ["b"]) == [{"bnew": 1.0}, {"bold": 1.0}]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 from bench.tracking import blocks
 from bench.tracking.blocks import Job, NotMeasured
-from bench.tracking.together import together
+from bench.tracking.together import one_core, together
 
 
 def job(folder: Path, *words: str, good: tuple[int, ...] = (0,)) -> Job[str]:
@@ -25,6 +26,14 @@ def test_both_run_at_the_same_time(tmp_path: Path) -> None:
     """Each waits for the other."""
     meet = "import os, sys, time\nopen(sys.argv[1], 'w')\nwhile not os.path.exists(sys.argv[2]): time.sleep(0.01)\nprint(sys.argv[1])"
     assert together([python(tmp_path, meet, "a", "b"), python(tmp_path, meet, "b", "a")]) == ["a", "b"]
+
+
+def test_both_share_one_core(tmp_path: Path) -> None:
+    before = os.sched_getaffinity(0)
+    with pytest.raises(KeyError), one_core():
+        found = together([python(tmp_path, "import os; print(*os.sched_getaffinity(0))")] * 2)
+        raise KeyError
+    assert found == [str(max(before))] * 2 and os.sched_getaffinity(0) == before
 
 
 def test_what_one_alone_gives(tmp_path: Path) -> None:

@@ -18,7 +18,6 @@ from bench.tracking.builds import Build, NotBuilt
 from bench.tracking.cases import KERNELS, ROOT, Case, Kernel, cases
 from bench.tracking.gate import Verdict
 from bench.tracking.places import Places
-from bench.tracking.quiet import Quiet
 from bench.tracking.timed import Subject
 
 PROGRAM = ROOT / "build/release/hausbench"
@@ -31,9 +30,9 @@ def words(tmp_path: Path) -> list[str]:
     return ["--program", str(program), "--record", str(tmp_path / "record.json"), "--baseline", str(tmp_path / "baseline.toml")]
 
 
-def each(side: Callable[[str, Sequence[str], float], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str], float], list[dict[str, float]]]:
+def each(side: Callable[[str, Sequence[str]], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
     """Blocks of each side by itself."""
-    return lambda sides, names, repeats: [side(which, names, repeats) for which in sides]
+    return lambda sides, names: [side(which, names) for which in sides]
 
 
 SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
@@ -44,17 +43,17 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     """Every tier as it is, but for what measures; and what it was asked for."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
-    def of_case(case: Case, programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
-        def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def of_case(case: Case, programs: dict[str, timed.Program], places: Places) -> Subject:
+        def side(which: str, _: Sequence[str]) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
 
         asked["timed"].append(case.name)
         return Subject(case.name, (case.name,), each(side), shapes={"base": "s"})
 
-    def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places, quiet: Quiet) -> Subject:
+    def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places) -> Subject:
         asked["timed"] += names
-        return Subject("kernels", tuple(names), lambda sides, some, repeats: [dict.fromkeys(some, 1.0) for _ in sides])
+        return Subject("kernels", tuple(names), lambda sides, some: [dict.fromkeys(some, 1.0) for _ in sides])
 
     def jobs_of(found: list[Case], kernels: list[Kernel], program: Path, kernel_program: Path | None, folder: Path) -> counted.Counting:
         asked["jobs"] += [case.name for case in found] + [kernel.name for kernel in kernels]
@@ -135,12 +134,12 @@ def test_a_tier_that_breaks_says_so_and_the_others_run(monkeypatch: pytest.Monke
 def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     tiers(monkeypatch)
 
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         if which == "candidate":
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
 
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), each(side)))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places: Subject(case.name, (case.name,), each(side)))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 3
     assert "this build does not: time_limit" in capsys.readouterr().out
 
@@ -148,14 +147,14 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
 def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     calls = []
 
-    def side(which: str, _: Sequence[str], repeats: float) -> dict[str, float]:
+    def side(which: str, _: Sequence[str]) -> dict[str, float]:
         calls.append(which)
         if len(calls) > 10:
             raise NotMeasured("no end within 120 s")
         return {"guthe on mesh to its half": 1.0}
 
     tiers(monkeypatch)
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places, quiet: Subject(case.name, (case.name,), each(side), shapes={"base": "s"}))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, places: Subject(case.name, (case.name,), each(side), shapes={"base": "s"}))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 4
     assert "a block failed" in capsys.readouterr().out
 

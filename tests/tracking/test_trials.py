@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -51,17 +50,6 @@ def test_what_is_uneven_is_not_quiet(monkeypatch: pytest.MonkeyPatch) -> None:
     seconds = iter([1.0, 1.02] * 6 + [1.0, 1.5] * 6)
     monkeypatch.setattr(trials, "measure", lambda program, case, folder: Block(next(seconds), 0, 0, ""))
     assert trials.unrest(Path("program")) == pytest.approx(0.02) and trials.unrest(Path("program")) == pytest.approx(0.5)
-
-
-def test_a_run_waits_for_a_quiet_machine_but_not_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, now = iter([0.5, 0.3, 0.01, 0.5, 0.5, 0.5, 0.5]), [0.0]
-    monkeypatch.setattr(trials, "unrest", lambda program: next(found))
-    monkeypatch.setattr(time, "sleep", lambda seconds: now.append(now.pop() + seconds))
-    monkeypatch.setattr(time, "monotonic", lambda: now[-1])
-    assert trials.wait_for_quiet(Path("program"), 10) == 0.01 and now[-1] == 2 * trials.PAUSE
-    now[-1] = 0.0
-    assert trials.wait_for_quiet(Path("program"), 0.5) == 0.5 and now[-1] == 2 * trials.PAUSE
-    assert trials.wait_for_quiet(Path("program"), 0) == 0.5
 
 
 def test_the_probe_is_a_tracked_case() -> None:
