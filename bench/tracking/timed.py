@@ -17,8 +17,8 @@ from bench.tracking.progress import Progress
 from bench.tracking.together import together
 
 # What the repeats of a block take together, so that a solve of 0.2 ms has many turns on the core that it shares. A process takes 0.13 s by itself.
-SECONDS_OF_REPEATS = 0.08
-MOST_REPEATS = 400
+SECONDS_OF_REPEATS = 0.05
+MOST_REPEATS = 250
 
 Say = Callable[[str], None]
 

@@ -36,7 +36,7 @@ from bench.tracking.places import Places
 from bench.tracking.together import one_core
 
 TIERS = ("counters", "instructions", "time")
-BLOCKS = 60  # of each side, of what looks slower: 5 % shows where 85 % of the pairs show it
+BLOCKS = 48  # of each side, of what looks slower: 5 % shows where nine tenths of the pairs show it
 PLANTED_IN = "kang on mesh to its half"  # of the mesh solvers, the one of which pairs of blocks scatter least
 
 

@@ -170,7 +170,7 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         screen([question(Subject("kernels", ("old", "new"), each(side)), ("old", "new"))], 24)
 
 
-@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 40), (1.0, 3), (0.0001, 400)])
+@pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 25), (1.0, 3), (0.0001, 250)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
     """Three, which the experiment asks for, at least. Two that are measured together lie under paths of one length."""
     asked: list[tuple[str, int, float]] = []
