@@ -20,7 +20,7 @@ namespace {
 
 constexpr int deepest = 256;  // nodes in nodes; each takes a few hundred bytes of the stack
 constexpr std::size_t parts_a_byte = 200,
-                      parts_anyway = std::size_t{1} << 22;  // of nodes, points and corners, with what USE repeats
+                      parts_anyway = std::size_t{1} << 18;  // of nodes, points and corners, with what USE repeats
 
 struct Word {
     std::string_view text;
@@ -212,7 +212,11 @@ private:
 
     void spend(const Node& node, std::size_t parts) {
         if (parts > parts_left_)
-            refuse_at(node.type, "USE repeats what DEF names so often that no memory holds it: write fewer of them");
+            refuse_at(
+                node.type,
+                fmt::format("USE repeats what DEF names so often that it is more than {} points for each byte of the "
+                            "file: write fewer of them",
+                            parts_a_byte));
         parts_left_ -= parts;
     }
 

@@ -298,5 +298,17 @@ TEST_F(Vrml, RepetitionThatNoMemoryHoldsIsRefused) {
     refused(head + "DEF T " + many + repeated("USE T ", 3000), {"USE repeats"});
 }
 
+// 2^12 and 2^17 triangles of 3 vertices and 4 words each; the file has 2 KB at most.
+TEST_F(Vrml, ASmallFileMayRepeatSome) {
+    const auto doubled = [](int times) {
+        std::string text = "DEF T0 " + triangle;
+        for (int i = 1; i <= times; ++i)
+            text += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
+        return text;
+    };
+    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is drawn where it is defined, too
+    refused(head + doubled(17), {"USE repeats", "200 points for each byte"});
+}
+
 }  // namespace
 }  // namespace hausbench
