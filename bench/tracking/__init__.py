@@ -5,7 +5,9 @@ blocks.py     one fresh process that measures one of them
 builds.py     the program of an older commit, built beside this one
 counted.py    tiers 1 and 2: work counters and instructions against baseline.toml
 gate.py       tier 3, its arithmetic: what blocks of base and candidate say; pure functions
-timed.py      tier 3, its measuring: blocks in turn
+timed.py      tier 3, its measuring: pairs of blocks
+places.py     where both sides of a pair lie: under paths of one length
+together.py   both blocks of a pair at the same time, on one core
 track.py      the three tiers, the verdict and the exit code
 trials.py     whether the gate is to be believed: its verdicts on builds of which the answer is known
 history.py    results/history.csv: past commits, measured in turn; steps.py finds steps in it, picture.py draws it

@@ -110,7 +110,7 @@ def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
     again = (root / "build" if root else program.parent) / "again"
     try:
         again.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f"{program.name}-", dir=again)
+        handle, name = tempfile.mkstemp(prefix="program-", dir=again)  # whatever its own name is: paths of both sides have one length
         os.close(handle)
         shutil.copy2(program, name)
     except OSError as problem:
@@ -133,7 +133,7 @@ def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, ro
     """Runs the case in `folder`. NotMeasured where it has no answer. An unsound row (exit code 1) has a time all the same."""
     file = write_case(case, folder)
     result = file.with_suffix(".planted.h5" if slowdown else ".h5")
-    planted = ["--planted-slowdown", str(slowdown)] if slowdown else []
+    planted = ["--planted-slowdown", f"{slowdown:.0e}"] if slowdown else []
     try:
         with fresh_copy(program, root) as copy:
             yield Job(run_words(copy, file) + planted, folder, lambda _: read(result), (0, 1), root)

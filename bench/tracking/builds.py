@@ -73,6 +73,7 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
     """What the worktree has checked out."""
     build = tree / "build" / "release"
     log = tree.parent / f"{tree.name}.log"  # in the tree it would be a change
+    (tree / "build.log").unlink(missing_ok=True)  # of a build by an earlier version
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     # Two worktrees share what ccache holds only if their own paths are left out of it.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}

@@ -30,7 +30,7 @@ class Places:
         self.padding = random.randrange(LENGTHS)
 
     @contextmanager
-    def root(self, tree: Path, number: int = 0) -> Iterator[Path]:
+    def root(self, tree: Path, number: int) -> Iterator[Path]:
         """A folder that has what the tree has, and a build folder that is empty. A program in it finds its tree above itself, as commits
         before HAUSBENCH_ROOT need. `number`: a digit that tells folders apart that are there at the same time.
         """

@@ -20,6 +20,9 @@ from bench.tracking.together import together
 SECONDS_OF_REPEATS = 0.05
 MOST_REPEATS = 250
 
+# What a side burns after each solve. What is not planted costs the call of a clock, so that both sides have the same options.
+BURNS = {"planted": PLANTED, "not planted": 1e-9}
+
 Say = Callable[[str], None]
 
 
@@ -50,17 +53,17 @@ class Program:
 
 def programs_of(base: Build, candidate: Build) -> dict[str, Program]:
     old, new = (Program(build.program, build.tree) for build in (base, candidate))
-    return {"base": old, "candidate": new, "planted": new}
+    return {"base": old, "base again": old, "candidate": new, "planted": new, "not planted": new}
 
 
 def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
-    """None where one of the two builds has no kernel_bench."""
+    """Empty where one of the two builds has no kernel_bench."""
     if not (base.kernels and candidate.kernels):
         return {}
     return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
 
 
-def of_case(case: Case, programs: dict[str, Program], places: Places) -> Subject:
+def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
     """Its first block, with the repeats of the experiment, decides how many the later ones have, on all sides alike."""
     asked = [case]
     shapes: dict[str, str] = {}
@@ -68,7 +71,7 @@ def of_case(case: Case, programs: dict[str, Program], places: Places) -> Subject
     def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
         with ExitStack() as stack:
             roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-            jobs = [stack.enter_context(job_of_case(programs[side].file, asked[0], places.folder, PLANTED if side == "planted" else 0, root))
+            jobs = [stack.enter_context(job_of_case(programs[side].file, asked[0], folder, BURNS.get(side, 0), root))
                     for side, root in zip(sides, roots)]
             found = together(jobs)
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
@@ -80,11 +83,11 @@ def of_case(case: Case, programs: dict[str, Program], places: Places) -> Subject
     return Subject(case.name, (case.name,), blocks, shapes, places.move)
 
 
-def of_kernels(names: Sequence[str], programs: dict[str, Program], places: Places) -> Subject:
+def of_kernels(names: Sequence[str], programs: dict[str, Program], folder: Path, places: Places) -> Subject:
     def blocks(sides: Sequence[str], some: Sequence[str]) -> list[dict[str, float]]:
         with ExitStack() as stack:
             roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-            jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), places.folder, root)) for side, root in zip(sides, roots)]
+            jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), folder, root)) for side, root in zip(sides, roots)]
             found = together(jobs)
         return found
 
@@ -180,8 +183,9 @@ Run = dict[str, Sides]
 
 
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
-    """SCREENING blocks of every case; up to `count` of those that are suspected, and of a plant, in the case `wanted` if it is there; then
-    a second run of those that alarm. And what was measured: the first run, the plant, the second run. The second run is
+    """SCREENING blocks of every case; up to `count` of those that are suspected, and of a plant, in the case `wanted` if it is there, where
+    the base is beside itself too; then a second run of those that alarm. And what was measured: the first run, the plant, the base beside
+    itself, the second run. The second run is
     independent of the first, which chose its cases, so its intervals need the confidence of so few.
     """
     first = [question(subject, subject.names) for subject in known.subjects]
@@ -191,12 +195,15 @@ def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Jud
     suspects = [replace(one, names=names) for one in first if (names := tuple(name for name in one.names if suspected(one.sides[name])))]
     say(f"more blocks of {', '.join([name for one in suspects for name in one.names] + ['the planted slowdown'])}")
     chosen = known.to_plant_in(wanted)
-    planted = [question(chosen, chosen.names, "candidate", "planted")] if chosen else []
+    planted = [question(chosen, chosen.names, "not planted", "planted")] if chosen else []
+    itself = [question(chosen, chosen.names, "base", "base again")] if chosen else []
+    screen(itself, min(SCREENING, count))
     answer(suspects + planted, count, cases)
     judged = [judge(name, sides, cases) for name, sides in measured.items()]
-    runs = [measured, *(one.sides for one in planted)]
+    runs = [measured, *(one.sides for one in planted + itself)]
     if chosen:
-        judged = [replace(one, planted=compare(sides.candidate, sides.base, cases)) if (sides := runs[1].get(one.name)) else one for one in judged]
+        ratios = {one.slower: compare(sides.candidate, sides.base, cases) for one in planted + itself for sides in one.sides.values()}
+        judged = [replace(one, planted=ratios["planted"], itself=ratios["base again"]) if one.name == chosen.name else one for one in judged]
     doubted = {one.name for one in judged if one.alarms}
     if not doubted:
         return judged, runs
@@ -204,5 +211,5 @@ def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Jud
     again = [question(one.subject, names) for one in first if (names := tuple(name for name in one.names if name in doubted))]
     answer(again, count, len(doubted))
     second: Run = {name: sides for one in again for name, sides in one.sides.items()}
-    ratios = {name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()}
-    return [replace(one, second=ratios.get(one.name, NO_DATA)) for one in judged], [*runs, second]
+    again_ratios = {name: compare(sides.candidate, sides.base, len(second)) for name, sides in second.items()}
+    return [replace(one, second=again_ratios.get(one.name, NO_DATA)) for one in judged], [*runs, second]

@@ -2,9 +2,9 @@
 
 Other guests of a host slow a core by a half, for milliseconds or for seconds on end. One block after the other meets different disturbances;
 two that share a core have it in turns of a few milliseconds, by the system's own scheduler, and meet the same ones. CPU time is each one's own, and
-1 to 2 % longer than alone, since caches change hands; both pay that. On a busy host, of pairs that ran so, 28 to 31 of 32 showed a
-planted slowdown of 5 % as one of more than 3 % (nohd, guthe, kang, zheng), and 66 to 84 % of those of which one block followed the other. To stop one
-while the other runs, for 20 to 100 ms, was no better.
+1 to 2 % longer than alone, since caches change hands; both pay that, but for the last repeats of the one that ends last. On a busy host, of pairs
+that ran so, 88 to 97 % showed a planted slowdown of 5 % as one of more than 3 % (nohd, guthe, kang, zheng; 32 pairs of each), and 66 to 84 % of those
+of which one block followed the other. To stop one while the other runs, for 20 to 100 ms, was no better.
 """
 
 from __future__ import annotations
@@ -73,10 +73,13 @@ def together(jobs: Sequence[Job[T]]) -> list[T]:
     with ExitStack() as stack:
         running = [stack.enter_context(started(job)) for job in jobs]
         end = time.monotonic() + blocks.LIMIT
-        for one in running:
+        while left := [one for one in running if one.process.poll() is None]:
+            for job, one in zip(jobs, running, strict=True):
+                if one not in left:
+                    one.said(job.good)  # or why it failed
+            if time.monotonic() > end:
+                raise NotMeasured(f"no end within {blocks.LIMIT:.0f} s")
             with suppress(subprocess.TimeoutExpired):
-                one.process.wait(max(0.0, end - time.monotonic()))
-        if any(one.process.poll() is None for one in running):
-            raise NotMeasured(f"no end within {blocks.LIMIT:.0f} s")
+                left[0].process.wait(0.2)
         found = [job.read(one.said(job.good)) for job, one in zip(jobs, running, strict=True)]
     return found

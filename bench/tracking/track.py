@@ -5,7 +5,7 @@
 
 Tier 1, counters: those of the tracked cases (experiments/tracking.toml) are what bench/tracking/baseline.toml says. Tier 2, instructions:
 within half a per cent of it, under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
-blocks are measured in turn with those of this build, more of them where something looks slower; it tests itself by each build
+blocks are measured in pairs with those of this build, more of them where something looks slower; it tests itself by the base
 beside itself and by a planted slowdown of 5 %.
 
 Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, since the self-test of the times failed; 5: nothing
@@ -29,7 +29,7 @@ from analysis.shared.statistics import Estimate
 from analysis.shared.tables import number
 from bench.tracking import counted, progress, timed
 from bench.tracking.blocks import NotMeasured
-from bench.tracking.builds import Build, NotBuilt, build_of, commit_of, fetch, here
+from bench.tracking.builds import VERSIONS, Build, NotBuilt, build_of, commit_of, fetch, here
 from bench.tracking.cases import KERNELS, ROOT, Case, cases, chosen
 from bench.tracking.gate import LEAST, SCREENING, Judged, Verdict, verdict_of_times, whole
 from bench.tracking.places import Places
@@ -81,12 +81,14 @@ def ratio_text(ratio: Estimate) -> str:
 def table(judged: Sequence[Judged]) -> list[str]:
     """A line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = ["base / base: its second block in a turn over its first; shows: the smallest slowdown that would be an alarm after as many blocks",
-             f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  {'base / base':>22}  shows"]
+    lines = ["shows: the smallest slowdown that would be an alarm after as many blocks",
+             f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows"]
     for one in judged:
         word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
         lines.append(f"{one.name:{width}}  {number(1e3 * one.base_seconds):>9}  {one.ratio.n:>6}  {ratio_text(one.ratio):>22}  "
-                     f"{ratio_text(one.nulls[0]):>22}  {100 * one.sees:.1f} %  {word}".rstrip())
+                     f"{100 * one.sees:.1f} %  {word}".rstrip())
+        if one.itself.n:
+            lines.append(f"{'  the base beside itself':{width}}  {'':>9}  {one.itself.n:>6}  {ratio_text(one.itself):>22}")
         if one.planted.n:
             lines.append(f"{'  with 5 % planted':{width}}  {'':>9}  {one.planted.n:>6}  {ratio_text(one.planted):>22}")
         if one.second.n:
@@ -121,13 +123,13 @@ def base_of(task: Task) -> Build:
     return base
 
 
-def known_to_both(task: Task, base: Build, candidate: Build) -> timed.Known:
-    programs, kernel_programs, places = timed.programs_of(base, candidate), timed.kernels_of(base, candidate), Places(task.folder)
+def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> timed.Known:
+    programs, kernel_programs = timed.programs_of(base, candidate), timed.kernels_of(base, candidate)
     known = timed.Known()
     for case in task.cases:
-        known.add(timed.of_case(case, programs, places))
+        known.add(timed.of_case(case, programs, task.folder, places))
     if task.kernels and kernel_programs:
-        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, places))
+        known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder, places))
     elif task.kernels:
         known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
     return known
@@ -136,8 +138,9 @@ def known_to_both(task: Task, base: Build, candidate: Build) -> timed.Known:
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
-    with one_core():
-        known = known_to_both(task, base, candidate)
+    VERSIONS.mkdir(parents=True, exist_ok=True)  # programs run there: a folder for temporary files may forbid that
+    with tempfile.TemporaryDirectory(prefix="track-", dir=VERSIONS) as folder, one_core():
+        known = known_to_both(task, base, candidate, Places(Path(folder)))
         notes = known.left_out + known.broken
         try:
             judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))

@@ -2,7 +2,7 @@
 
     python3 -m bench.tracking.versions --base 74fa840 > results/reference/kernels_versions.csv
 
-Blocks in turn, as `hausbench track` takes them. What is compared is preparing (wall time) and solving (CPU time); both are of one thread.
+One block after the other, by turns. What is compared is preparing (wall time) and solving (CPU time); both are of one thread.
 """
 
 from __future__ import annotations

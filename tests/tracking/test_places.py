@@ -1,4 +1,4 @@
-"""Where blocks are measured: one path for both sides, another length for each pair."""
+"""Where blocks are measured: paths of one length for both sides, of another for each pair."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_both_sides_lie_under_paths_of_one_length(tmp_path: Path) -> None:
 
 def test_nothing_that_was_built_comes_along_and_nothing_of_the_tree_is_lost(tmp_path: Path) -> None:
     own = tree(tmp_path / "own")
-    with pytest.raises(KeyError), Places(tmp_path).root(own) as root:
+    with pytest.raises(KeyError), Places(tmp_path).root(own, 0) as root:
         assert not list((root / "build").iterdir()) and not (root / ".git").exists()
         (root / "build" / "left").touch()
         raise KeyError
@@ -40,6 +40,6 @@ def test_lengths_differ(tmp_path: Path) -> None:
     places, own, lengths = Places(tmp_path), tree(tmp_path / "own"), set()
     for _ in range(2000):
         places.move()
-        with places.root(own) as root:
+        with places.root(own, 0) as root:
             lengths.add(len(str(root)))
     assert len(lengths) == LENGTHS

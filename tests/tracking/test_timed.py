@@ -1,4 +1,4 @@
-"""Blocks in turn: which side runs when, and what is kept of it."""
+"""Pairs of blocks: which side runs when, and what is kept of it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from analysis.shared.statistics import order_statistic_rank
 from bench.tracking import timed
 from bench.tracking.blocks import Block, NotMeasured
 from bench.tracking.builds import Build
-from bench.tracking.cases import Case
+from bench.tracking.cases import ROOT, Case
+from bench.tracking.gate import Verdict, verdict_of_times
 from bench.tracking.places import Places
 from bench.tracking.timed import Known, Program, Subject, answer, judge_all, kernels_of, of_case, of_kernels, programs_of, question, screen
 
-SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
+PROGRAM = ROOT / "build/release/hausbench"
+
+SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0, "not planted": 1.0, "planted": 1.05}
 Calls = list[tuple[str, str]]
 
 
@@ -35,7 +38,7 @@ def subject(name: str, calls: Calls, seconds: dict[str, float] = SECONDS) -> Sub
 
 
 def slower(much: float, planted: float = 0.05) -> dict[str, float]:
-    return {"base": 1.0, "candidate": 1 + much, "planted": (1 + much) * (1 + planted)}
+    return SECONDS | {"candidate": 1 + much, "not planted": 1 + much, "planted": (1 + much) * (1 + planted)}
 
 
 def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
@@ -50,7 +53,7 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
 
 
 def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
-    """The same for both sides, so that what differs between pairs is no difference between sides."""
+    """Of one length for both sides, so that what differs between pairs is no difference between sides."""
     calls: Calls = []
     one = subject("a", calls)
     screen([question(Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
@@ -60,9 +63,9 @@ def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
 
 def test_a_plant_is_measured_beside_the_candidate() -> None:
     calls: Calls = []
-    one = question(subject("a", calls, slower(0.5)), ("a",), "candidate", "planted")
+    one = question(subject("a", calls, slower(0.5)), ("a",), "not planted", "planted")
     answer([one], 6, 1)
-    assert {call[1] for call in calls} == {"candidate", "planted"}
+    assert {call[1] for call in calls} == {"not planted", "planted"}
     assert one.sides["a"].candidate[0] / one.sides["a"].base[0] == pytest.approx(1.05, abs=1e-4)
 
 
@@ -72,10 +75,12 @@ def test_only_what_alarms_runs_again() -> None:
     asked = [call[0] for call in calls]
     by_name = {one.name: one for one in judged}
     assert by_name["slow"].red and not by_name["fine"].alarms
-    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["slow"]], "the first run, the plant, the second run"
+    assert [sorted(run) for run in runs] == [["fine", "slow"], ["fine"], ["fine"], ["slow"]], "the first run, the plant, the base itself, the second run"
     pairs = [[len(sides.base) for sides in run.values()] for run in runs]
-    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] and asked.count("slow") == 48 + 2 * pairs[2][0]
-    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[2][0]
+    assert pairs[0] == [24, 24] and asked.count("fine") == 48 + 2 * pairs[1][0] + 48 and asked.count("slow") == 48 + 2 * pairs[3][0]
+    assert by_name["fine"].planted.n == pairs[1][0] and by_name["slow"].second.n == pairs[3][0]
+    assert by_name["fine"].itself.n == pairs[2][0] == 24 and not by_name["slow"].itself.n
+    assert calls.count(("fine", "base again")) == 24, "beside as many of the base"
 
 
 def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
@@ -89,7 +94,17 @@ def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() ->
     assert [one.planted.n for one in judged] == [0, judged[3].ratio.n, 0, 0]
     assert [one.name for one in judged if one.red] == ["slow"] and all(one.ratio.coverage >= 1 - 0.05 / 4 for one in judged)
     assert judged[3].second.n == 2 * math.ceil((73 - order_statistic_rank(72, 0.95)) / 2), "of one case alone, fewer blocks decide it"
-    assert said == ["more blocks of doubtful, slow, the planted slowdown", "a second run of slow"] and len(runs) == 3
+    assert said == ["more blocks of doubtful, slow, the planted slowdown", "a second run of slow"] and len(runs) == 4
+
+
+def test_a_way_of_measuring_that_favours_a_side_spoils_the_verdict() -> None:
+    """The second of two sides that are measured together is slower by 6 %, whatever it is."""
+    def blocks(sides: Sequence[str], names: Sequence[str]) -> list[dict[str, float]]:
+        return [{"case": SECONDS[side] * (1.06 if side in ("candidate", "base again", "planted") else 1)} for side in sides]
+
+    judged, _ = judge_all(Known([Subject("case", ("case",), blocks, {"base": "shapes"})]), "case", 24, lambda line: None)
+    verdict, reasons = verdict_of_times(judged)
+    assert judged[0].red and verdict is Verdict.inconclusive and "1.060 times as slow as itself" in reasons[0]
 
 
 def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
@@ -193,18 +208,21 @@ def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.M
         (tmp_path / f"{name} tree" / name).touch()
     old, new = (Program(tmp_path / f"{name}-program", tmp_path / f"{name} tree") for name in ("old", "new"))
     places = Places(tmp_path)
-    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new}, places)
+    one = of_case(Case("case", {"repeats": 3}), {"base": old, "candidate": new, "planted": new, "not planted": new}, tmp_path, places)
     assert one.block("base") == {"case": seconds}
     one.move()
     assert one.blocks(["candidate", "planted"], ()) == [{"case": 2 * seconds}, {"case": 3 * seconds}]
     assert asked == [("old-program", 3, 0), ("new-program", repeats, 0), ("new-program", repeats, 0.05)]
-    assert one.shapes == {"base": "shapes", "candidate": "shapes", "planted": "shapes"} and one.move == places.move
+    one.blocks(["not planted"], ())
+    assert asked[3] == ("new-program", repeats, 1e-9), "with the options of a plant"
+    assert one.shapes == dict.fromkeys(("base", "candidate", "planted", "not planted"), "shapes") and one.move == places.move
 
 
 def test_programs_and_kernels_know_their_trees() -> None:
     old, new = Build("a", Path("old"), None, Path("1")), Build("b", Path("new"), Path("bench"), Path("2"))
     programs = programs_of(old, new)
-    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == programs["planted"] == Program(Path("new"), Path("2"))
+    assert programs["base"] == Program(Path("old"), Path("1")) and programs["candidate"] == programs["planted"] == programs["not planted"] == Program(Path("new"), Path("2"))
+    assert programs["base again"] == programs["base"]
     assert kernels_of(old, new) == kernels_of(new, old) == {}, "kernels need both builds"
     assert kernels_of(new, new) == {"base": Program(Path("bench"), Path("2")), "candidate": Program(Path("bench"), Path("2"))}
 
@@ -227,6 +245,21 @@ def test_kernels_of_both_sides_are_measured_at_once(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(timed, "job_of_kernels", job_of_kernels)
     monkeypatch.setattr(timed, "together", together)
     programs = {"base": Program(tmp_path / "old", trees[0]), "candidate": Program(tmp_path / "new", trees[1])}
-    kernels = of_kernels(["a", "b"], programs, places)
+    kernels = of_kernels(["a", "b"], programs, tmp_path, places)
     assert kernels.names == ("a", "b") and kernels.move == places.move
     assert kernels.blocks(["candidate", "base"], ["b"]) == [{"bnew": 1.0}, {"bold": 1.0}]
+
+
+@pytest.mark.skipif(not PROGRAM.is_file(), reason="the program is not built")
+def test_two_programs_measure_a_pair(tmp_path: Path) -> None:
+    """Of generated models, beside each other, each in a place that is gone afterwards."""
+    scene = {"name": "spheres", "source": "sphere2", "target": "sphere3"}
+    case = Case("guthe on spheres", {"title": "t", "tolerances": [1e-4], "of": "diagonal", "repeats": 2, "rounds": 1, "scene": [scene],
+                                     "solver": [{"name": "guthe"}]})
+    programs = dict.fromkeys(("base", "candidate"), Program(PROGRAM, ROOT))
+    for name in ("cases", "places"):
+        (tmp_path / name).mkdir()
+    one = of_case(case, programs, tmp_path / "cases", Places(tmp_path / "places"))
+    found = one.blocks(["base", "candidate"], ())
+    assert all(0 < seconds["guthe on spheres"] < 5 for seconds in found) and one.shapes["base"] == one.shapes["candidate"]
+    assert not [file for name in ("cases", "places") for file in (tmp_path / name).iterdir()]

@@ -48,12 +48,24 @@ def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
 
 
 def test_one_that_fails_is_not_measured_and_the_other_is_ended(tmp_path: Path) -> None:
-    with pytest.raises(NotMeasured, match="exit code 2: unknown solver"):
-        together([job(tmp_path, "sh", "-c", "echo unknown solver >&2; exit 2"), job(tmp_path, "echo", "fine")])
     begun = time.monotonic()
+    sleeping, failing = ["sh", "-c", "echo $$ > pid; exec sleep 60"], ["sh", "-c", "while ! [ -s pid ]; do sleep 0.01; done; echo unknown solver >&2; exit 2"]
+    for jobs in ([sleeping, failing], [failing, sleeping]):
+        with pytest.raises(NotMeasured, match="exit code 2: unknown solver"):
+            together([job(tmp_path, *words) for words in jobs])
+        assert not Path(f"/proc/{(tmp_path / 'pid').read_text().strip()}").exists()
+        (tmp_path / "pid").unlink()
     with pytest.raises(NotMeasured, match="none does not run: No such file"):
         together([job(tmp_path, "sleep", "60"), job(tmp_path, str(tmp_path / "none"))])
     assert time.monotonic() - begun < 30
+
+
+def test_each_has_the_root_of_its_own_tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And none that was meant for another program."""
+    monkeypatch.setenv("HAUSBENCH_ROOT", "another")
+    say = ["sh", "-c", "echo root $HAUSBENCH_ROOT"]
+    jobs = [Job(say, tmp_path, str.strip, root=root) for root in (tmp_path / "1", tmp_path / "2", None)]
+    assert together(jobs) == [f"root {tmp_path / '1'}", f"root {tmp_path / '2'}", "root"]
 
 
 def test_programs_that_hang_are_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,7 +35,7 @@ def each(side: Callable[[str, Sequence[str]], dict[str, float]]) -> Callable[[Se
     return lambda sides, names: [side(which, names) for which in sides]
 
 
-SECONDS = {"base": 1.0, "candidate": 1.0, "planted": 1.05}
+SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0, "not planted": 1.0, "planted": 1.05}
 
 
 def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, instructions: Verdict = Verdict.passed,
@@ -43,7 +43,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
     """Every tier as it is, but for what measures; and what it was asked for."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
-    def of_case(case: Case, programs: dict[str, timed.Program], places: Places) -> Subject:
+    def of_case(case: Case, programs: dict[str, timed.Program], folder: Path, places: Places) -> Subject:
         def side(which: str, _: Sequence[str]) -> dict[str, float]:
             asked["planted"] += [case.name] if which == "planted" else []
             return {case.name: seconds[which]}
@@ -51,7 +51,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
         asked["timed"].append(case.name)
         return Subject(case.name, (case.name,), each(side), shapes={"base": "s"})
 
-    def of_kernels(names: list[str], programs: dict[str, timed.Program], places: Places) -> Subject:
+    def of_kernels(names: list[str], programs: dict[str, timed.Program], folder: Path, places: Places) -> Subject:
         asked["timed"] += names
         return Subject("kernels", tuple(names), lambda sides, some: [dict.fromkeys(some, 1.0) for _ in sides])
 
@@ -74,7 +74,7 @@ def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, i
 
 
 def slower(candidate: float, planted: float = 1.05) -> dict[str, float]:
-    return {"base": 1.0, "candidate": candidate, "planted": candidate * planted}
+    return SECONDS | {"candidate": candidate, "not planted": candidate, "planted": candidate * planted}
 
 
 @pytest.mark.parametrize(("counters", "instructions", "seconds", "code", "word"), [
@@ -139,7 +139,7 @@ def test_a_case_that_this_build_alone_fails_at_is_red(monkeypatch: pytest.Monkey
             raise NotMeasured("time_limit: not within 20 s")
         return {"guthe on mesh to its half": 1.0}
 
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places: Subject(case.name, (case.name,), each(side)))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, places: Subject(case.name, (case.name,), each(side)))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 3
     assert "this build does not: time_limit" in capsys.readouterr().out
 
@@ -154,7 +154,7 @@ def test_a_block_that_fails_is_inconclusive(monkeypatch: pytest.MonkeyPatch, wor
         return {"guthe on mesh to its half": 1.0}
 
     tiers(monkeypatch)
-    monkeypatch.setattr(timed, "of_case", lambda case, programs, places: Subject(case.name, (case.name,), each(side), shapes={"base": "s"}))
+    monkeypatch.setattr(timed, "of_case", lambda case, programs, folder, places: Subject(case.name, (case.name,), each(side), shapes={"base": "s"}))
     assert track.main([*words, "--tiers", "time", "--case", "guthe"]) == 4
     assert "a block failed" in capsys.readouterr().out
 
@@ -170,7 +170,8 @@ def test_a_second_run_is_in_the_table_and_in_the_record(monkeypatch: pytest.Monk
                                                         capsys: pytest.CaptureFixture[str]) -> None:
     tiers(monkeypatch, seconds=slower(1.1))
     assert track.main([*words, "--tiers", "time", "--case", "naive", "--blocks", "24"]) == 3
-    assert "in a second run" in capsys.readouterr().out and len(json.loads((tmp_path / "record.json").read_text())["runs"]) == 3
+    out = capsys.readouterr().out
+    assert "in a second run" in out and "the base beside itself" in out and len(json.loads((tmp_path / "record.json").read_text())["runs"]) == 4
 
 
 def test_an_update_writes_the_baseline_and_no_times(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str]) -> None:
