@@ -214,8 +214,8 @@ private:
         if (parts > parts_left_)
             refuse_at(
                 node.type,
-                fmt::format("USE repeats what DEF names so often that it is more than {} points for each byte of the "
-                            "file: write fewer of them",
+                fmt::format("USE repeats what DEF names so often that it is more than {} nodes, points and corners "
+                            "for each byte of the file: write fewer of them",
                             parts_a_byte));
         parts_left_ -= parts;
     }

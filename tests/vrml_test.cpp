@@ -307,7 +307,7 @@ TEST_F(Vrml, ASmallFileMayRepeatSome) {
         return text;
     };
     EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is drawn where it is defined, too
-    refused(head + doubled(17), {"USE repeats", "200 points for each byte"});
+    refused(head + doubled(17), {"USE repeats", "200 nodes, points and corners for each byte"});
 }
 
 }  // namespace

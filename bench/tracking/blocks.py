@@ -142,8 +142,8 @@ def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, ro
             left.unlink()
 
 
-def measure(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Block:
-    with job_of_case(program, case, folder, slowdown, root) as job:
+def measure(program: Path, case: Case, folder: Path, slowdown: float = 0) -> Block:
+    with job_of_case(program, case, folder, slowdown) as job:
         return job.alone()
 
 

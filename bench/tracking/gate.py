@@ -26,7 +26,7 @@ from analysis.shared.statistics import NO_DATA, Estimate, order_statistic_rank, 
 LEAST = 0.03  # a slowdown of less is no alarm
 PLANTED = 0.05  # of the solve time: what the gate must see to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
-SCREENING = 24  # blocks of each side: twice what the confidence that some dozen cases need takes at least
+SCREENING = 24  # blocks of each side; half as many would give the confidence that some dozen cases need
 SUSPECT = 0.02  # a median ratio of less is no reason to look closer; an alarm has a median above LEAST
 
 

@@ -1,20 +1,23 @@
-"""Tier 3: base and candidate side by side, each block a fresh process, and the self-test in the same blocks."""
+"""Tier 3: pairs of blocks of base and candidate, each block a fresh process, and the pairs of the self-test."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 from analysis.shared.statistics import NO_DATA
-from bench.tracking.blocks import NotMeasured, job_of_case, job_of_kernels
+from bench.tracking.blocks import Job, NotMeasured, job_of_case, job_of_kernels
 from bench.tracking.builds import Build
 from bench.tracking.cases import Case
 from bench.tracking.gate import PLANTED, SCREENING, Judged, Sides, compare, decided, judge, suspected
 from bench.tracking.places import Places
 from bench.tracking.progress import Progress
 from bench.tracking.together import together
+
+T = TypeVar("T")
 
 # What the repeats of a block take together, so that a solve of 0.2 ms has many turns on the core that it shares. A process takes 0.13 s by itself.
 SECONDS_OF_REPEATS = 0.05
@@ -29,8 +32,8 @@ Say = Callable[[str], None]
 @dataclass(frozen=True)
 class Subject:
     """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides at once, of these names:
-    seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the
-    next blocks, of either side, are measured under paths of another length.
+    seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the next blocks, of either side, are
+    measured under paths of another length.
     """
 
     name: str
@@ -63,17 +66,25 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
     return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
 
 
+def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
+            job: Callable[[str, Path, Path], AbstractContextManager[Job[T]]]) -> list[T]:
+    """What the job of each side gives, all at the same time; `job` has the side, its program and the place for it."""
+    with ExitStack() as stack:
+        jobs = []
+        for number, side in enumerate(sides):
+            root = stack.enter_context(places.root(programs[side].tree, number))
+            jobs.append(stack.enter_context(job(side, programs[side].file, root)))
+        found = together(jobs)
+    return found
+
+
 def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
     """Its first block, with the repeats of the experiment, decides how many the later ones have, on all sides alike."""
     asked = [case]
     shapes: dict[str, str] = {}
 
     def blocks(sides: Sequence[str], _: Sequence[str]) -> list[dict[str, float]]:
-        with ExitStack() as stack:
-            roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-            jobs = [stack.enter_context(job_of_case(programs[side].file, asked[0], folder, BURNS.get(side, 0), root))
-                    for side, root in zip(sides, roots)]
-            found = together(jobs)
+        found = at_once(sides, programs, places, lambda side, program, root: job_of_case(program, asked[0], folder, BURNS.get(side, 0), root))
         shapes.update({side: block.shapes for side, block in zip(sides, found)})
         if asked[0] is case:
             repeats = max(int(case.experiment["repeats"]), min(MOST_REPEATS, round(SECONDS_OF_REPEATS / found[0].cpu)))
@@ -85,11 +96,7 @@ def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Plac
 
 def of_kernels(names: Sequence[str], programs: dict[str, Program], folder: Path, places: Places) -> Subject:
     def blocks(sides: Sequence[str], some: Sequence[str]) -> list[dict[str, float]]:
-        with ExitStack() as stack:
-            roots = [stack.enter_context(places.root(programs[side].tree, number)) for number, side in enumerate(sides)]
-            jobs = [stack.enter_context(job_of_kernels(programs[side].file, list(some), folder, root)) for side, root in zip(sides, roots)]
-            found = together(jobs)
-        return found
+        return at_once(sides, programs, places, lambda _, program, root: job_of_kernels(program, list(some), folder, root))
 
     return Subject("kernels", tuple(names), blocks, move=places.move)
 
@@ -185,8 +192,7 @@ Run = dict[str, Sides]
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
     """SCREENING blocks of every case; up to `count` of those that are suspected, and of a plant, in the case `wanted` if it is there, where
     the base is beside itself too; then a second run of those that alarm. And what was measured: the first run, the plant, the base beside
-    itself, the second run. The second run is
-    independent of the first, which chose its cases, so its intervals need the confidence of so few.
+    itself, the second run. The second run is independent of the first, which chose its cases, so its intervals need the confidence of so few.
     """
     first = [question(subject, subject.names) for subject in known.subjects]
     screen(first, min(SCREENING, count))
