@@ -67,7 +67,7 @@ help:
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
-	@echo 'make asan-kernels the kernel and contract tests alone, the same way; .ci/run runs them too'
+	@echo 'make asan-kernels the tests of kernels, contracts and cover alone, the same way; .ci/run runs them too'
 	@echo 'make tsan         the session and contract tests under the thread sanitizer, which must find a planted race'
 	@echo 'make fuzz         fuzz targets, FUZZ_SECONDS each; what they find accumulates in build/fuzz (python3 tests/fuzz/report.py)'
 	@echo 'make fuzz-short   the kept inputs of all fuzz targets, then a few seconds each; .ci/run runs it too'
@@ -247,12 +247,12 @@ asan: build/asan/build.ninja
 	$(call compile,asan,all)
 	ctest --preset asan -j $(JOBS)
 
-# What reads memory by index, and every solver once: a few minutes to build.
-KERNEL_TESTS = $(shell sed -nE 's/^hausbench_test.((kernel|solver_contract)_[a-z_]*).*/\1/p' tests/CMakeLists.txt)
+# What reads memory by index, on every instruction set, and every solver once: a few minutes to build.
+KERNEL_TESTS = $(shell sed -nE 's/^hausbench_test.((kernel|solver_contract|cover)_[a-z_]*).*/\1/p' tests/CMakeLists.txt)
 
 asan-kernels: build/asan/build.ninja
 	$(call compile,asan,$(KERNEL_TESTS))
-	ctest --preset asan -j $(JOBS) --no-tests=error -R '^(kernel_.*|solver_contract)_test$$'
+	ctest --preset asan -j $(JOBS) --no-tests=error -R '^(kernel_.*|solver_contract|cover)_test$$'
 
 # Sessions that several threads share. `planted_race` is a race, and passes only where the sanitizer reports it. What is left out by
 # --gtest_filter has no threads, and would take minutes.

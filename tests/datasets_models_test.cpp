@@ -571,7 +571,7 @@ TEST_F(Manifest, TheCorpusAddsItsMeshesAndWhatItsRulesDerive) {
     EXPECT_EQ(all.find("ball_half").recipe, "weld");
     EXPECT_FALSE(all.find("ball").of_corpus);
     EXPECT_TRUE(all.find("cube").of_corpus && !all.find("cube").by_rule() && all.find("cube_half").by_rule());
-    const auto& halved = std::get<ResolvedModel>(all.resolve("cube_half"));
+    const auto halved = std::get<ResolvedModel>(all.resolve("cube_half"));
     EXPECT_EQ(halved.elements, 96);
     EXPECT_GT(std::get<ResolvedModel>(all.resolve("cube_remeshed")).elements, 10'000);  // edges of 0.017
     // By hand it is the same shape, under the same key.

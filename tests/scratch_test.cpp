@@ -34,9 +34,9 @@ namespace fs = std::filesystem;
     try {
         const ScratchFolder second("worker");
     } catch (const InputError& error) {
+        ::setrlimit(RLIMIT_NOFILE, &before);  // sanitizers need a descriptor to look at the error
         said = error.what();
     }
-    ::setrlimit(RLIMIT_NOFILE, &before);
     const bool told = said.find("TMPDIR") != std::string::npos && said.find("opened") != std::string::npos;
     ::_exit(!told ? 3 : fs::is_empty(temporary) ? 0 : 4);
 }

@@ -206,13 +206,14 @@ template <class T> void Engine<T>::keep_few() {
     using D = FrameLanes<T>;
     const D d;
     const std::size_t lanes = hn::Lanes(d), count = all_.count();
+    constexpr std::size_t least_lanes = HWY_HAVE_SCALABLE ? 1 : hn::MaxLanes(D());
     if (exact || all_.frames != &c_.near || count <= 2 * frames_width) return;
     find_centre();
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    std::array<std::uint8_t, 8 * NearTriangles<T>::most_triangles / frames_width>
-        bits{};  // of each vector, 8 bytes apart
+    // Two bytes for each vector, of which eight may be read.
+    std::array<std::uint8_t, 2 * NearTriangles<T>::most_triangles / least_lanes + 6> bits{};
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
         unsigned near = mask_bits<T>(hn::Le(hn::LoadU(d, c_.squares(centre_row) + k), hn::Set(d, far * far)));
