@@ -140,9 +140,9 @@ def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None
         return
     first, last = severities[0], severities[-1]
     if first > 0:
-        ax.set_xscale("log")
         room = (last / first) ** 0.06
         ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are no doubles
+        ax.set_xscale("log")  # after the limits, or it would look for some, beyond doubles
         if last / first >= 1e30:  # the locators of logarithmic axes look beyond the axis, where there are no doubles
             shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)
             ax.xaxis.set_major_locator(FixedLocator(shown))

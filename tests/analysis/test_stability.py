@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -325,6 +326,19 @@ def test_error_figure_draws_zeros_wrong_points_and_letters(tmp_path: Path, monke
     assert sorted(text.get_text() for text in wrong.texts) == ["H", "∞"]
     guide = next(line for line in gaps.lines if len(line.get_xdata()) == 2 and line.get_color() == "black")
     assert list(guide.get_ydata()) == pytest.approx([40 * U / 2] * 2)
+    plt.close(figure)
+
+
+def test_severities_near_the_largest_doubles_are_drawn_without_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sweeps = Sweeps()
+    sweeps.family("scale, large", "mesh", [10.0, 1e120, 1e300])
+    sweeps.family("scale, small", "mesh", [0.1, 1e-120, 1e-300])
+    suite = written(sweeps, tmp_path, monkeypatch)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        figure = stability_error.draw(suite, suite.families)
+        figure.savefig(tmp_path / "figure.png")
+    assert all(math.isfinite(x) and x > 0 for ax in figure.axes for x in ax.get_xlim())
     plt.close(figure)
 
 
