@@ -292,7 +292,7 @@ bool made_in_a_process(const std::string& operation) { return operation == "simp
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers) {
     check_numbers(where, operation, numbers);
     if (operation.name == "simplify" && numbers.size() != 1)
-        throw InputError(where + ": simplify needs one of 'ratio' and 'triangles'");
+        throw InputError(one_line(where + ": simplify needs one of 'ratio' and 'triangles'"));
 }
 
 LoadedShape derive(const std::string& operation, const Numbers& numbers, const LoadedShape& origin) {

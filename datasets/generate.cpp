@@ -230,31 +230,36 @@ const std::vector<Recipe>& recipes() {
     return list;
 }
 
+namespace {
+
+// Names and places may come from texts with line breaks.
+[[noreturn]] void refuse(std::string why) { throw InputError(one_line(std::move(why))); }
+
+}  // namespace
+
 const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what) {
     for (const Recipe& recipe : list)
         if (recipe.name == name) return recipe;
-    throw InputError(fmt::format("{} '{}'{}", what, name, nearest_hint(name, names_of(list))));
+    refuse(fmt::format("{} '{}'{}", what, name, nearest_hint(name, names_of(list))));
 }
 
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers) {
     const std::vector<std::string> known = names_of(recipe.numbers);
     for (const auto& [name, value] : numbers)
         if (std::find(known.begin(), known.end(), name) == known.end())
-            throw InputError(
-                fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
+            refuse(fmt::format("{}: {} takes no number '{}'{}", where, recipe.name, name, nearest_hint(name, known)));
     for (const NumberSpec& spec : recipe.numbers) {
         const auto found = numbers.find(spec.name);
         if (found == numbers.end()) {
-            if (spec.required)
-                throw InputError(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
+            if (spec.required) refuse(fmt::format("{}: {} needs the number '{}'", where, recipe.name, spec.name));
             continue;
         }
         const double value = found->second;
         if (!(value >= spec.least && value <= spec.most))
-            throw InputError(
+            refuse(
                 fmt::format("{}: {} is {}, but must lie in {} .. {}", where, spec.name, value, spec.least, spec.most));
         if (spec.whole && value != std::floor(value))
-            throw InputError(fmt::format("{}: {} is {}, but must be a whole number", where, spec.name, value));
+            refuse(fmt::format("{}: {} is {}, but must be a whole number", where, spec.name, value));
     }
 }
 

@@ -491,6 +491,8 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.bunny]\nsource = 3\n", {"line 2", "must be a text"});
     expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'bal'\noperation = 'weld'\n",
            {"'half'", "'bal'", "did you mean 'ball'"});
+    expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = \"we\\nld\"\n",
+           {"unknown operation 'we ld'", "did you mean 'weld'?"});  // one line
     expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\n",
            {"one of 'ratio' and 'triangles'"});
     expect(
