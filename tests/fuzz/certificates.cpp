@@ -1,12 +1,15 @@
 // Bytes as a certificate of small fixed scenes. Whatever they are, the bound that the checker finds must hold: it is held against the exact
-// distances of points of A. The first byte chooses the scene, the next two `proven`.
+// distances of points of A. The first byte chooses the scene, the next two `proven`. Where it is 255, the rest is a certificate file; where
+// it is 254, one that gets the seal that fits, of the scene that the next byte chooses.
 #include "check/certificate_check.h"
 #include "check/certificate_file.h"
 #include "exact.h"
 #include "exact_distance.h"
+#include "hash.h"
 #include "kernel/triangle.h"
 #include "memory_file.h"
 #include "scenes.h"
+#include "shape_file.h"
 #include "target.h"
 
 #include <cmath>
@@ -59,12 +62,45 @@ const std::vector<Known>& scenes() {
     return all;
 }
 
+std::string sealed(std::string_view bytes) {
+    return std::string(bytes) + "\nsha256 " + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
+}
+
+// What a terminal may get: no control characters, of which U+0080 to U+009F are two bytes.
+void expect_plain(std::string_view text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto c = static_cast<unsigned char>(text[i]);
+        const bool second = c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0;
+        expect((c >= 0x20 && c != 0x7f && !second) || c == '\n', "a control character is printed");
+    }
+}
+
+// Whatever a file says of the scene, what is accepted of it holds, and what is printed of it is plain text.
+void verify_file(CertificateFile content, const Known& one) {
+    content.source.sha256 = content_hash(one.scene.source);  // else every file would be of other shapes
+    content.target.sha256 = content_hash(one.scene.target);
+    const CertificateVerdict verdict = verify_certificate(content, one.scene.source, one.scene.target);
+    expect(verdict.accepted == verdict.refusal.empty(), "neither accepted nor refused");
+    expect_plain(describe(content, verdict));
+    // A pose rounds the points that the exact distance is of.
+    if (!verdict.accepted || !content.source.pose.is_identity() || !content.target.pose.is_identity()) return;
+    const Rational proven = verdict.proven;
+    expect(proven * proven >= one.squared, "accepted, although the bound does not hold");
+    expect(content.bounds.lower <= verdict.proven, "accepted, although the lower bound does not hold");
+    expect(verdict.proven <= content.bounds.upper + 1e-11, "accepted, although the upper bound is not proven");
+}
+
 void certificates(std::string_view bytes) {
     Bytes in(bytes);
     const std::uint32_t choice = in.byte();
-    if (choice == 255) {  // a file
+    if (choice >= 254) {
         try {
-            read_certificate(MemoryFile(in.rest()).path());
+            if (choice == 255) {
+                read_certificate(MemoryFile(in.rest()).path());
+            } else {
+                const Known& one = scenes()[in.byte() % scenes().size()];
+                verify_file(read_certificate(MemoryFile(sealed(in.rest())).path()), one);
+            }
         } catch (const InputError& error) {
             expect_one_line(error);
         }

@@ -1,9 +1,13 @@
-// Files that people write: experiments, the manifest, surfaces. The first byte chooses which; the rest is the file.
+// Files that people write: experiments, the manifest, surfaces, poses and recordings. The first byte chooses which; the rest is the file.
 #include "catalogue.h"
 #include "memory_file.h"
 #include "plan/experiment.h"
+#include "plan/motion.h"
+#include "plan/recording.h"
 #include "surface_file.h"
 #include "target.h"
+
+#include <algorithm>
 
 namespace hausbench::fuzz {
 namespace {
@@ -27,11 +31,41 @@ void read(std::uint32_t kind, const std::filesystem::path& file) {
     }
 }
 
+void read_motion(const std::filesystem::path& file) {
+    for (const Pose& pose : poses_of(PoseFile{file}, PointSet{Points::Zero(1, 3)}))
+        expect(pose.rotation.allFinite() && pose.translation.allFinite(), "a pose that is not finite");
+}
+
+void read_frames(const std::filesystem::path& file) {
+    const Recording recording = read_recording(file);
+    expect(!recording.pairs.empty(), "a recording that asks for nothing");
+    for (const Recording::Pair& pair : recording.pairs) {
+        expect(!pair.frames.empty() && pair.source_poses.size() == pair.frames.size() &&
+                   pair.target_poses.size() == pair.frames.size(),
+               "a frame without its poses");
+        expect(std::is_sorted(pair.frames.begin(), pair.frames.end()) && pair.frames.front() >= 0 &&
+                   pair.frames.back() < recording.frames,
+               "frames that are not of the recording");
+        for (const auto* poses : {&pair.source_poses, &pair.target_poses}) {
+            for (const Pose& pose : *poses) {
+                const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
+                expect(off.cwiseAbs().maxCoeff() < 1e-14 && pose.translation.allFinite(), "a pose that is no rotation");
+            }
+        }
+    }
+}
+
 void experiments(std::string_view bytes) {
     if (bytes.empty()) return;
+    const auto kind = static_cast<std::uint8_t>(bytes[0]);
     const MemoryFile file(bytes.substr(1));
     try {
-        read(static_cast<std::uint8_t>(bytes[0]) % 4U, file.path());
+        if (kind == 'P')
+            read_motion(file.path());
+        else if (kind == 'R')
+            read_frames(file.path());
+        else
+            read(kind % 4U, file.path());
     } catch (const InputError& error) {
         expect_one_line(error);
     }

@@ -27,7 +27,7 @@ KEPT = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
 TARGETS = ["certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"]
 # Longest inputs, in bytes: what a target can make use of.
-LENGTHS = {"differential": 600, "kernels": 256, "polynomials": 220, "certificates": 1000, "results": 600}
+LENGTHS = {"differential": 600, "kernels": 256, "polynomials": 220, "certificates": 2000, "results": 600}
 # Executions of a short run: less than ten seconds on an idle machine.
 SHORT = {"certificates": 3000, "differential": 300, "experiments": 2000, "journals": 2000, "kernels": 5000,
          "polynomials": 2000, "readers": 20000, "results": 300}
