@@ -1,4 +1,5 @@
-"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`.
+"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`. Corpus, edges and features
+are those after the last run of each target.
 
 By default of results/reference/fuzzing.jsonl, the runs that are kept, and of build/fuzz/totals.jsonl, those since; add these to the former
 (>>) once they are done. A line may sum up several `runs`.
@@ -23,11 +24,12 @@ def table(records: list[dict[str, str | int | float]]) -> list[str]:
         def total(key: str) -> float:
             return sum(float(record[key]) for record in of)
 
-        def most(key: str) -> int:
-            return max(int(record[key]) for record in of)
+        def last(key: str) -> int:
+            """Of the target as it is now: earlier ones had other edges."""
+            return int(of[-1][key])
 
-        lines.append(f"| {target} | {sum(int(record.get('runs', 1)) for record in of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {most('corpus'):,} | "
-                     f"{most('coverage'):,} | {most('features'):,} | {int(total('failed'))} |")
+        lines.append(f"| {target} | {sum(int(record.get('runs', 1)) for record in of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {last('corpus'):,} | "
+                     f"{last('coverage'):,} | {last('features'):,} | {int(total('failed'))} |")
     return lines
 
 
