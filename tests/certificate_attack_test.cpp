@@ -5,10 +5,10 @@
 #include "certificate_exact.h"
 #include "check/certificate_file.h"
 #include "error.h"
-#include "hash.h"
 #include "quick_options.h"
 #include "registry.h"
 #include "scenes.h"
+#include "seal.h"
 #include "session.h"
 #include "shape_file.h"
 #include "small_scenes.h"
@@ -249,11 +249,11 @@ TEST(CertificateAttack, NoResealedFileProvesWhatIsFalse) {
         write_certificate(file, truth->file);
         std::ifstream in(file, std::ios::binary);
         std::string whole{std::istreambuf_iterator<char>(in), {}};
-        whole.resize(whole.size() - 73);
+        whole.resize(whole.size() - seal_bytes);
         for (int k = 0; k < 20; ++k, ++tried) {
             std::string bad = whole;
             change_bytes(bad, whole, random);
-            bad += "\nsha256 " + Sha256().add(bad.data(), bad.size()).hex() + '\n';
+            bad = sealed(bad);
             std::ofstream(file, std::ios::binary).write(bad.data(), std::ptrdiff_t(bad.size()));
             try {
                 const CertificateFile read = read_certificate(file);

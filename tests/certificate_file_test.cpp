@@ -3,8 +3,8 @@
 
 #include "certificates.h"
 #include "error.h"
-#include "hash.h"
 #include "scenes.h"
+#include "seal.h"
 #include "shape_file.h"
 #include "temporary_folder.h"
 
@@ -105,10 +105,7 @@ TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
     write_certificate(file, proof_of(Quantity::directed));
-    const std::string good = bytes_of(file), content = good.substr(0, good.size() - 73);
-    const auto sealed = [](const std::string& bytes) {
-        return bytes + "\nsha256 " + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
-    };
+    const std::string good = bytes_of(file), content = good.substr(0, good.size() - seal_bytes);
     EXPECT_EQ(sealed(content), good);
     EXPECT_NE(problem_of(file, sealed(content + "x")).find("it goes on after its last certificate"), std::string::npos);
     EXPECT_NE(problem_of(file, sealed(content.substr(0, content.size() - 1))).find("it ends too early"),
@@ -120,13 +117,13 @@ TEST(CertificateFile, WhatAKeyMayHold) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
     write_certificate(file, proof_of(Quantity::directed));
-    const std::string good = bytes_of(file), content = good.substr(0, good.size() - 73);
+    const std::string good = bytes_of(file), content = good.substr(0, good.size() - seal_bytes);
     const auto after = [&](const std::string& text, const std::string& other) {
         std::string changed = content;
         const std::size_t at = changed.find(text);
         EXPECT_NE(at, std::string::npos) << text;
         changed.replace(at, text.size(), other);
-        return problem_of(file, changed + "\nsha256 " + Sha256().add(changed.data(), changed.size()).hex() + '\n');
+        return problem_of(file, sealed(changed));
     };
     EXPECT_EQ(after("\"tolerance\":0.001", "\"tolerance\":1"), "");
     const char* refused[][2] = {{"\"bytes\":1", "\"bytes\":1.0"},
@@ -196,7 +193,7 @@ TEST(CertificateFile, NoChangedByteIsRead) {
         write_certificate(file, c);
         const std::string good = bytes_of(file);
         ASSERT_EQ(problem_of(file, good), "");
-        const std::size_t step = good.size() < 5000 ? 1 : 4999, seal = good.size() - 73;
+        const std::size_t step = good.size() < 5000 ? 1 : 4999, seal = good.size() - seal_bytes;
         for (std::size_t at = 0; at < good.size(); at += step) {
             std::string bad = good;
             bad[at] = char(bad[at] ^ (1 << at / step % 8));

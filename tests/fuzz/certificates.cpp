@@ -1,14 +1,14 @@
 // Bytes as a certificate of small fixed scenes. Whatever they are, the bound that the checker finds must hold: it is held against the exact
-// distances of points of A. The first byte chooses the scene, the next two `proven`. Where it is 255, the rest is a certificate file; where
-// it is 254, one that gets the seal that fits, of the scene that the next byte chooses.
+// distances of points of A. The first byte chooses the scene, the next two `proven`. A first byte of 255 says that the rest is a certificate
+// file; one of 254, that it is a file without its seal, which is added, and that the second byte chooses the scene.
 #include "check/certificate_check.h"
 #include "check/certificate_file.h"
 #include "exact.h"
 #include "exact_distance.h"
-#include "hash.h"
 #include "kernel/triangle.h"
 #include "memory_file.h"
 #include "scenes.h"
+#include "seal.h"
 #include "shape_file.h"
 #include "target.h"
 
@@ -62,10 +62,6 @@ const std::vector<Known>& scenes() {
     return all;
 }
 
-std::string sealed(std::string_view bytes) {
-    return std::string(bytes) + "\nsha256 " + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
-}
-
 // What a terminal may get: no control characters, of which U+0080 to U+009F are two bytes.
 void expect_plain(std::string_view text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -87,6 +83,7 @@ void verify_file(CertificateFile content, const Known& one) {
     const Rational proven = verdict.proven;
     expect(proven * proven >= one.squared, "accepted, although the bound does not hold");
     expect(content.bounds.lower <= verdict.proven, "accepted, although the lower bound does not hold");
+    // 1e-12 of the diagonal, which is below 10 in all scenes.
     expect(verdict.proven <= content.bounds.upper + 1e-11, "accepted, although the upper bound is not proven");
 }
 

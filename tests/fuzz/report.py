@@ -28,8 +28,9 @@ def table(records: list[dict[str, str | int | float]]) -> list[str]:
             """Of the target as it is now: earlier ones had other edges."""
             return int(of[-1][key])
 
-        lines.append(f"| {target} | {sum(int(record.get('runs', 1)) for record in of)} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | {last('corpus'):,} | "
-                     f"{last('coverage'):,} | {last('features'):,} | {int(total('failed'))} |")
+        runs = sum(int(record.get("runs", 1)) for record in of)
+        lines.append(f"| {target} | {runs} | {seeds} | {total('cpu_seconds'):.0f} | {int(total('executions')):,} | "
+                     f"{last('corpus'):,} | {last('coverage'):,} | {last('features'):,} | {int(total('failed'))} |")
     return lines
 
 

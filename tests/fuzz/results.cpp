@@ -1,8 +1,8 @@
 // Result files with a seal that fits. The bytes say what is changed in a small file of two rows: a column is left out, is of another type or
 // length, or holds other values. Or, where the first byte is 255, they are the file, under the seal that it would have.
-#include "hash.h"
 #include "hdf5.h"
 #include "result/result_file.h"
+#include "seal.h"
 #include "target.h"
 #include "temporary_folder.h"
 
@@ -172,16 +172,12 @@ std::size_t write_changed(const std::filesystem::path& path, Bytes& in) {
     return values == columns.end() ? 0 : std::visit([](const auto& all) { return all.size(); }, values->second);
 }
 
-std::string with_seal(std::string_view bytes) {
-    return std::string(bytes) + "\nsha256 " + Sha256().add(bytes.data(), bytes.size()).hex() + "\n";
-}
-
 void results(std::string_view bytes) {
     Bytes in(bytes);
     const bool whole = !bytes.empty() && bytes[0] == '\xff';
     static const TemporaryFolder folder;  // HDF5 resolves paths, which a file in memory does not have
     const std::filesystem::path file = folder.path() / "changed.h5";
-    if (whole) std::ofstream(file, std::ios::binary) << with_seal(bytes.substr(1));
+    if (whole) std::ofstream(file, std::ios::binary) << sealed(bytes.substr(1));
     std::size_t values = bytes.size();
     if (!whole) {
         try {
