@@ -13,8 +13,9 @@ MAKEFLAGS += --no-builtin-rules
 
 PROFILE ?= quick
 PYTHON ?= /usr/bin/python3
-# One job a core, but at least 2 GB of free memory each: CGAL is heavy on compilers.
-JOBS ?= $(shell awk -v cores=$$(nproc) '/^MemAvailable/ {m = int($$2 / 2e6); if (m < 1) m = 1} END {print m && m < cores ? m : cores}' /proc/meminfo)
+# One job a core, but at least 2 GB of free memory each, within the limit of a container: CGAL is heavy on compilers.
+JOBS ?= $(shell { cat /proc/meminfo; sed 's/^/Limit /' /sys/fs/cgroup/memory.max /sys/fs/cgroup/memory/memory.limit_in_bytes; } 2>/dev/null | awk -v cores=$$(nproc) \
+    '/^MemAvailable/ {m = $$2 / 2e6} /^Limit [0-9]/ && $$2 / 2e9 < m {m = $$2 / 2e9} END {m = int(m); print m < 1 ? 1 : m < cores ? m : cores}')
 CMAKE_ARGS ?=
 RUN_ARGS ?=
 BENCH_ARGS ?=
@@ -34,9 +35,12 @@ ENGINE ?= here
 export MPLBACKEND := Agg
 export MUTANTS
 export HAUSBENCH_PROGRAM := $(CURDIR)/build/release/hausbench
-# Where ccache is installed it is used, and two clones share what it holds.
+# ccache and mold are used if they are installed; two clones share what ccache holds. What a source includes is known from the compiler's own
+# list (depend mode), so nothing is preprocessed twice.
 export CCACHE_BASEDIR := $(CURDIR)
-LAUNCHER := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+export CCACHE_DEPEND := 1
+export CCACHE_SLOPPINESS := pch_defines,time_macros
+LAUNCHER := $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache) $(if $(shell command -v mold),-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold)
 
 PACKAGES := $(filter-out $(if $(shell command -v npm),npm),$(shell sed 's/\#.*//' packages.txt))
 DEPS := $(if $(SKIP_DEPS),,.stamps/deps)
@@ -120,7 +124,7 @@ if [ -n "$$missing" ] && [ "$$(id -u)" -ne 0 ]; then \
     echo "  sudo apt-get update && sudo apt-get install --no-install-recommends$$missing" >&2; exit 1; \
 elif [ -n "$$missing" ]; then \
     echo "deps: installing, which takes a minute or two:$$missing"; \
-    mkdir -p .stamps; export DEBIAN_FRONTEND=noninteractive; \
+    mkdir -p .stamps; umask 022; export DEBIAN_FRONTEND=noninteractive; \
     apt-get update -qq || echo 'deps: apt-get update failed; going on with the package lists at hand' >&2; \
     apt-get install -qq -y --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $$missing > .stamps/apt.log 2>&1 || { \
         tail -n 20 .stamps/apt.log >&2; echo 'deps: apt-get install failed; its output is in .stamps/apt.log' >&2; exit 1; }; \
@@ -170,14 +174,19 @@ fetch_for = $(FETCH) --profile $(PROFILE) --experiment $(foreach stem,$(1),$(she
 # --- experiments -----------------------------------------------------------------------------------------------------
 
 # $(1): stems; $(2): a command to begin with. What fails does not stop the rest, but make fails in the end and names it; Ctrl-C
-# stops at once. Exit code 1 of a run: it is whole, and some rows are unsound, so its tables and figures are drawn all the same.
+# stops at once. Exit code 1 of a run: it is whole, and some rows are unsound, so its tables and figures are drawn all the same. Everything
+# is measured before anything is drawn, as some scripts read the results of another stem.
 define walk
 @trap 'exit 130' INT TERM; failed=; \
 $(if $(2),$(2) || failed+=" datasets";) \
+drawn=; \
 for stem in $(1); do \
     echo "== $$stem"; \
     code=0; "$(HAUSBENCH_PROGRAM)" run "$$(find experiments -name "$$stem.toml")" --profile $(PROFILE) $(if $(filter slurm,$(ENGINE)),--engine slurm --wait) $(RUN_ARGS) || code=$$?; \
     case $$code in 0) ;; 1) failed+=" $$stem (unsound rows)";; *) failed+=" $$stem (run)"; continue;; esac; \
+    drawn+=" $$stem"; \
+done; \
+for stem in $$drawn; do \
     [ -z "$$(find analysis -name "$$stem.py")" ] || $(PYTHON) -m analysis "$$stem" || failed+=" $$stem (analysis)"; \
 done; \
 [ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
@@ -197,6 +206,8 @@ $(STEMS): %: build
 # Drawn from the results of another experiment, whose scripts draw all of them.
 .PHONY: stability_error stability_time
 stability_error stability_time: stability_matrix
+# Drawn from the results of another experiment beside its own (RESULTS_OF in its script).
+tang2009_nearest: tang2009_similarity
 
 figures: $(DEPS)
 	@trap 'exit 130' INT TERM; failed=; none=yes; \
@@ -216,16 +227,16 @@ test: build/release/build.ninja
 	ctest --preset release -j $(JOBS)
 	$(call walk,smoke)
 	@$(MAKE) --no-print-directory types
-	$(PYTHON) -m pytest -q tests
+	$(PYTHON) -m pytest -q -n $(JOBS) --dist loadfile tests
 
-# All of tests/hostile/files.toml, some of which are in packages that nothing else needs (50 MB).
-# A Slurm of one machine with two nodes; what it needs is installed for it alone.
+# A Slurm of one machine with two nodes; what it needs is installed for it alone. A test that is skipped has failed.
 test-slurm: build
 	$(if $(SKIP_DEPS),,$(call install,slurm-wlm munge))
-	$(PYTHON) -m pytest -q -rs tests/slurm
+	PATH="$$PATH:/usr/sbin:/sbin" $(PYTHON) -m pytest -q -rs --insist tests/slurm
 
+# All of tests/hostile/files.toml, some of which are in packages that nothing else needs (50 MB).
 hostile: build
-	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs tests/hostile
+	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs --insist tests/hostile
 
 certificates: build
 	$(FETCH)
@@ -236,7 +247,7 @@ certificates: build
 types: $(DEPS)
 	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py datasets/list_tier.py tests/analysis tests/datasets_py tests/hostile tests/tracking
 	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
+	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/conftest.py tests/test_insist.py tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
 	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
 	MYPYPATH=tests/slurm $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/slurm
 
@@ -263,13 +274,13 @@ tsan: build/tsan/build.ninja
 	GTEST_FILTER='-*RandomPairs*:*RandomScenes*:*ReferenceIsRight*' \
 	    ctest --preset tsan -j $(JOBS) --no-tests=error -R '^($(subst $(eval ) ,|,$(TSAN_TESTS)))$$'
 
-# On Debian `make deps` installs clang; elsewhere its absence is no failure.
+# On Debian `make deps` installs clang; with SKIP_DEPS, on other systems, its absence is no failure.
 define fuzzing
 @if echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, decltype(sizeof 0)) { return 0; }' \
     | clang++ -x c++ -fsanitize=fuzzer,address -o /dev/null - 2>/dev/null; \
 then $(MAKE) --no-print-directory build/fuzz/build.ninja && \
-    CCACHE_SLOPPINESS=pch_defines,time_macros cmake --build --preset fuzz -j $(JOBS) --target $(1) && $(PYTHON) tests/fuzz/fuzz.py $(2); \
-else echo '$@: skipped: there is no clang++ with libFuzzer (on Debian: clang and libclang-rt-14-dev)'; fi
+    cmake --build --preset fuzz -j $(JOBS) --target $(1) && $(PYTHON) tests/fuzz/fuzz.py $(2); \
+else echo '$@: $(if $(SKIP_DEPS),skipped: )there is no clang++ with libFuzzer (on Debian: clang and libclang-rt-14-dev)' >&2; $(if $(SKIP_DEPS),,exit 1;) fi
 endef
 
 fuzz: $(DEPS)
@@ -299,11 +310,11 @@ history: $(DEPS)
 bisect: $(DEPS)
 	$(PYTHON) -m bench.tracking.bisection --case "$(CASE)" --good "$(GOOD)" --bad "$(BAD)"
 
-# clang-tidy reads the flags of each file from build/release/compile_commands.json; the plug-in of the tests is a project of its own, and the
-# recorder is not a part of that build.
-tidy: build/release/build.ninja
+# clang-tidy reads the flags of each file from build/debug/compile_commands.json (build/release compiles several files at once); the plug-in of the
+# tests is a project of its own, and the recorder is not a part of that build.
+tidy: build/debug/build.ninja
 	@command -v clang-tidy >/dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }
-	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(CPP_FILES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/release --quiet
+	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(CPP_FILES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/debug --quiet
 
 format: $(DEPS)
 	clang-format -i $(CPP_FILES) $(HEADERS)

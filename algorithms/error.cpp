@@ -1,5 +1,7 @@
 #include "error.h"
 
+#include "printable.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,10 +55,11 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
 }
 
 std::string one_line(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-    }
-    return text.substr(0, 1000);
+    text = printable(text);
+    std::size_t most = std::min<std::size_t>(text.size(), 1000);
+    while (most < text.size() && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;  // inside a character
+    text.resize(most);
+    return text;
 }
 
 }  // namespace hausbench

@@ -15,10 +15,7 @@ namespace hausbench {
 // double.
 //
 // Error, u = 2^-53, M = max |coordinate| of A posed and B posed: distance, and that to the element named, differ from the exact
-// distance by at most field_error(M). By point_triangle.h the point that is found is not too near by more than 7uM and not too
-// far by more than 10uM (measured); its distance, of at most 2 sqrt(3) M < 3.5M, is computed with an error of 4u of it, 14uM. Both
-// are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by 2^-1075, next to uM nothing, and
-// the distance by as much when it is scaled back. 32uM and 2^-1074 are more than all of it.
+// distance by at most field_error(M), which fields.cpp derives.
 Fields distance_fields(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
                        const Pose& target_pose);
 

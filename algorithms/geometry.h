@@ -6,12 +6,14 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>  // cross products
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace hausbench {
 
 using Vec3 = Eigen::Vector3d;
 using Index = std::int32_t;
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 // One point, or one triangle, a row.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;

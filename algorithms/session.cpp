@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -177,7 +178,14 @@ Needs Session::needs_of(const Solver& solver, const Scene& scene, const QuerySet
 }
 
 // Of a solver that offers none, structures are built by one, so that its time is that of one.
-Threads Session::builders(const QuerySet& queries) const { return Threads(entry_.info.threads ? queries.threads : 1); }
+Threads Session::builders(const QuerySet& queries) const {
+    return Threads(entry_.info.threads ? usable(queries.threads) : 1);
+}
+
+int Session::usable(int threads) {
+    const auto cores = static_cast<int>(std::thread::hardware_concurrency());  // 0: not known
+    return cores > 0 ? std::min(threads, cores) : threads;
+}
 
 // Unread as yet, for one more solver.
 Options Session::own_options() const {
@@ -287,7 +295,7 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     // Both, so that a pose that is refused is refused whatever the other one is.
     const bool source_far = leaves_range(*source_, query.source_pose, "A");
     const bool target_far = leaves_range(*target_, query.target_pose, "B");
-    if (source_far || target_far) return solve_rescaled(query, trace);
+    if (source_far || target_far || shrinks(query)) return solve_rescaled(query, trace);
 
     const Query asked = scaled(query);
     auto* chain = static_cast<Chain*>(state);

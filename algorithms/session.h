@@ -59,8 +59,9 @@ public:
     // built again, which counts as solving. Of a solver that lets it (SolverInfo::undoes_target_motion), a rigid motion is undone
     // instead: the source moves the other way, nothing is built, and bounds are wider by about 1e-13 of the coordinates. With a
     // tolerance below about 1e-11 of them, a relative one, or a question of floor and cutoff, it is copied all the same.
-    // A pose so far that the scaled coordinates pass largest_safe_coordinate (2^400) is answered by another session, scaled by the
-    // posed extents: its preparation then counts as solving.
+    // Poses that bring the scaled coordinates of a shape above largest_safe_coordinate (2^400), or those of both shapes below
+    // smallest_safe_magnitude (2^-400), are answered by another session, scaled by the posed extents: its preparation then counts as
+    // solving.
     //
     // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, no thread, a pose that is not finite
     // or makes a point that is not, a pose other than the identity of an algebraic surface.
@@ -118,7 +119,10 @@ private:
     Threads builders(const QuerySet& queries) const;
     static void join(Result& whole, const Result& other, bool backward);
     Result symmetric(const Query& query, Chain* chain, Trace& trace) const;
+    bool shrinks(const Query& query) const;
+    Pose scaled(Pose pose) const;
     Query scaled(const Query& query) const;
+    static int usable(int threads);  // no more than the machine has cores
     void scale_back(Result& result, Trace& trace, double wider) const;
 
     SolverEntry entry_;

@@ -95,7 +95,6 @@ Result Session::symmetric(const Query& query, Chain* chain, Trace& trace) const 
     asked.time_limit = clock.left(query.time_limit);
     Result whole = opening.forward ? std::move(*opening.forward) : one_of_both(asked, opening.backward, chain, one);
     whole.counters += opening.spent;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     // Until the other direction has a bound, H(A,B) has none from above.
     for (const TraceSample& sample : one.samples())
         trace.samples().push_back({before + sample.seconds, sample.lower, infinity});

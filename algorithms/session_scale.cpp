@@ -95,6 +95,22 @@ bool Session::leaves_range(const PreparedShape& shape, const Pose& pose, const c
     return scalable_ && std::ldexp(magnitude(there), exponent_) > largest_safe_coordinate;
 }
 
+// Whether the poses make both shapes so small that solvers would lose products of coordinates to underflow. Looks at a few points, and at
+// all of them only if those are small. Coordinates that are all 0 count as small: they may have underflowed in scaled units alone.
+bool Session::shrinks(const Query& query) const {
+    if (!scalable_ || (query.source_pose.is_identity() && query.target_pose.is_identity())) return false;
+    double most = 0;
+    for (const auto& [shape, pose] :
+         {std::pair{source_.get(), &query.source_pose}, std::pair{target_.get(), &query.target_pose}}) {
+        constexpr Eigen::Index some = 64;
+        const Points& points = points_of(shape->shape());
+        const Pose there = scaled(*pose);
+        for (Eigen::Index i = 0; i < points.rows() && most < smallest_safe_magnitude; i += some)
+            most = std::max(most, magnitude(posed(points.middleRows(i, std::min(some, points.rows() - i)), there)));
+    }
+    return most < smallest_safe_magnitude;
+}
+
 // Both shapes posed as they are in the units of the input, scaled anew, at rest.
 Result Session::solve_rescaled(const Query& query, Trace& trace) const {
     const auto at_rest = [](const PreparedShape& prepared, const Pose& pose) {
@@ -113,10 +129,16 @@ Result Session::solve_rescaled(const Query& query, Trace& trace) const {
     return Session(entry_, options_, pair.source, pair.target, once, leave_).solve(still, trace);
 }
 
+Pose Session::scaled(Pose pose) const {
+    for (double& value : pose.translation) value = std::ldexp(value, exponent_);
+    return pose;
+}
+
 Query Session::scaled(const Query& query) const {
     Query out = query;
-    for (double& value : out.source_pose.translation) value = std::ldexp(value, exponent_);
-    for (double& value : out.target_pose.translation) value = std::ldexp(value, exponent_);
+    out.source_pose = scaled(query.source_pose);
+    out.target_pose = scaled(query.target_pose);
+    out.threads = usable(query.threads);
     if (query.tolerance.of == Tolerance::Of::absolute) {
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent_);
     }

@@ -5,6 +5,7 @@
 #include "error.h"
 #include "hash.h"
 #include "isolated.h"
+#include "model_size.h"
 #include "model_table.h"
 #include "shape_file.h"
 #include "surface_file.h"
@@ -20,7 +21,7 @@ namespace {
 
 // Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
 // changes.
-constexpr std::string_view shapes_version = "1";
+constexpr std::string_view shapes_version = "2";
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
     Sha256 hash;
@@ -92,11 +93,36 @@ const ModelInfo& Catalogue::find(const std::string& name) const {
 }
 
 void Catalogue::make_folders() const {
+    if (!apart_.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(cache_ / "shapes", error);
     if (error)
         throw InputError(fmt::format("{}: cannot be made ({}): name another folder with HAUSBENCH_CACHE",
                                      (cache_ / "shapes").string(), error.message()));
+}
+
+void Catalogue::keep_apart(std::filesystem::path folder, double most_bytes) {
+    apart_ = std::move(folder);
+    most_bytes_ = most_bytes;
+}
+
+// The one that is there, else the one to write.
+std::filesystem::path Catalogue::shape_file(const std::string& key) const {
+    const std::filesystem::path cached = cache_ / "shapes" / (key + ".h5");
+    return apart_.empty() || std::filesystem::exists(cached) ? cached : apart_ / (key + ".h5");
+}
+
+void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
+    if (apart_.empty()) return;
+    constexpr double bytes_an_element = 24;  // a point; three indices take half of it
+    const double bytes = bytes_an_element * estimated_elements(model, input.size);
+    double taken = 0;
+    for (const auto& file : std::filesystem::directory_iterator(apart_)) taken += double(file.file_size());
+    if (bytes + taken <= most_bytes_) return;
+    throw InputError(fmt::format(
+        "model '{}' would take about {:.3g} MB, with which the models of this file exceed {:.3g} MB: if you "
+        "trust it, make them first with `hausbench explain` of its experiment",
+        model.name, bytes / 1e6, most_bytes_ / 1e6));
 }
 
 std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo& model) const {
@@ -106,7 +132,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
         if (const auto* missing = std::get_if<MissingModel>(&origin))
             return MissingModel{fmt::format("its origin '{}' is missing: {}", model.from, missing->reason)};
         const auto& shape = std::get<ResolvedModel>(origin);
-        return Input{shape.shape_file, "", shape.content_hash};
+        return Input{shape.shape_file, "", shape.content_hash, double(shape.elements) + double(shape.vertices)};
     }
     const bool local = model.source == "file";
     const std::filesystem::path path(model.path);
@@ -116,13 +142,17 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
             local ? fmt::format("file {} does not exist", file.string())
                   : fmt::format("package {} was not fetched: run `make {}`", model.package,
                                 tier_of(model.name).empty() ? "datasets" : "fetch-" + tier_of(model.name))};
+    if (!std::filesystem::is_regular_file(file))
+        throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
+                                     file.string()));
     const std::string found = sha256_of_file(file);
     if (!model.sha256.empty() && found != model.sha256)
         throw InputError(
             fmt::format("model '{}': {} has SHA-256 {}, the {} says {}: {}", model.name, file.string(), found,
                         local ? "model's table" : "manifest", model.sha256,
                         local ? "put the right file there, or correct sha256" : "delete it and fetch it again"));
-    return Input{file, found, found + file.filename().string()};  // the extension chooses the reader
+    return Input{file, found, found + file.filename().string(),  // the extension chooses the reader
+                 double(std::filesystem::file_size(file))};
 }
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
@@ -145,11 +175,13 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
     const auto found = input_of(model);
     if (const auto* missing = std::get_if<MissingModel>(&found)) return *missing;
     const Input& input = std::get<Input>(found);
-    const std::filesystem::path shape_file = cache_ / "shapes" / (key_of(model, input.identity) + ".h5");
+    const std::string key = key_of(model, input.identity);
+    const std::filesystem::path shape_file = this->shape_file(key);
     LoadedShape loaded;
     if (std::filesystem::exists(shape_file)) {
-        loaded = read_shape(shape_file);
+        loaded = read_shape(shape_file, key);
     } else {
+        expect_room(model, input);
         try {
             loaded = made(model, input);
         } catch (const InputError& error) {
@@ -158,7 +190,7 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
         const std::string problem = shape_problem(loaded.shape);
         if (!problem.empty()) throw InputError(fmt::format("model '{}': {}", name, problem));
         make_folders();
-        write_shape(shape_file, loaded);
+        write_shape(shape_file, loaded, key);
     }
     const Points& points = points_of(loaded.shape);
     return ResolvedModel{shape_file,

@@ -64,7 +64,11 @@ public:
     // Creates the folders that resolve() writes to. Throws InputError if they cannot be created.
     void make_folders() const;
 
-    // Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their
+    // From now on new shapes go to this folder instead of the cache, which is only read, and resolve() throws InputError before it makes
+    // a shape with which they would take more than `most_bytes`, as estimated: for models that a foreign file defines.
+    void keep_apart(std::filesystem::path folder, double most_bytes);
+
+    // Throws InputError for a model's file that is not a regular file. Fetched files are looked for in CACHE/raw/<sha256>/<file name> (datasets/fetch.py puts them there) and their
     // SHA-256 is checked; a mismatch throws InputError with the model and both hashes. Shapes are cached in
     // CACHE/shapes/<key>.h5, where key is a hash of the recipe, the operation and the bytes of all inputs, so a stale shape
     // is never used after an edit of the manifest.
@@ -76,11 +80,16 @@ private:
         std::filesystem::path file;
         std::string sha256;    // of a file that is read
         std::string identity;  // of its contents
+        double size = 0;       // of a file in bytes, of a shape in points and triangles
     };
     std::variant<Input, MissingModel> input_of(const ModelInfo& model) const;
     LoadedShape made(const ModelInfo& model, const Input& input) const;
+    std::filesystem::path shape_file(const std::string& key) const;
+    void expect_room(const ModelInfo& model, const Input& input) const;
 
     std::filesystem::path cache_, program_;
+    std::filesystem::path apart_;  // see keep_apart()
+    double most_bytes_ = 0;
     std::vector<ModelInfo> models_;
     std::map<std::string, std::size_t> index_;  // of models_, by name
     std::vector<std::string> corpus_;

@@ -56,9 +56,9 @@ std::vector<std::string_view> lines_of(const TomlReader& tier) {
     const auto* text = tier.required("meshes").as_string();
     if (!text) tier.fail(tier.required("meshes"), "'meshes' must be a text with a line for each mesh");
     std::vector<std::string_view> lines;
-    for (std::string_view rest = text->get(); !rest.empty();) {
-        const std::string_view line = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    for (std::string_view left = text->get(); !left.empty();) {
+        const std::string_view line = left.substr(0, left.find('\n'));
+        left.remove_prefix(std::min(line.size() + 1, left.size()));
         if (!line.empty()) lines.push_back(line);
     }
     return lines;

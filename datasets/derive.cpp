@@ -1,6 +1,7 @@
 #include "derive.h"
 
 #include "error.h"
+#include "kernel/direction.h"
 #include "kernel/splitmix.h"
 #include "random.h"
 #include "surfaces/surface_mesh.h"
@@ -42,8 +43,14 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
     const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
         return mesh.vertices.row(mesh.triangles(t, k)).transpose();
     };
+    // In a unit of a power of two in which no area underflows beside that of the whole: the norm takes its square.
+    const double extent = longest_side(mesh.vertices);
+    const int exponent = extent > 0 && std::isfinite(extent) ? -std::ilogb(extent) : 0;
+    const auto edge = [&](Eigen::Index t, int k) -> Vec3 {
+        return (corner(t, k) - corner(t, 0)).unaryExpr([&](double x) { return std::ldexp(x, exponent); });
+    };
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
-        area += (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
+        area += edge(t, 1).cross(edge(t, 2)).norm();
         area_up_to.push_back(area);
     }
     if (!(area > 0) || !std::isfinite(area)) throw InputError("sample: the mesh has no area");
@@ -120,7 +127,7 @@ Shape with_copy(const Given& g) {
 
 // From the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
 Shape rotated(const Given& g) {
-    const Vec3 axis = g.xyz();
+    const Vec3 axis = at_unit_scale(g.xyz());
     const double t = g.real("t");
     const double length = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y() + axis.z() * axis.z());
     if (!(length > 0)) throw InputError("rotate: the axis x, y, z is zero");

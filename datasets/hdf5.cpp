@@ -1,6 +1,7 @@
 #include "hdf5.h"
 
 #include "hash.h"
+#include "printable.h"
 
 // One by one, because the library's <hdf5.h> has the name of our own header.
 #include <H5public.h>
@@ -43,10 +44,7 @@ std::string library_message() {
     };
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
     H5Eclear2(H5E_DEFAULT);
-    // Untrusted: it may hold line breaks, and quote the file. Control characters become question marks.
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
-    return text.empty() ? "HDF5 gave no reason" : text;
+    return text.empty() ? "HDF5 gave no reason" : printable(text);  // it may quote the file
 }
 
 constexpr std::string_view seal_mark = "\nsha256 ";

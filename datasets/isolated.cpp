@@ -1,6 +1,7 @@
 #include "isolated.h"
 
 #include "error.h"
+#include "printable.h"
 #include "process/child.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
@@ -18,11 +19,8 @@ std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     const std::size_t newline = text.rfind('\n');
     text = newline == std::string::npos ? text : text.substr(newline + 1);
-    // It may quote the file, which may contain control characters.
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
     constexpr std::string_view prefix = "hausbench: ";  // the program puts it before its messages
-    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+    return printable(text.starts_with(prefix) ? text.substr(prefix.size()) : text);  // it may quote the file
 }
 
 // What is done in the process, in the words of errors.

@@ -18,7 +18,7 @@ struct Line {
     std::uint32_t number;
 };
 
-struct Header {
+struct OffHeader {
     bool four = false;  // 4OFF: a fourth number divides the three
     std::size_t points = 0, faces = 0, lines = 0;
 };
@@ -41,8 +41,8 @@ std::size_t count_of(const std::string& name, std::string_view word, const char*
                     whole ? fmt::format("which a file of {} bytes cannot hold", size) : "which is no count"));
 }
 
-Header header_of(const std::string& name, const std::vector<Line>& lines, std::size_t size) {
-    Header header;
+OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std::size_t size) {
+    OffHeader header;
     std::string_view keyword;
     std::vector<std::string_view> counts;
     for (; header.lines < lines.size() && counts.size() < 2; ++header.lines) {
@@ -104,7 +104,7 @@ Soup read_off(const std::string& name, std::string_view bytes) {
         const std::string_view text = trimmed(line.substr(0, line.find('#')));
         if (!text.empty()) lines.push_back({text, number});
     }
-    const Header header = header_of(name, lines, bytes.size());
+    const OffHeader header = header_of(name, lines, bytes.size());
     const std::size_t there = lines.size() - header.lines;
     if (there < header.points)
         throw InputError(fmt::format("{}: ends after {} of {} vertices", name, there, header.points));

@@ -4,11 +4,48 @@
 
 #include <fmt/format.h>
 
+#include <grp.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cstdlib>
+#include <string_view>
 
 namespace hausbench {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Whether the place belongs to this user, to root or to the owner of the program, and no other user may write to it. A group of which
+// this user is the only member, as `adduser` makes it, may.
+bool is_ours(const fs::path& place) {
+    struct stat state {
+    }, program{};
+    if (::stat(place.c_str(), &state) != 0 || ::stat(program_path().c_str(), &program) != 0) return false;
+    if (state.st_uid != ::geteuid() && state.st_uid != 0 && state.st_uid != program.st_uid) return false;
+    if (state.st_mode & S_IWOTH) return false;
+    if (!(state.st_mode & S_IWGRP) || state.st_gid == 0) return true;
+    const passwd* user = ::getpwuid(state.st_uid);
+    const group* members = ::getgrgid(state.st_gid);
+    return user && members && user->pw_gid == state.st_gid && std::string_view(user->pw_name) == members->gr_name;
+}
+
+bool is_root(const fs::path& folder) {
+    std::error_code unreadable;
+    if (!fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return false;
+    for (const fs::path& place : {folder, folder / "datasets", folder / "datasets" / "manifest.toml"}) {
+        if (is_ours(place)) continue;
+        throw InputError(
+            fmt::format("{}: another user can write to it, so the models of {} are not taken: set HAUSBENCH_ROOT to a "
+                        "checkout that you trust",
+                        place.string(), (folder / "datasets" / "manifest.toml").string()));
+    }
+    return true;
+}
+
+}  // namespace
 
 fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
 
@@ -21,7 +58,7 @@ std::optional<fs::path> find_project_root() {
     }
     for (const fs::path& start : {fs::current_path(), program_path().parent_path()}) {
         for (fs::path folder = start; folder.has_relative_path(); folder = folder.parent_path()) {
-            if (fs::exists(folder / "datasets" / "manifest.toml")) return folder;
+            if (is_root(folder)) return folder;
         }
     }
     return std::nullopt;

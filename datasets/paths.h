@@ -11,7 +11,7 @@ std::filesystem::path program_path();
 
 // The checkout, or a folder of one's own that is made like it: HAUSBENCH_ROOT, else the nearest folder above the working
 // directory, else above the program, that holds datasets/manifest.toml. None: an installed program far from any. Throws
-// InputError if HAUSBENCH_ROOT holds none.
+// InputError if HAUSBENCH_ROOT holds none, and if another user can write to the nearest one.
 std::optional<std::filesystem::path> find_project_root();
 std::filesystem::path project_root();  // throws InputError if there is none
 

@@ -26,7 +26,7 @@ struct Field {
 
 constexpr std::uint64_t most = std::uint64_t{1} << 40;
 
-struct Header {
+struct PcdHeader {
     std::vector<Field> fields;
     std::array<Field, 3> axes;
     std::uint64_t points = 0, record = 0;  // how many; bytes of one
@@ -34,11 +34,11 @@ struct Header {
     std::uint32_t lines = 0;  // of the header
 };
 
-class HeaderReader {
+class PcdHeaderReader {
 public:
-    HeaderReader(const std::string& name, std::string_view bytes) : name_(name) { header_.body = bytes; }
+    PcdHeaderReader(const std::string& name, std::string_view bytes) : name_(name) { header_.body = bytes; }
 
-    Header read() {
+    PcdHeader read() {
         while (header_.data.empty()) {
             if (header_.body.empty()) throw InputError(name_ + ": is no PCD file: it has no DATA line");
             std::string_view line = next_line(header_.body);
@@ -124,12 +124,12 @@ private:
     }
 
     const std::string& name_;
-    Header header_;
+    PcdHeader header_;
     std::map<std::string_view, std::uint64_t> counts_;
 };
 
 // The address of a field of a point: record by record, or field by field in a compressed file.
-Soup from_binary(const std::string& name, const Header& header, std::string_view body, bool by_field) {
+Soup from_binary(const std::string& name, const PcdHeader& header, std::string_view body, bool by_field) {
     if (header.points > 0 && body.size() / header.points < header.record)
         throw InputError(fmt::format("{}: is truncated: {} points of {} bytes are announced, and {} bytes are there",
                                      name, header.points, header.record, body.size()));
@@ -169,7 +169,7 @@ std::string inflated(const std::string& name, std::string_view body) {
 }  // namespace
 
 Soup read_pcd(const std::string& name, std::string_view bytes) {
-    const Header header = HeaderReader(name, bytes).read();
+    const PcdHeader header = PcdHeaderReader(name, bytes).read();
     Soup soup;
     if (header.data == "ascii") {
         PointLines points(name, {header.axes[0].column, header.axes[1].column, header.axes[2].column}, header.points);

@@ -27,10 +27,12 @@ template <class Matrix> void add_matrix(Sha256& hash, const Matrix& matrix) {
     hash.add(matrix.data(), sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(matrix.size()));
 }
 
-LoadedShape read_unchecked(const std::filesystem::path& path) {
+LoadedShape read_unchecked(const std::filesystem::path& path, const std::string& made_from) {
     const h5::File file(path, h5::Open::read);
     if (!file.has_attribute("", "shape_schema") || file.integer_attribute("", "shape_schema") != shape_schema)
         throw std::runtime_error("is not a shape file of this version");
+    if (!made_from.empty() && file.text_attribute("", "made_from") != made_from)
+        throw std::runtime_error("holds a shape that was made from another file or recipe");
     LoadedShape loaded;
     const std::string kind = file.text_attribute("", "kind");
     const Points points =
@@ -58,7 +60,7 @@ LoadedShape read_unchecked(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
+void write_shape(const std::filesystem::path& path, const LoadedShape& loaded, const std::string& made_from) {
     // The process number separates two writers of one file; the last rename wins, and both write the same shape.
     std::filesystem::path temporary = path;
     temporary += fmt::format(".{}.part", ::getpid());
@@ -67,6 +69,7 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
         file.attribute("", "shape_schema", shape_schema);
         file.attribute("", "kind", std::string(to_string(kind_of(loaded.shape))));
         file.attribute("", "content_hash", content_hash(loaded.shape));
+        file.attribute("", "made_from", made_from);
         file.attribute("", "format", loaded.report.format);
         file.attribute("", "precision", loaded.report.precision);
         file.attribute("", "unreferenced", loaded.report.unreferenced.value_or(-1));
@@ -93,10 +96,10 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded) {
     }
 }
 
-LoadedShape read_shape(const std::filesystem::path& path) {
+LoadedShape read_shape(const std::filesystem::path& path, const std::string& made_from) {
     LoadedShape loaded;
     try {
-        loaded = read_unchecked(path);
+        loaded = read_unchecked(path, made_from);
     } catch (const std::runtime_error& error) {
         const std::string why = error.what();
         const bool named = why.starts_with(path.string());

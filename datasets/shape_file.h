@@ -8,8 +8,12 @@
 
 namespace hausbench {
 
-void write_shape(const std::filesystem::path& file, const LoadedShape& shape);  // the file is complete or absent
-LoadedShape read_shape(const std::filesystem::path& file);                      // throws InputError
+// The file is complete or absent. `made_from` identifies everything that the shape was made from, such as the bytes of its raw file;
+// empty: unknown.
+void write_shape(const std::filesystem::path& file, const LoadedShape& shape, const std::string& made_from = "");
+
+// Throws InputError, also if the file holds a shape that was made from something else than `made_from`; empty: not checked.
+LoadedShape read_shape(const std::filesystem::path& file, const std::string& made_from = "");
 
 // SHA-256 (hex) of kind, counts, coordinates and indices, or the text of a polynomial: two shapes with the same hash are the same input.
 std::string content_hash(const Shape& shape);

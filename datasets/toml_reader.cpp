@@ -67,7 +67,15 @@ std::string TomlReader::filled(std::string text) const {
 }
 
 std::string TomlReader::text(std::string_view key, const std::string& otherwise) const {
-    return filled(value(key, otherwise, "a text in quotes"));
+    const std::string text = value(key, otherwise, "a text in quotes");
+    expect_no_nul(text, key);
+    return filled(text);
+}
+
+// A result file and the system's calls end a text at a NUL.
+void TomlReader::expect_no_nul(const std::string& text, std::string_view key) const {
+    if (text.find('\0') != std::string::npos)
+        fail(required(key), fmt::format("'{}' holds the character NUL (\\u0000): remove it", key));
 }
 
 std::string TomlReader::text(std::string_view key) const {
@@ -125,6 +133,7 @@ std::vector<std::string> TomlReader::texts(std::string_view key, std::string_vie
     for (const toml::node& item : *array) {
         const auto value = item.value_exact<std::string>();
         if (!value) fail(item, fmt::format("'{}' must be a list of {}", key, of));
+        expect_no_nul(*value, key);
         values.push_back(filled(*value));
     }
     return values;

@@ -59,6 +59,7 @@ public:
 private:
     template <class T> T value(std::string_view key, const T& otherwise, const char* what) const;
     std::string filled(std::string text) const;
+    void expect_no_nul(const std::string& text, std::string_view key) const;
     std::string in_table() const { return name_.empty() ? "" : " in " + name_; }
 
     std::filesystem::path file_;

@@ -2,6 +2,7 @@
 // what has no surface (colours, lights, scripts, lines, points). Refuses, where they would be seen, the shapes that are no IndexedFaceSet.
 #include "circle.h"
 #include "error.h"
+#include "kernel/direction.h"
 #include "parse.h"
 #include "readers.h"
 
@@ -29,17 +30,17 @@ struct Word {
 
 struct Node;
 
-struct Field {
+struct VrmlField {
     std::vector<Word> words;
     std::vector<const Node*> nodes;
 };
 
 struct Node {
     Word type;
-    std::map<std::string_view, Field> fields;  // that are read
+    std::map<std::string_view, VrmlField> fields;  // that are read
 
-    const Field& field(std::string_view name) const {
-        static const Field none;
+    const VrmlField& field(std::string_view name) const {
+        static const VrmlField none;
         const auto at = fields.find(name);
         return at == fields.end() ? none : at->second;
     }
@@ -53,14 +54,14 @@ class VrmlText {
 public:
     VrmlText(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
 
-    Field read() {
+    VrmlField read() {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
         if (rest_.starts_with("#VRML V1"))
             refuse(name_, 1, "is VRML 1.0, which is not read: convert it to VRML 2.0, OBJ or STL");
         if (!rest_.starts_with("#VRML V2.0")) refuse(name_, 1, "is no VRML file: it does not begin with '#VRML V2.0'");
         if (rest_.find('\0') != std::string_view::npos)
             throw InputError(name_ + ": holds a zero byte, which no VRML file does: save or fetch it again");
-        Field scene;
+        VrmlField scene;
         while (peek()) read_value(scene, 0);
         if (!scene.words.empty())
             refuse(name_, scene.words[0].line, fmt::format("'{}' is no node", shown(scene.words[0].text)));
@@ -110,7 +111,7 @@ private:
     }
 
     // A node, or a word that is none.
-    void read_value(Field& field, int depth) {
+    void read_value(VrmlField& field, int depth) {
         const Word word = next();
         if (is_statement(word)) return;
         if (one_of(word.text[0], "{}[]"))
@@ -133,8 +134,8 @@ private:
     }
 
     // One value, several numbers, or a list in brackets.
-    Field read_field(int depth) {
-        Field field;
+    VrmlField read_field(int depth) {
+        VrmlField field;
         if (peek() == '[') {
             for (next(); peek() != ']';) read_value(field, depth);
             next();
@@ -167,7 +168,7 @@ private:
             if (!std::isalpha(static_cast<unsigned char>(name.text[0])) && name.text[0] != '_')
                 refuse(name_, name.line,
                        fmt::format("'{}' where {} needs the name of a field", shown(name.text), shown(type.text)));
-            Field field = read_field(depth + 1);
+            VrmlField field = read_field(depth + 1);
             if (kept.contains(name.text)) node.fields[name.text] = std::move(field);
         }
         return node;
@@ -201,7 +202,7 @@ public:
         soup_.objects = 0;
     }
 
-    Soup draw(const Field& scene) {
+    Soup draw(const VrmlField& scene) {
         for (const Node* node : scene.nodes) draw(*node, {}, 0);
         if (soup_.faces.empty()) throw InputError(name_ + ": holds no IndexedFaceSet with a face");
         return std::move(soup_);
@@ -242,7 +243,7 @@ private:
     Eigen::Matrix3d rotation(const Node& node, std::string_view name) const {
         const auto values = vector<4>(node, name, 0);
         if (values[3] == 0) return Eigen::Matrix3d::Identity();
-        const Vec3 axis = values.head<3>() / values.head<3>().norm();
+        const Vec3 scaled = at_unit_scale(values.head<3>()), axis = scaled / scaled.norm();
         if (!axis.allFinite()) refuse_at(node.field(name).words[0], fmt::format("'{}' has no axis", name));
         const auto [cosine, sine] = circle_at(values[3]);
         Eigen::Matrix3d across;
@@ -340,7 +341,7 @@ private:
 
 Soup read_vrml(const std::string& name, std::string_view bytes) {
     VrmlText text(name, bytes);
-    const Field scene = text.read();
+    const VrmlField scene = text.read();
     return VrmlScene(name, bytes.size()).draw(scene);
 }
 

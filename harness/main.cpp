@@ -1,6 +1,7 @@
 // The program: verbs run, explain, list, measure, export, verify, merge, compare, show, status, track; `hausbench VERB --help` says what each takes.
 #include "commands/verb.h"
 #include "error.h"
+#include "printable.h"
 #include "registry.h"
 #include "result/provenance.h"
 #include "run/external.h"
@@ -72,13 +73,13 @@ int main(int argc, char** argv) {
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {
-        fmt::print(stderr, "hausbench: {}\n", error.what());
+        fmt::print(stderr, "hausbench: {}\n", printable(error.what()));
         return 2;
     } catch (const std::bad_alloc&) {
         fmt::print(stderr, "hausbench: out of memory\n");
         return 4;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "hausbench: internal error: {}\n", error.what());
+        fmt::print(stderr, "hausbench: internal error: {}\n", printable(error.what()));
         return 3;
     }
 }

@@ -23,6 +23,7 @@
 #include <cstring>
 #include <mutex>
 #include <stdexcept>
+#include <string_view>
 
 namespace hausbench {
 
@@ -34,21 +35,19 @@ using std::chrono::milliseconds;
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
 constexpr milliseconds between_looks_at_memory(20);
 
-// SIGPIPE is held back meanwhile, of this thread, and only then: the program's own output may still end it, as in `show | head`.
-void write_all(int descriptor, const std::string& text) {
+// Writes as much as the pipe takes now; returns how much, -1 if nobody will read it. SIGPIPE is held back meanwhile, of this thread,
+// and only then: the program's own output may still end it, as in `show | head`.
+ssize_t write_some(int descriptor, std::string_view text) {
     sigset_t pipe, before;
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);
     ::pthread_sigmask(SIG_BLOCK, &pipe, &before);
-    for (std::size_t done = 0; done < text.size();) {
-        const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) break;  // it ended early: listen() and wait() report this
-        done += std::size_t(n);
-    }
+    ssize_t done = ::write(descriptor, text.data(), text.size());
+    if (done < 0 && (errno == EINTR || errno == EAGAIN)) done = 0;
     const timespec none{};
     if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // one that came is gone with that
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return done;
 }
 
 // Children of all threads that live. Who starts one, or ends what a child left behind, holds the lock: else a child that was
@@ -122,10 +121,12 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
     if (pid_ > 0) {
         ::setpgid(pid_, pid_);  // both processes call this; the order does not matter
         if (launch_.dies_with_parent) watch_group(pid_);
-        write_all(pipes.feed[1], launch_.input);
+        input_ = pipes.feed[1];
+        ::fcntl(input_, F_SETFL, O_NONBLOCK);
+        feed();
+        return;
     }
     ::close(pipes.feed[1]);
-    if (pid_ > 0) return;
     ::close(events_);
     ::close(output_);
     throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(error)));
@@ -159,13 +160,32 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
         ::dup2(pipes.output[1], STDERR_FILENO);
         if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
         ::signal(SIGPIPE, SIG_DFL);
+        sigset_t none;  // a worker blocks the signal by which it learns that its parent has ended
+        sigemptyset(&none);
+        ::sigprocmask(SIG_SETMASK, &none, nullptr);
         ::execve(arguments[0], arguments.data(), variables);
     });
+}
+
+// Goes on writing its input, and closes it at its end.
+void Child::feed() {
+    while (input_ >= 0) {
+        const std::string_view rest = std::string_view(launch_.input).substr(fed_);
+        const ssize_t written = rest.empty() ? -1 : write_some(input_, rest);
+        if (written == 0) return;  // the pipe is full
+        if (written > 0) {
+            fed_ += std::size_t(written);
+            continue;
+        }
+        ::close(input_);  // all is written, or the child reads no more: listen() and wait() report that it ended
+        input_ = -1;
+    }
 }
 
 Child::~Child() {
     kill();
     look_for_end(0);
+    if (input_ >= 0) ::close(input_);
     ::close(events_);
     if (output_ >= 0) ::close(output_);
 }
@@ -204,13 +224,16 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
         }
         searched = buffer_.size();
         const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
-        pollfd on[2] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}};
-        const int ready = ::poll(on, 2, int(std::max<std::int64_t>(0, left.count())));
-        if (ready <= 0) return Heard::nothing;  // the caller checks for interrupts
+        pollfd on[3] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}, {input_, POLLOUT, 0}};
+        const int ready = ::poll(on, 3, int(std::max<std::int64_t>(0, left.count())));
         if (on[1].revents) read_output();
+        if (on[2].revents) feed();
         if (!on[0].revents) {
-            if (left.count() <= 0) return Heard::nothing;
-            continue;
+            if (ready > 0 && left.count() > 0) continue;
+            if (status_) return Heard::closed;
+            look_for_end(
+                WNOHANG);  // a descendant may hold the pipe open: it is ended with the child, and the pipe with it
+            return Heard::nothing;  // the caller checks for interrupts
         }
         char bytes[1 << 16];
         const ssize_t n = ::read(events_, bytes, sizeof bytes);
@@ -230,7 +253,7 @@ Child::End Child::wait(const ChildLimits& limits) {
             if (HoldInterrupts::came()) end = End::interrupt;
             if (std::chrono::duration<double>(now - begin).count() >= limits.seconds) end = End::time;
             if (limits.resident_bytes < std::numeric_limits<std::int64_t>::max() && now >= next_look) {
-                if (resident_bytes() > limits.resident_bytes) end = End::memory;
+                if (takes_more_than(limits.resident_bytes)) end = End::memory;
                 next_look = now + between_looks_at_memory;
             }
             if (end != End::by_itself) kill();
@@ -249,6 +272,7 @@ bool Child::ended_within(milliseconds wait) {
         pollfd on{output_, POLLIN, 0};
         ::poll(&on, 1, 1);
         read_output();
+        feed();
     }
 }
 
@@ -294,10 +318,15 @@ std::optional<int> Child::signal() const {
 
 int Child::exit_code() const { return status_ ? WEXITSTATUS(*status_) : 0; }
 
-std::int64_t Child::resident_bytes() const {
-    std::int64_t all = 0;
-    for (const pid_t member : family_of(pid_)) all += resident_of(member);
-    return all;
+bool Child::takes_more_than(std::int64_t bytes) const {
+    const std::vector<pid_t> family = family_of(pid_);
+    const auto sum = [&](std::int64_t (*of)(pid_t)) {
+        std::int64_t all = 0;
+        for (const pid_t member : family) all += of(member);
+        return all;
+    };
+    // Resident sets are cheap to read, and never less: only several processes above the limit are looked at closely.
+    return sum(resident_of) > bytes && (family.size() == 1 || sum(proportional_bytes_of) > bytes);
 }
 
 std::string Child::last_words(std::size_t characters) {

@@ -48,7 +48,8 @@ public:
 
     enum class Heard { line, nothing, closed };
 
-    // Waits up to `wait` for the next line of its events.
+    // Waits up to `wait` for the next line of its events. Closed: the other end of the pipe is closed, or the child has ended (then so
+    // have its descendants, which may have held it open).
     Heard listen(std::chrono::milliseconds wait, std::string& line);
 
     // Waits for its end, and kills it at a limit or at a deferred interrupt (interrupts.h).
@@ -63,7 +64,8 @@ public:
     std::optional<int> signal() const;  // once it has ended
     int exit_code() const;              // likewise
 
-    std::int64_t resident_bytes() const;  // of it and its descendants; 0 if it has ended
+    // Whether it and its descendants together hold more memory. A page that several of them share, as after a fork, counts once.
+    bool takes_more_than(std::int64_t bytes) const;
 
     // Peak resident set of the largest of its processes, once it has ended; -1 if that is below what this process had when it
     // started it, which the kernel counts too.
@@ -76,15 +78,18 @@ public:
 private:
     struct Pipes;
     void start(Pipes& pipes, const std::function<void()>& child);
+    void feed();
     void read_output();
     void look_for_end(int flags);
 
     Launch launch_;
     std::optional<ScratchFolder> folder_;
     pid_t pid_ = -1;
-    int events_ = -1, output_ = -1;
+    int events_ = -1, output_ = -1, input_ = -1;
+    std::size_t fed_ = 0;        // bytes of its input that were written; it may read slowly, or never
     std::string buffer_, said_;  // events not yet returned; the end of its output
-    std::vector<pid_t> before_;  // this process and its descendants from before; other children that live are spared too
+    std::vector<pid_t>
+        before_;  // this process and its descendants from before; other children that live are spared too
     std::int64_t own_bytes_ = 0, peak_bytes_ = -1;
     std::optional<int> status_;
 };

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 
 namespace hausbench {
 
@@ -39,5 +40,12 @@ HoldInterrupts::~HoldInterrupts() {
 bool HoldInterrupts::came() { return signal_that_came != 0; }
 
 void HoldInterrupts::handled() { signal_that_came = 0; }
+
+void HoldInterrupts::deliver() {
+    const int number = signal_that_came.load();
+    ::signal(number, SIG_DFL);
+    ::raise(number);
+    std::abort();  // only if no signal came, or it is blocked
+}
 
 }  // namespace hausbench

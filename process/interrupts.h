@@ -13,7 +13,8 @@ public:
     HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 
     static bool came();
-    static void handled();  // it came, and what it asks for is done: it is not delivered
+    static void handled();               // it came, and what it asks for is done: it is not delivered
+    [[noreturn]] static void deliver();  // ends this process by the signal that came, however many instances there are
 };
 
 }  // namespace hausbench

@@ -15,18 +15,18 @@ namespace hausbench {
 
 namespace {
 
-// Of this process, in bytes; -1 where the kernel does not say.
-std::int64_t from_status(std::string_view key) {
-    std::ifstream in("/proc/self/status");
+// A size in bytes of a file of /proc that gives it in kB; -1 if the kernel does not say.
+std::int64_t size_in(const std::string& file, std::string_view key) {
+    std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
         if (line.starts_with(key)) return 1024 * std::stoll(line.substr(key.size()));  // given in kB
     }
     return -1;
 }
 
-std::int64_t resident_now() { return from_status("VmRSS:"); }
+std::int64_t resident_now() { return size_in("/proc/self/status", "VmRSS:"); }
 
-std::int64_t resident_peak() { return from_status("VmHWM:"); }
+std::int64_t resident_peak() { return size_in("/proc/self/status", "VmHWM:"); }
 
 // Makes the peak start again from the present resident set. False where the kernel does not let us.
 bool reset_resident_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
@@ -38,6 +38,11 @@ std::int64_t resident_of(pid_t process) {
     std::int64_t size = 0, resident = 0;
     in >> size >> resident;
     return resident * ::sysconf(_SC_PAGE_SIZE);
+}
+
+std::int64_t proportional_bytes_of(pid_t process) {
+    const std::int64_t bytes = size_in(fmt::format("/proc/{}/smaps_rollup", process), "Pss:");
+    return bytes < 0 ? resident_of(process) : bytes;
 }
 
 std::int64_t spare_bytes() {

@@ -10,6 +10,10 @@ namespace hausbench {
 // The resident set of a process, in bytes; 0 if it has ended.
 std::int64_t resident_of(pid_t process);
 
+// Its proportional set in bytes, in which a page that n processes share counts 1/n; its resident set if the kernel does not say. Walks all
+// of its pages: tens of milliseconds for some gigabytes, during which the process may have to wait.
+std::int64_t proportional_bytes_of(pid_t process);
+
 // Three quarters of the free memory of the machine or the container: more could make the kernel kill other processes.
 std::int64_t spare_bytes();
 

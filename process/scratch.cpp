@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::string_view prefix = "hausbench-";
 constexpr int most_tries = 100;
-constexpr std::array<std::string_view, 4> kinds = {"worker", "load", "derive", "external"};
+constexpr std::array<std::string_view, 5> kinds = {"worker", "load", "derive", "external", "verify"};
 
 bool is_ours(const std::string& name) {
     for (const std::string_view kind : kinds) {

@@ -1,10 +1,16 @@
 #include "process/watch.h"
 
+#include "process/family.h"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <thread>
 
 namespace hausbench {
 
@@ -36,6 +42,27 @@ void watch_group(pid_t group) {
     static const int watch = start_watch();
     const std::string line = group ? fmt::format("{}\n", group) : "\n";
     if (watch >= 0) static_cast<void>(::send(watch, line.data(), line.size(), MSG_NOSIGNAL));
+}
+
+void end_family_with_parent() {
+    const pid_t parent = ::getppid();
+    const int parent_ended = SIGRTMIN + 1;
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, parent_ended);
+    sigaddset(&signals, SIGHUP);  // sent, with SIGCONT, if this process is stopped when its parent ends
+    ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    std::thread([=] {
+        for (;;) {
+            int signal = 0;
+            ::sigwait(&signals, &signal);
+            if (::getppid() == parent) continue;
+            end_family({});
+            ::kill(::getpid(), SIGKILL);
+        }
+    }).detach();
+    ::prctl(PR_SET_PDEATHSIG, parent_ended);
+    if (::getppid() != parent) ::raise(parent_ended);  // it ended meanwhile
 }
 
 }  // namespace hausbench

@@ -29,7 +29,6 @@ using namespace certificates;
 using Kind = Node::Kind;
 
 constexpr std::uint64_t seed = 20261;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<const SolverEntry*> writers() {
     std::vector<const SolverEntry*> all;

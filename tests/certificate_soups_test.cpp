@@ -17,7 +17,6 @@ using Kind = Node::Kind;
 
 constexpr double u = 0x1p-53;
 constexpr Real root_loss = 0x1p-58L;  // of exact::root(), relative
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double diagonal_of_both(const Points& a, const Points& b) {
     Points both(a.rows() + b.rows(), 3);

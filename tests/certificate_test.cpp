@@ -20,8 +20,6 @@ CertificateCheck check_at_rest(const Shape& a, const Shape& b, const Certificate
     return check_certificate(a, Pose{}, b, Pose{}, certificate);
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // A right triangle, and triangles of B at height 1 and 2 over all of it.
 const TriangleMesh flat = soup(rows({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}));
 const TriangleMesh above = soup(rows({{-9, -9, 1}, {29, -9, 1}, {-9, 29, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
@@ -62,6 +60,22 @@ TEST(Certificate, APointAndARadius) {
     EXPECT_NEAR(check_tree({leaf(Kind::centre, 0)}).found, 1 + std::sqrt(80.0) / 3, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 0, 0)}).found, 1 + 4, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 1, 2)}).found, 2 + std::sqrt(32.0), 1e-14);
+}
+
+// No reader lets a NaN in; a caller of the library may have one.
+TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Node& node : {leaf(Kind::one, 0), leaf(Kind::centre, 0), leaf(Kind::vertex, 0, 1)}) {
+        for (int i = 0; i < 9; ++i) {
+            for (const bool source : {true, false}) {
+                TriangleMesh a = flat, b = above;
+                (source ? a : b).vertices(i / 3, i % 3) = nan;
+                const CertificateCheck check = check_at_rest(a, b, written(Proof{Tree{node}}, infinity));
+                EXPECT_FALSE(check.accepted) << i << source;
+                EXPECT_NE(check.refusal, "") << i << source;
+            }
+        }
+    }
 }
 
 // Every leaf counts, on either side of a cut, and only its own polygon.

@@ -281,6 +281,25 @@ TEST(Cover, ARelativeToleranceMayBeginAtZero) {
     EXPECT_NEAR(result.bounds.upper, 0.2572478777137604, 0.003);
 }
 
+// A triangle of B so small that the squares of its edges underflow: its frame shall not shorten the way to it.
+TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
+    const TriangleMesh a = soup(rows({{0.25, 0, 0}, {0.262, 0, 0}, {0.262, 0.012, 0}}));
+    for (int exponent = -1074; exponent <= -400; ++exponent) {
+        for (const double factor : {1.0, 1.4}) {
+            const double s = factor * std::ldexp(1.0, exponent);
+            const TriangleMesh b =
+                soup(rows({{-s / 2, 0, 0}, {s / 2, 0, 0}, {0, s / 8, 0}, {-1, -0.1, 0}, {-1, 0.1, 0}, {-1, 0, 0.1}}));
+            Query query;
+            query.tolerance = {Tolerance::Of::absolute, 1e-9};
+            const Result result = answer(a, b, query);
+            EXPECT_EQ(result.status, Status::converged) << s;
+            const double h = 0.26227466518899617;  // to the double next to it: B's triangle is far smaller than that
+            EXPECT_LE(result.bounds.lower, std::nextafter(h, 1)) << s;
+            EXPECT_GE(result.bounds.upper, std::nextafter(h, 0)) << s;
+        }
+    }
+}
+
 // Tolerances that double precision cannot meet: it ends, near what can be met, and "is h above d?" has its answer.
 TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     Random random(45);

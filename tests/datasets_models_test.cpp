@@ -294,6 +294,10 @@ TEST(Derive, SampleSpreadsByArea) {
         EXPECT_LE(points(i, 0) + points(i, 1), points(i, 2) == 0 ? 3 + 1e-14 : 1 + 1e-14);
     }
     EXPECT_NEAR(points.col(0).mean(), 0.9 * 1 + 0.1 / 3, 0.03);
+    for (const double scale : {0x1p-269, 0x1p-600, 0x1p400}) {  // the squares of areas underflow, or overflow
+        const TriangleMesh other{scale * mesh.vertices, mesh.triangles};
+        EXPECT_EQ(points_of(derived("sample", {{"count", 10000}, {"seed", 5}}, other).shape), Points(scale * points));
+    }
 
     const Shape cloud = generate("uniform_points", {{"count", 100}, {"seed", 1}});
     EXPECT_EQ(element_count(derived("sample", {{"count", 30}, {"seed", 1}}, cloud).shape), 30);
@@ -331,6 +335,8 @@ TEST(Derive, MovesAndScales) {
                 0, 1e-14);
     EXPECT_NEAR((turned.col(1) - (std::sin(0.7) * before.col(0) + std::cos(0.7) * before.col(1))).cwiseAbs().maxCoeff(),
                 0, 1e-14);
+    for (const double z : {0x1p-536, 0x1p-1074, 0x1p1000})
+        EXPECT_EQ(points_of(derived("rotate", {{"x", 0}, {"y", 0}, {"z", z}, {"t", half}}, ball).shape), turned) << z;
     const Points noisy = points_of(derived("noise", {{"amplitude", 0.01}, {"seed", 3}}, ball).shape);
     const double most = (noisy - before).cwiseAbs().maxCoeff();
     EXPECT_LE(most, 0.01 * length);

@@ -158,14 +158,14 @@ inline exact::Rational squared_distance(const Pair& pair) {
     return most;
 }
 
-// Whether lower <= h <= upper, by their squares.
-inline bool contains(double lower, double upper, const exact::Rational& squared) {
+// Whether lower <= h <= upper may be, where h^2 is between `least` and `most`.
+inline bool contains(double lower, double upper, const exact::Rational& least, const exact::Rational& most) {
     if (!(lower >= 0 && std::isfinite(lower) && upper >= lower)) return false;
     const exact::Rational low = lower;
-    if (low * low > squared) return false;
+    if (low * low > most) return false;
     if (std::isinf(upper)) return true;
     const exact::Rational high = upper;
-    return high * high >= squared;
+    return high * high >= least;
 }
 
 }  // namespace hausbench::degenerate

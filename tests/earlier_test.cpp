@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <set>
 
@@ -34,22 +35,36 @@ name = "ohd"
 profiles = ["paper"]
 )";
 
+Shape no_shape(const ModelRecord& record) { throw InputError("no shape of " + record.name); }
+
 class Earlier : public testing::Test {
 protected:
-    Earlier() {
-        std::ofstream(folder_.path() / "test.toml") << experiment;
-        plan_.experiment = read_experiment(folder_.path() / "test.toml", "quick");
+    Earlier() { ask(experiment); }
+
+    // The experiment's text, as it is now.
+    void ask(const std::string& text) {
+        std::ofstream(file()) << text;
+        plan_.experiment = read_experiment(file(), "quick");
     }
 
-    static Row row(const std::string& label, const std::string& scene, const std::string& profile, double lower) {
+    std::filesystem::path file() const { return folder_.path() / "test.toml"; }
+
+    static std::vector<ModelRecord> models() {
+        return {model("a", "a1"), model("b", "b1"), model("c", "c1"), model("unused", "u")};
+    }
+
+    // A row of a case that the experiment asks for in the profile `paper`, which has all solvers; else of one that nothing asks for.
+    Row row(const std::string& label, const std::string& scene, const std::string& profile, double lower) const {
         Row row;
-        row.asked.solver = row.asked.label = label;
-        row.asked.scene = scene;
-        row.asked.source = scene == "s" ? "a" : "c", row.asked.target = "b";
-        row.asked.source_hash = row.asked.source + "1", row.asked.target_hash = "b1";
-        row.asked.tolerance = 1e-3;
-        row.asked.tolerance_of = "diagonal";
-        row.asked.identity = identify(row.asked);
+        for (Case& c : cases_as_recorded(read_experiment(file(), "paper"), models(), no_shape).cases)
+            if (c.label == label && c.scene == scene) row.asked = std::move(c);
+        if (row.asked.label.empty()) {
+            row.asked.solver = row.asked.label = label;
+            row.asked.scene = scene;
+            row.asked.source = scene == "s" ? "a" : "c", row.asked.target = "b";
+            row.asked.source_hash = row.asked.source + "1", row.asked.target_hash = "b1";
+            row.asked.identity = identify(row.asked);
+        }
         row.asked.profile = profile;
         row.outcome.status = RowStatus::ok;
         row.outcome.bounds = {lower, lower};
@@ -58,7 +73,7 @@ protected:
 
     static ModelRecord model(const std::string& name, const std::string& hash) {
         ModelRecord record;
-        record.name = name, record.sha256 = hash;
+        record.name = name, record.sha256 = hash, record.kind = "points", record.diagonal = record.longest_side = 2;
         return record;
     }
 
@@ -74,10 +89,13 @@ protected:
 
     void before(std::vector<Row> rows) {
         before_.rows = std::move(rows);
-        before_.models = {model("a", "a1"), model("b", "b1"), model("c", "c1"), model("unused", "u")};
+        before_.models = models();
     }
 
-    std::vector<std::string> keep() { return keep_earlier(result_, before_, plan_, places_); }
+    std::vector<std::string> keep() {
+        return keep_earlier(
+            result_, before_, plan_, [this](const Experiment&) { return shape_; }, places_);
+    }
 
     std::multiset<std::string> rows() const {
         std::multiset<std::string> all;
@@ -91,6 +109,7 @@ protected:
     Plan plan_;
     ResultFile result_, before_;
     std::vector<std::size_t> places_;
+    ShapeOf shape_ = no_shape;
 };
 
 using Rows = std::multiset<std::string>;
@@ -140,12 +159,91 @@ TEST_F(Earlier, AnEditedExperimentNoLongerAsksForARow) {
     rows_before[3].asked.solver = "ohd";
     rows_before[4].asked.source = "c", rows_before[4].asked.source_hash = "c1";
     rows_before[5].asked.quantity = Quantity::symmetric;
+    for (Row& changed : rows_before) changed.asked.identity = identify(changed.asked);
     before(rows_before);
     run({{"naive", "s"}}, false);
     const auto said = keep();
     EXPECT_EQ(rows(), (Rows{"naive s quick 2", "scan s quick 0"}));
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said[0].substr(0, 15), "5 earlier rows ");
+}
+
+// Every row of the other solver, under the text before and under the text now, after a run of `naive` alone.
+TEST_F(Earlier, ARowStaysIfAndOnlyIfItsIdentityIsAskedFor) {
+    const std::string solver = "\n[[solver]]\nname = \"naive\"\n[[solver]]\nname = \"guthe\"\n";
+    const auto text = [&](const std::string& top, const std::string& scene, const std::string& of_solver) {
+        return "title = \"test\"\ntolerances = [1e-3]\n" + top +
+               "\n[[scene]]\nname = \"s\"\nsource = \"a\"\ntarget = \"b\"\n" + scene + solver + of_solver;
+    };
+    const std::string move =
+        "motion = { kind = 'translation', from = [0, 0, 0], to = [1, 0, 0], steps = 2, of = 'absolute' }\n";
+    const std::string further =
+        "motion = { kind = 'translation', from = [0, 0, 0], to = [2, 0, 0], steps = 2, of = 'absolute' }\n";
+    struct Edit {
+        std::string before, now;
+        std::size_t rows, stay;
+    };
+    const std::string usual = text("", "", "");
+    const std::vector<Edit> edits = {
+        {usual, usual, 1, 1},
+        {text("", "tolerances = [1e-2, 1e-4]\n", ""), text("", "tolerances = [1e-2, 1e-4]\n", ""), 2, 2},
+        {text("", "tolerances = [1e-2, 1e-4]\n", ""), text("", "tolerances = [1e-2, 1e-5]\n", ""), 2, 1},
+        {text("", "", "parameters = { split = 'midpoint' }\n"),
+         text("", "", "parameters = { split = 'longest_edge' }\n"), 1, 0},
+        {text("", "", "parameters = { split = ['midpoint', 'longest_edge'] }\n"),
+         text("", "", "parameters = { split = 'longest_edge' }\n"), 2, 1},
+        {usual, text("floor = 0.1\n", "", ""), 1, 0},
+        {usual, text("cutoff = 0.1\n", "", ""), 1, 0},
+        {usual, text("budget = 10\n", "", ""), 1, 0},
+        {usual, text("[limits]\ncase_seconds = 7\n", "", ""), 1, 0},
+        {text("", move, ""), text("", move, ""), 2, 2},
+        {text("", move, ""), text("", further, ""), 2, 1},
+        {text("threads = 2\n", "", "[[solver]]\nname = \"cover\"\n"),
+         text("threads = 1\n", "", "[[solver]]\nname = \"cover\"\n"), 2, 1},
+    };
+    shape_ = [](const ModelRecord&) -> Shape { return PointSet{Points(Points::Zero(1, 3))}; };
+    for (const Edit& edit : edits) {
+        SCOPED_TRACE(edit.before + "----\n" + edit.now);
+        plan_ = {}, result_ = {}, before_ = {}, places_ = {};
+        ask(edit.before);
+        std::vector<Row> earlier;
+        for (Case& c : cases_as_recorded(plan_.experiment, models(), shape_).cases) {
+            if (c.label == "naive") continue;
+            earlier.push_back({std::move(c), {}, {}});
+        }
+        ASSERT_EQ(earlier.size(), edit.rows);
+        before(earlier);
+        ask(edit.now);
+        run({{"naive", "s"}}, false);
+        keep();
+        EXPECT_EQ(result_.rows.size(), 1 + edit.stay);
+    }
+}
+
+// The poses of a shape that is not there are not known, so nothing says that the row is not asked for.
+TEST_F(Earlier, RowsOfAMotionStayWhereTheirModelIsNotThere) {
+    const std::string text = std::string(experiment) +
+                             "[[scene]]\nname = 'r'\nsource = 'a'\ntarget = 'b'\n"
+                             "motion = { kind = 'rotation', axis = [0, 0, 1], degrees = 90, steps = 2 }\n";
+    ask(text);
+    Row moved = row("scan", "r", "quick", 1);
+    moved.asked.pose.translation = Vec3(1, 0, 0);
+    moved.asked.identity = identify(moved.asked);
+    before({moved});
+    run({{"naive", "s"}}, false);
+    EXPECT_TRUE(keep().empty());
+    EXPECT_EQ(rows(), (Rows{"naive s quick 2", "scan r quick 1"}));
+}
+
+TEST_F(Earlier, WhatTheExperimentSaysOfARowIsOfToday) {
+    before({row("scan", "t", "quick", 1)});
+    before_.rows[0].asked.note = "an old remark";
+    before_.rows[0].asked.exact = 7;
+    run({{"naive", "s"}}, false);
+    keep();
+    ASSERT_EQ(result_.rows.size(), 2u);
+    EXPECT_EQ(result_.rows[1].asked.note, "");
+    EXPECT_TRUE(std::isnan(result_.rows[1].asked.exact));
 }
 
 TEST_F(Earlier, ACaseThatARunDidNotComeToKeepsItsOutcome) {

@@ -10,7 +10,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double largest = std::numeric_limits<double>::max(), smallest = std::numeric_limits<double>::denorm_min();
 
 Rational squared(double x) { return Rational(x) * Rational(x); }

@@ -26,8 +26,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 TriangleMesh tetrahedron() {
     TriangleMesh mesh{Points(4, 3), Triangles(4, 3)};
     mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
@@ -252,6 +250,40 @@ TEST_F(FieldFile, AsPlyOrVtkAreRefusedInOneLine) {
 }
 
 // The tetrahedron, 7 above the square, and a second pose of the square that is as far: its distances are 7, 7, 7 and 8.
+// Triangles of every height over their longest edge, down to what rounding leaves of it, with points above, beside and far from them:
+// the cases of the derivation in fields.cpp.
+TEST(DistanceFields, AreWithinTheirErrorOfNeedles) {
+    Random random(8);
+    long double worst = 0;
+    for (int sample = 0; sample < 1500; ++sample) {
+        TriangleMesh mesh{Points(3, 3), Triangles(1, 3)};
+        mesh.triangles << 0, 1, 2;
+        const Vec3 a = random.vector(), edge = random.vector(), side = random.vector();
+        const double height = std::ldexp(1.0, -(sample % 60)), along = random.real(0, 1);
+        mesh.vertices.row(0) = a;
+        mesh.vertices.row(1) = a + edge;
+        mesh.vertices.row(2) = a + along * edge + height * side;
+        PointSet points{Points(6, 3)};
+        for (Index i = 0; i < 6; ++i) {
+            const double up = i < 2 ? 0 : std::ldexp(1.0, -static_cast<int>(random.below(56)));
+            const double x = random.real(0, 1), y = random.real(0, 1 - x);
+            points.points.row(i) = a + x * edge + y * (along * edge + height * side) + up * random.vector();
+        }
+        const Fields fields = fields_of(points, {}, mesh, {});
+        const double m = std::max(points.points.cwiseAbs().maxCoeff(), mesh.vertices.cwiseAbs().maxCoeff());
+        for (Index i = 0; i < 6; ++i) {
+            const auto corner = [&](Index k) { return exact::vector(mesh.vertices.row(k).transpose()); };
+            const exact::Rational squared = exact::squared_distance_to_triangle(
+                exact::vector(points.points.row(i).transpose()), corner(0), corner(1), corner(2));
+            const long double off =
+                std::abs(static_cast<long double>(fields[0].values[std::size_t(i)]) - exact::root(squared));
+            worst = std::max(worst, off / static_cast<long double>(field_error(m)));
+            ASSERT_LE(off, static_cast<long double>(field_error(m))) << "height " << height << ", vertex " << i;
+        }
+    }
+    EXPECT_GE(worst, 0.005L) << "the samples do not show what they are for";
+}
+
 class CheckFields : public testing::Test {
 protected:
     void expect(Verdict verdict, const char* why = "") {

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 namespace hausbench {
 namespace {
 
@@ -90,6 +93,79 @@ TEST(TriangleFrames, UnderflowIsCounted) {
     expect_underflow_is_counted<float>(0x1p-68);
     expect_underflow_is_counted<double>(0x1p-560);
 }
+
+// A triangle of the size 2^-exponent or less, in one of the forms in which a length beside it may be smaller still: thin, with one short edge, flat,
+// a segment, a point; its corners begin anywhere.
+Triangle tiny_triangle(Random& random, int exponent, std::size_t form) {
+    const auto tiny = [&](int smaller) -> Vec3 {
+        Vec3 v = random.vector();
+        for (double& x : v) x = std::ldexp(x, -exponent - smaller);
+        return v;
+    };
+    const int smaller = static_cast<int>(random.below(60));
+    const Vec3 a = form % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.5), b = a + tiny(0);
+    Triangle t{a, b, a + tiny(0)};
+    switch (form / 2) {
+        case 0:
+            break;
+        case 1:
+            t.c = a + tiny(smaller);  // one short edge
+            break;
+        case 2:
+            t.c = b + tiny(smaller);
+            break;
+        case 3:
+            t.c = a + random.unit() * (b - a) + tiny(smaller);
+            break;
+        case 4:
+            t.c = a + random.real(-1, 2) * (b - a);
+            break;
+        case 5:
+            t.c = b;
+            break;
+        case 6:
+            t.b = t.c = a;
+            break;
+        default:
+            t = any(random);  // not tiny
+    }
+    for (std::int64_t turn = random.below(3); turn > 0; --turn) t = {t.b, t.c, t.a};
+    return t;
+}
+
+// Triangles of every size from 1 to the least double beside points of every size, in one leaf: a direction is of length 1 however short
+// its edge is.
+template <class T> void expect_tiny_triangles_are_within_the_error() {
+    Random random(34);
+    for (int exponent = 0; exponent <= 1074; ++exponent) {
+        CornerRows corners;
+        std::array<Triangle, frames_width> triangles;
+        for (std::size_t i = 0; i < frames_width; ++i) {
+            triangles[i] = tiny_triangle(random, exponent, i);
+            corners.set(i, triangles[i]);
+        }
+        TriangleFrames<T> frames;
+        make_frames(corners, frames);
+        const int nearness = exponent % 3 == 0 ? static_cast<int>(random.below(1075)) : 0;
+        Vec3 point = random.vector();
+        for (double& x : point) x = std::ldexp(x, -nearness);
+        const T p[3] = {static_cast<T>(point[0]), static_cast<T>(point[1]), static_cast<T>(point[2])};
+        T squared[frames_width];
+        squared_distances(frames, p, squared);
+        for (std::size_t i = 0; i < frames_width; ++i) {
+            const auto& [a, b, c] = triangles[i];
+            const long double exactly = exact::root(exact::squared_distance_to_triangle(
+                exact::vector(point), exact::vector(a), exact::vector(b), exact::vector(c)));
+            const double unit = frame_roundoff<T> * (point.norm() + largest_corner(triangles[i]));
+            ASSERT_LE(std::abs(std::sqrt(static_cast<long double>(squared[i])) - exactly),
+                      frame_error<T> / 4 * unit + frame_underflow<T>)
+                << "2^-" << exponent << ", form " << i << ", point of 2^-" << nearness;
+        }
+    }
+}
+
+TEST(TriangleFrames, FloatHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<float>(); }
+TEST(TriangleFrames, DoubleHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<double>(); }
 
 // Which corner the longest edge begins at, and which way round the triangle is, is all the same.
 TEST(TriangleFrames, TakeCornersInAnyOrder) {

@@ -8,7 +8,12 @@
 #include <hwy/targets.h>
 
 #include <cstring>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -26,6 +31,31 @@ void for_each_target(const std::function<void(const std::string&)>& f) {
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     EXPECT_GE(targets, 2) << "nothing was compared";
+}
+
+// The kernel lists what the processor has and the system allows.
+std::set<std::string> processor_flags() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);) {
+        if (line.rfind("flags", 0) != 0) continue;
+        std::istringstream words(line);
+        return {std::istream_iterator<std::string>(words), {}};
+    }
+    return {};
+}
+
+TEST(Targets, AreThoseOfTheProcessor) {
+    const std::set<std::string> flags = processor_flags();
+    if (!flags.contains("sse2")) GTEST_SKIP() << "/proc/cpuinfo does not list an x86 processor's flags";
+    bool has = true;
+    const auto expect = [&](std::int64_t target, std::initializer_list<const char*> needed) {
+        for (const char* const flag : needed) has = has && flags.contains(flag);
+        EXPECT_EQ((hwy::SupportedTargets() & target) != 0, has) << hwy::TargetName(target);
+    };
+    expect(HWY_SSSE3, {"ssse3"});
+    expect(HWY_SSE4, {"sse4_1", "sse4_2", "pclmulqdq", "aes"});
+    expect(HWY_AVX2, {"avx2", "bmi1", "bmi2", "fma", "f16c"});
+    expect(HWY_AVX3, {"avx512f", "avx512vl", "avx512dq", "avx512bw"});
 }
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }

@@ -289,7 +289,6 @@ void expect_nearest_as_by_scan(const PointBvh& tree, const Points& points, Rando
             const double squared = squared_length(p - Vec3(points.row(k)));
             if (squared < expected.squared_distance) expected = {squared, k};
         }
-        constexpr double infinity = std::numeric_limits<double>::infinity();
         const NearestPoint found = tree.nearest(p, infinity, -1, counters);
         EXPECT_EQ(found.squared_distance, expected.squared_distance);
         EXPECT_EQ(found.point, expected.point);

@@ -7,11 +7,14 @@
 #include <gtest/gtest.h>
 
 #include <sched.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -256,6 +259,54 @@ TEST(ChildrenOfThreads, RunOnTheCoresThatAreTheirs) {
     Child child(std::move(launch));
     EXPECT_EQ(child.wait({.seconds = 60}), Child::End::by_itself);
     EXPECT_EQ(child.output(), "Cpus_allowed_list:\t" + std::to_string(core) + "\n");
+}
+
+TEST(ChildrenOfThreads, InputThatIsReadSlowlyArrivesWhole) {
+    Launch launch = shell("sleep 0.2; wc -c");
+    launch.input = std::string(1 << 20, 'x');
+    Child child(std::move(launch));
+    EXPECT_EQ(child.wait({.seconds = 60}), Child::End::by_itself);
+    EXPECT_EQ(child.output(), "1048576\n");
+}
+
+TEST(ChildrenOfThreads, AChildThatNeverReadsItsInputEndsAtItsLimit) {
+    Launch launch = shell("exec sleep 600");
+    launch.input = std::string(1 << 20, 'x');
+    Child child(std::move(launch));
+    EXPECT_EQ(child.wait({.seconds = 0.2}), Child::End::time);
+}
+
+TEST(ChildrenOfThreads, ACrashIsHeardThoughAnotherProcessHoldsThePipe) {
+    Launch launch = shell("sleep 600 & kill -SEGV $$");
+    launch.events = true;
+    Child child(std::move(launch));
+    std::string line;
+    int turns = 0;
+    while (child.listen(std::chrono::milliseconds(20), line) != Child::Heard::closed) ASSERT_LT(++turns, 3000);
+    EXPECT_EQ(child.signal(), SIGSEGV);
+}
+
+TEST(ChildrenOfThreads, TwoRunsHaveCoresOfTheirOwn) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (::sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) < 2)
+        GTEST_SKIP() << "this machine has one core";
+    std::ifstream sockets("/proc/net/unix");
+    const std::string in_use{std::istreambuf_iterator<char>(sockets), {}};
+    Launch launch;
+    launch.events = true;
+    launch.work = [](int events) {
+        const std::string told = std::to_string(cores_here(1).front()) + "\n";
+        if (::write(events, told.data(), told.size()) < 0) return 1;
+        ::sleep(600);
+        return 0;
+    };
+    Child other(std::move(launch));
+    std::string line;
+    ASSERT_EQ(other.listen(std::chrono::seconds(60), line), Child::Heard::line);
+    const int mine = cores_here(1).front();
+    if (in_use.find("@hausbench-core-") != std::string::npos) GTEST_SKIP() << "another run has cores of this machine";
+    EXPECT_NE(line, std::to_string(mine));
 }
 
 TEST(ChildrenOfThreads, AClosedPipeDoesNotEndTheProgram) {

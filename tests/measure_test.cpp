@@ -34,9 +34,10 @@ Measured symmetric(bool turned, const Tolerance& tolerance, std::optional<double
     Shape a = PointSet{first()}, b = PointSet{second()};
     if (turned) std::swap(a, b);
     int told = 0;
-    prepare_and_solve(
-        {find_solver("scan"), request, tolerance}, a, b, measured, [&] { EXPECT_EQ(told++, 0); },
-        [&] { EXPECT_EQ(told++, 1); });
+    MeasureSteps steps;
+    steps.prepared = [&] { EXPECT_EQ(told++, 0); };
+    steps.answered = [&] { EXPECT_EQ(told++, 1); };
+    prepare_and_solve({find_solver("scan"), request, tolerance}, a, b, measured, steps);
     EXPECT_EQ(told, 2);
     return measured;
 }
@@ -99,8 +100,7 @@ TEST(Measure, EachBoundOfHIsTheLargerOne) {
         if (turned) std::swap(two, three);
         for (const double tolerance : {1.5, 0.5}) {
             Measured m;
-            prepare_and_solve(
-                {entry, request, {Tolerance::Of::absolute, tolerance}}, two, three, m, [] {}, [] {});
+            prepare_and_solve({entry, request, {Tolerance::Of::absolute, tolerance}}, two, three, m, {});
             EXPECT_EQ(m.result.bounds.lower, 3);
             EXPECT_EQ(m.result.bounds.upper, 4);
             EXPECT_EQ(turned ? m.result.witness.source_point : m.result.witness.target_point, Vec3(3, 3, 3));

@@ -142,7 +142,7 @@ class Tree:
             return ""
         if not (self.build_folder / "build.ninja").is_file():
             launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-            configured = self.run(["cmake", "--preset", "release", *launcher])
+            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])  # one file is compiled again at a time
             if configured.returncode != 0:
                 return configured.stdout
         built = self.run(["cmake", "--build", "--preset", "release", "-j", str(self.jobs), "--target", *targets])

@@ -97,6 +97,29 @@ TEST_F(PlanRows, SaysWhichModelItMakesAndHowManyAreLeft) {
     EXPECT_EQ(said_, (std::vector<std::string>{"ball 0/2", "half 1/2"}));
 }
 
+// As a round does: no lambda is measured through all its seeds while another waits.
+TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
+    const Plan swept = plan("", "[[scene]]\nname = 'c'\nsource = 'cloud'\ntarget = 'cloud'\n",
+                            "[[solver]]\nname = 'ohd'\nscenes = ['c']\n"
+                            "parameters = { lambda = [0.1, 0.2, 0.5], seed = [1, 2, 3] }\n"
+                            "[[solver]]\nname = 'ohd'\nlabel = 'all'\nscenes = ['c']\n"
+                            "parameters = { culling = 'none', seed = [1, 2, 3] }\n"
+                            "[[solver]]\nname = 'scan'\nscenes = ['c']\n");
+    std::vector<std::string> order;
+    for (const Job& job : swept.jobs) {
+        const Case& first = swept.cases[job.cases.front()];
+        if (first.scene != "c" || first.solver == "idle") continue;
+        order.push_back(first.solver == "scan"
+                            ? "scan"
+                            : fmt::format("{} {} {}", first.label, to_string(first.options.at("lambda")),
+                                          to_string(first.options.at("seed"))));
+    }
+    const std::vector<std::string> expected{
+        "scan",      "all 0.01 1", "ohd 0.5 1", "ohd 0.2 1",  "ohd 0.1 1",  // every other seed in reverse
+        "ohd 0.1 2", "ohd 0.2 2",  "ohd 0.5 2", "all 0.01 2", "all 0.01 3", "ohd 0.5 3", "ohd 0.2 3", "ohd 0.1 3"};
+    EXPECT_EQ(order, expected);
+}
+
 TEST_F(PlanRows, BothShapesMove) {
     const std::string a = "motion = { kind = 'translation', from = [0, 0, 0], to = [2, 0, 0], steps = 3 }\n";
     const std::string b = "target_motion = { kind = 'translation', from = [0, 0, 0], to = [0, 2, 0], steps = 3 }\n";

@@ -91,5 +91,19 @@ TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames
     EXPECT_FALSE(unsound_expected(asked, experiment));
 }
 
+// The length of an axis says nothing, be it so small or so large that its square is no double.
+TEST(Motions, AnAxisMayHaveAnyLength) {
+    const Shape shape = PointSet{Points::Random(9, 3)};
+    const std::vector<Pose> poses = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);
+    for (const int exponent : {-1060, -537, -530, 530, 1000}) {
+        const std::vector<Pose> others = poses_of(Rotation{std::ldexp(1.0, exponent) * Vec3(0.5, -1, 2), 90, 3}, shape);
+        ASSERT_EQ(others.size(), poses.size());
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            EXPECT_EQ(others[i].rotation, poses[i].rotation) << exponent;
+            EXPECT_EQ(others[i].translation, poses[i].translation) << exponent;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace hausbench

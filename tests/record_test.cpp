@@ -1,10 +1,16 @@
 // What a row says of its case: the tolerance as a length, and the identity.
+#include "error.h"
+#include "printable.h"
 #include "record/row.h"
 #include "result/provenance.h"
+#include "result/result_file.h"
+#include "run/describe.h"
+#include "temporary_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
+#include <string>
 
 namespace hausbench {
 namespace {
@@ -21,6 +27,24 @@ Case a_case() {
     asked.tolerance = 0.25;
     asked.tolerance_of = "diagonal";
     return asked;
+}
+
+TEST(Printable, LeavesTextAndTakesWhatSteersATerminal) {
+    EXPECT_EQ(printable("Größe 3 µm, 漢字 𝄞"), "Größe 3 µm, 漢字 𝄞");
+    EXPECT_EQ(printable("a\x1b[2J\n\x7f\t"), "a [2J   ");
+    EXPECT_EQ(printable("\xc2\x9b"
+                        "31m \xe2\x80\xa8"),
+              " 31m  ")
+        << "U+009B, U+2028";
+    EXPECT_EQ(printable("\xe2\x80\xae"
+                        "abc"),
+              "?abc")
+        << "U+202E";
+    EXPECT_EQ(printable("caf\xe9, \xc0\x80, \xed\xa0\x80, \xf5"), "caf?, ??, ???, ?") << "not UTF-8";
+    EXPECT_EQ(printable("\033[31mred"), " [31mred");
+    EXPECT_EQ(printable_lines("\033[31mred\033[0m\n\033[2J", true), "\033[31mred\033[0m\n [2J");
+    EXPECT_EQ(printable_lines("\033[31mred\n", false), " [31mred\n");
+    EXPECT_EQ(one_line(std::string(999, 'x') + "ä"), std::string(999, 'x')) << "no half of a character";
 }
 
 TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
@@ -75,6 +99,33 @@ TEST(Record, TheVersionIsOneLine) {
     for (const std::string& part :
          {this_build().version, this_build().type, this_build().compiler, std::string("commit ")})
         EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+// Rows look up the hash of their models by name. A row that looked at every model would take so long that the file counts as damaged.
+TEST(Record, AResultOfManyModelsIsRead) {
+    constexpr std::size_t models = 120'000;
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "many.h5";
+    ResultFile result;
+    describe_run(result, Plan{}, "", "");
+    for (std::size_t i = 0; i < models; ++i) {
+        ModelRecord model;
+        model.name = "a name that many others begin with " + std::to_string(i);
+        model.sha256 = std::to_string(7 * i);
+        result.models.push_back(std::move(model));
+    }
+    for (std::size_t i = 0; i < models / 4; ++i) {
+        Row row{a_case(), {}, {}};
+        row.asked.source = result.models[4 * i].name, row.asked.target = result.models[models - 1 - i].name;
+        result.rows.push_back(std::move(row));
+    }
+    write_result(file, result);
+    const ResultFile again = read_result(file);
+    ASSERT_EQ(again.rows.size(), result.rows.size());
+    for (std::size_t i = 0; i < again.rows.size(); ++i) {
+        ASSERT_EQ(again.rows[i].asked.source_hash, result.models[4 * i].sha256);
+        ASSERT_EQ(again.rows[i].asked.target_hash, result.models[models - 1 - i].sha256);
+    }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// Scratch folders: what happens where none can be made, and while other processes clear theirs away.
+// Scratch folders: what happens where none can be made, and while other processes clear theirs away. The memory of several processes.
 #include "process/scratch.h"
 #include "error.h"
+#include "process/child.h"
 #include "temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace hausbench {
 namespace {
@@ -80,6 +82,40 @@ TEST(ScratchFolder, IsMadeWhileOthersClearAwayTheirs) {
     EXPECT_EQ(names.size(), static_cast<std::size_t>(made));
     EXPECT_TRUE(fs::is_empty(temporary.path()));
     ::unsetenv("TMPDIR");
+}
+
+// Touches `bytes`, and starts three processes that wait for a byte and then write to their copy of it. What all of them hold together is
+// measured before and after.
+TEST(Memory, PagesThatForksShareCountOnce) {
+    constexpr std::int64_t bytes = std::int64_t(64) << 20;
+    int go[2], done[2];
+    ASSERT_EQ(::pipe(go) | ::pipe(done), 0);
+    Launch launch;
+    launch.work = [&](int) {
+        std::vector<char> own(std::size_t(bytes), 1);
+        for (int i = 0; i < 3; ++i) {
+            if (::fork() != 0) continue;
+            char byte = 1;
+            if (::write(done[1], &byte, 1) != 1 || ::read(go[0], &byte, 1) != 1) ::_exit(1);
+            for (std::size_t at = 0; at < own.size(); at += 4096) own[at] = 2;
+            if (::write(done[1], &own[4096], 1) != 1) ::_exit(1);
+            ::pause();
+        }
+        ::pause();
+        return 0;
+    };
+    Child child(std::move(launch));
+    const auto wait_for_all = [&] {
+        char byte = 0;
+        for (int i = 0; i < 3; ++i) ASSERT_EQ(::read(done[0], &byte, 1), 1);
+    };
+    wait_for_all();
+    EXPECT_TRUE(child.takes_more_than(bytes));
+    EXPECT_FALSE(child.takes_more_than(2 * bytes)) << "four processes, one set of pages";
+    ASSERT_EQ(::write(go[1], "123", 3), 3);
+    wait_for_all();
+    EXPECT_TRUE(child.takes_more_than(3 * bytes)) << "each has its own now";
+    for (const int end : {go[0], go[1], done[0], done[1]}) ::close(end);
 }
 
 }  // namespace

@@ -15,8 +15,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // What the tests tell it, and what it was asked: first h(A,B), then h(B,A). B has two points, A has one.
 struct Script {
     Result says[2];

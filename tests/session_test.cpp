@@ -16,8 +16,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 Shape shape_of(const Points& points, bool mesh) {
     if (!mesh) return PointSet{points};
     TriangleMesh flat{points, {}};
@@ -264,6 +262,45 @@ TEST(SessionRange, FarPosesOfTheTargetAreScaledByThePosedExtents) {
     Query query = relative({});
     query.target_pose = moved_by({1.7e308, 0, 0});
     EXPECT_THROW((void)answer(find_solver("naive"), 1e308 * a, 1e308 * b, query), InputError);
+}
+
+// Poses that shrink or enlarge both shapes, or one alone. Squares of lengths leave the range of doubles from 2^-537 on, and from 2^512.
+TEST(SessionRange, PosesOfEverySizeAreAnswered) {
+    Random random(7);
+    const Points a = cloud(random, 6), b = cloud(random, 20);
+    const Eigen::Matrix3d turn = turned(0.6, 0.8, Vec3::Zero()).rotation;
+    for (const SolverEntry& entry : certified_solvers()) {
+        for (const int exponent : {-1000, -700, -537, -401, -399, 399, 401, 513, 900}) {
+            const double size = std::ldexp(1.0, exponent);
+            for (const bool source : {true, false}) {
+                for (const bool target : {true, false}) {
+                    Query query = relative({});
+                    if (source) query.source_pose = stretched(size * turn, {0.25 * size, 0, size});
+                    if (target) query.target_pose = stretched(size * turn.transpose(), {0, size, 0});
+                    const Result result = answer(entry, a, b, query);
+                    const exact::Rational low = result.bounds.lower, high = result.bounds.upper;
+                    const exact::Rational squared =
+                        exact_squared_hausdorff(posed(a, query.source_pose), posed(b, query.target_pose));
+                    const std::string where = entry.info.name + ", 2^" + std::to_string(exponent) +
+                                              (source ? " A" : "") + (target ? " B" : "");
+                    EXPECT_TRUE(low * low <= squared && squared <= high * high) << where << ": " << result.bounds.upper;
+                    EXPECT_EQ(to_string(result.status), "converged") << where << ", " << result.note;
+                }
+            }
+        }
+    }
+}
+
+// In scaled units all of A and B is 0, in those of the input it is not.
+TEST(SessionRange, PosesThatShrinkBelowWhatScaledUnitsHold) {
+    const Points a = rows({{0x1p500, 0, 0}}), b = rows({{0, 0x1p500, 0}});
+    Query query = relative(stretched(0x1p-1074 * Eigen::Matrix3d::Identity(), {0x1p-640, 0, 0}));
+    query.target_pose = stretched(0x1p-1074 * Eigen::Matrix3d::Identity());
+    for (const SolverEntry& entry : certified_solvers()) {
+        const Result result = answer(entry, a, b, query);
+        EXPECT_EQ(to_string(result.status), "converged") << entry.info.name;
+        EXPECT_NEAR(std::ldexp(result.bounds.lower, 574), std::sqrt(2), 1e-8) << entry.info.name;
+    }
 }
 
 // The coordinates of the input, not what scaling left of them, are what is posed.

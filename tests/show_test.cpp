@@ -6,6 +6,7 @@
 #include "commands/row_texts.h"
 #include "commands/summary.h"
 #include "error.h"
+#include "hash.h"
 #include "record/row_times.h"
 #include "run/progress.h"
 
@@ -13,6 +14,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
+#include <random>
 #include <regex>
 #include <sstream>
 
@@ -256,6 +259,137 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
     EXPECT_NE(compare_solvers(result_of(rows), "cgal", "guthe", {}).find("faster"), std::string::npos);
     EXPECT_THROW(compare_solvers(result_of(rows), "guthe", "gcal", {}), InputError);
     EXPECT_THROW(compare_solvers(result_of({row("a", "s", 1, 2), row("b", "t", 1, 2)}), "a", "b", {}), InputError);
+}
+
+// A row whose process is a little slower or faster in each round, and whose repeats within the round are all alike.
+Row noisy_row(const std::string& scene, int rounds, int repeats, std::mt19937_64& bits) {
+    std::lognormal_distribution<double> round_takes(0, 0.2), repeat_takes(0, 0.001);
+    Row one = row("guthe", scene, 1, 2);
+    for (int round = 0; round < rounds; ++round) {
+        const double usual = round_takes(bits);
+        for (int i = 0; i < repeats; ++i) {
+            const double seconds = usual * repeat_takes(bits);
+            one.outcome.repeats.push_back({round, seconds, seconds, 1});
+        }
+    }
+    return one;
+}
+
+std::size_t verdicts_in(const std::string& text) {
+    const std::regex verdict(" (faster|slower)\n");
+    return std::size_t(std::distance(std::sregex_iterator(text.begin(), text.end(), verdict), {}));
+}
+
+ResultFile noisy_result(int scenes, int rounds, int repeats, std::mt19937_64& bits) {
+    ResultFile result = result_of({});
+    for (int i = 0; i < scenes; ++i) result.rows.push_back(noisy_row(fmt::format("s{}", i), rounds, repeats, bits));
+    result.texts["build"] = result.texts["machine"] = "";
+    return result;
+}
+
+// A program against itself, in 2000 simulated cases of six rounds: at most 5 % verdicts. The interval errs in 2 of 64.
+TEST(Compare, AProgramIsHardlyEverFasterOrSlowerThanItself) {
+    std::mt19937_64 bits(39);
+    constexpr int cases = 2000;
+    const ResultFile base = noisy_result(cases, 6, 5, bits), again = noisy_result(cases, 6, 5, bits);
+    const std::size_t wrong = verdicts_in(compare_results(base, again));
+    EXPECT_LE(wrong, std::size_t(0.05 * cases));
+    EXPECT_GT(wrong, 0u) << "else nothing was simulated";
+}
+
+TEST(Compare, LessThanSixRoundsGiveNoVerdict) {
+    std::mt19937_64 bits(39);
+    for (const int rounds : {1, 2, 5}) {
+        const std::string text =
+            compare_results(noisy_result(50, rounds, 30, bits), noisy_result(50, rounds, 30, bits));
+        EXPECT_EQ(verdicts_in(text), 0u) << rounds;
+        EXPECT_NE(text.find("too few rounds"), std::string::npos) << text;
+    }
+}
+
+TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
+    const auto rows = [](auto change) {
+        std::vector<Row> both{row("guthe", "a", 1, 2), row("cgal", "a", 1, 2)};
+        for (Row& one : both) {
+            one.outcome.build = "program", one.outcome.machine = "here";
+            time_it(one, {{1}, {2}, {1}, {3}, {1}, {1}});
+        }
+        change(both[1].outcome);
+        return both;
+    };
+    const auto said = [&](auto change) { return compare_solvers(result_of(rows(change)), "guthe", "cgal", {}); };
+    EXPECT_NE(said([](Outcome&) {}).find("not separated 1 [1, 1]"), std::string::npos);
+    const auto lacks = [&](auto change, const std::string& why) {
+        const std::string text = said(change);
+        EXPECT_NE(text.find("1 pairs without a ratio: their times are " + why), std::string::npos) << text;
+        EXPECT_EQ(text.find("separated"), std::string::npos) << text;
+    };
+    lacks([](Outcome& o) { o.side_by_side = true; }, "run beside others");
+    lacks([](Outcome& o) { o.machine = "there"; }, "of different machines");
+    lacks([](Outcome& o) { o.build = "another"; }, "of different builds");
+    lacks([](Outcome& o) { o.clock = "wall"; }, "by different clocks");
+    // Of two results the builds may differ.
+    const auto two = [&](auto change) {
+        ResultFile base = result_of(rows([](Outcome&) {})), candidate = result_of(rows(change));
+        for (ResultFile* result : {&base, &candidate}) result->texts["build"] = result->texts["machine"] = "";
+        for (std::size_t i : {0u, 1u})
+            base.rows[i].asked.identity = candidate.rows[i].asked.identity = std::to_string(i);
+        return compare_results(base, candidate);
+    };
+    EXPECT_EQ(two([](Outcome& o) { o.build = "another"; }).find("without a ratio"), std::string::npos);
+    EXPECT_NE(two([](Outcome& o) { o.machine = "there"; }).find("of different machines"), std::string::npos);
+    EXPECT_NE(two([](Outcome& o) { o.clock = "wall"; }).find("by different clocks"), std::string::npos);
+}
+
+TEST(Show, SaysWhichTimesDoNotCompare) {
+    std::vector<Row> rows{row("guthe", "a", 1, 2), row("cgal", "a", 1, 2), row("ohd", "a", 1, 2)};
+    for (Row& one : rows) time_it(one, {{1}, {2}});
+    const auto said = [&] {
+        const ResultFile result = result_of(rows);
+        const std::string table = show_rows(result, {0, 1, 2}, Form::text, {}), summary = show_summary(result, {});
+        const auto line = [](const std::string& text) {
+            const auto at = text.find("not all of these times compare");
+            return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+        };
+        EXPECT_EQ(line(table), line(summary));
+        return line(table);
+    };
+    EXPECT_EQ(said(), "");
+    rows[1].outcome.machine = "there", rows[2].outcome.side_by_side = true;
+    EXPECT_EQ(said(), "not all of these times compare: some are of different machines, run beside others");
+    rows[1].outcome.answers.clear(), rows[1].outcome.repeats.clear();
+    EXPECT_EQ(said(), "not all of these times compare: some are run beside others");
+}
+
+TEST(Compare, AProgramAndItsPluginsAreOneBuild) {
+    std::vector<Row> rows{row("guthe", "a", 1, 2), row("mine", "a", 1, 2)};
+    rows[0].outcome.build = "program";
+    rows[1].outcome.build = Sha256().add("program").add("plug-in").hex();
+    for (Row& one : rows) time_it(one, {{1}, {2}, {1}, {3}, {1}, {1}});
+    ResultFile result = result_of(rows);
+    result.texts["build"] = "program";
+    result.texts["plugins"] = R"([{"file": "libmine.so", "sha256": "plug-in", "solvers": ["mine"]}])";
+    EXPECT_NE(compare_solvers(result, "guthe", "mine", {}).find("not separated"), std::string::npos);
+    for (const char* damaged : {"", "{", "[1]", R"([{"sha256": 1}])", "{}"}) {
+        result.texts["plugins"] = damaged;
+        EXPECT_NE(compare_solvers(result, "guthe", "mine", {}).find("of different builds"), std::string::npos);
+    }
+}
+
+// Two runs that were merged may count the poses of a motion differently.
+TEST(Compare, PosesArePairedByTheirNumbers) {
+    std::vector<Row> rows;
+    for (const char* label : {"ohd", "scan"}) {
+        for (int i : {0, 1}) {
+            rows.push_back(row(label, "a", 1, 2));
+            rows.back().asked.pose_index = label[0] == 'o' ? i : 1 - i;
+            rows.back().asked.pose.translation.x() = i;
+            rows.back().outcome.bounds = {1.0 + i, 1.5 + i};
+        }
+    }
+    EXPECT_NE(compare_solvers(result_of(rows), "ohd", "scan", {}).find("all 2 overlap"), std::string::npos);
+    rows.back().asked.pose.translation.x() = 7;
+    EXPECT_EQ(lines_of(compare_solvers(result_of(rows), "ohd", "scan", {}))[0].substr(0, 7), "1 pairs");
 }
 
 TEST(Compare, RowsOfDifferentProfilesAreNoPair) {

@@ -1,8 +1,13 @@
 // The distances that the stability suite states are those of its shapes: each is held against exact arithmetic, or against a reference
-// that shares no code with the solvers.
+// that shares no code with the solvers. And what `cover` answers there is proven: its certificates and its witnesses are checked.
 #include "catalogue.h"
+#include "check/certificate_file.h"
+#include "error.h"
 #include "plan/experiment.h"
 #include "plan/own_models.h"
+#include "record/case.h"
+#include "registry.h"
+#include "session.h"
 #include "shape_file.h"
 #include "temporary_folder.h"
 #include "truth.h"
@@ -62,6 +67,53 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
     EXPECT_GT(checked, 170);
     EXPECT_LT(too_large, 40);
     EXPECT_LT(surfaces, 25);
+}
+
+// Empty if an answer of `cover` is proven from both sides; else what is wrong.
+std::string doubt_of_cover(const Scene& shapes, double tolerance) {
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, tolerance};
+    query.budget = 200'000;
+    query.wanted.certificate = true;
+    Trace trace;
+    Result result = Session(find_solver("cover"), Options("cover", {}, {}), shapes, {}).solve(query, trace);
+    if (result.certificates.empty()) return "no certificate: " + result.why_no_certificate;
+    CertificateFile content{{"A", content_hash(shapes.source), {}},
+                            {"B", content_hash(shapes.target), {}},
+                            Quantity::directed,
+                            "cover",
+                            tolerance,
+                            "absolute",
+                            result.bounds,
+                            result.witness,
+                            std::move(result.certificates)};
+    return verify_certificate(content, shapes.source, shapes.target).refusal;
+}
+
+TEST(StabilitySuite, AnswersOfCoverAreProven) {
+    const TemporaryFolder folder;
+    const Experiment experiment =
+        read_experiment(root / "experiments" / "stability" / "stability_matrix.toml", "quick");
+    Catalogue catalogue(root / "datasets" / "manifest.toml", folder.path(), {});
+    add_own_models(catalogue, experiment);
+    const SolverInfo& info = find_solver("cover").info;
+    int proven = 0;
+    for (const ScenePlan& scene : experiment.scenes) {
+        if (scene.note.starts_with("not legal")) continue;
+        const auto shape = [&](const std::string& name) {
+            return read_shape(std::get<ResolvedModel>(catalogue.resolve(name)).shape_file).shape;
+        };
+        const Scene shapes{shape(scene.source), shape(scene.target)};
+        if (!refusal(info, kind_of(shapes.source), kind_of(shapes.target)).empty()) continue;
+        const Points& source = points_of(shapes.source);
+        const double unit = unit_of(experiment.of, diagonal(source), longest_side(source));
+        for (const double tolerance : scene.tolerances.empty() ? experiment.tolerances : scene.tolerances) {
+            const double length = tolerance_as_length(tolerance, unit > 0 ? unit : 1);
+            EXPECT_EQ(doubt_of_cover(shapes, length), "") << scene.name;
+            ++proven;
+        }
+    }
+    EXPECT_GT(proven, 170);
 }
 
 }  // namespace

@@ -80,6 +80,15 @@ TEST(VerifyPenetration, TrianglesThatDoNotCount) {
     expect(check(twice, bar, {0, 0.21}, from_target(end)), Verdict::holds, Verdict::holds);
 }
 
+// Squares of lengths underflow: nothing is said of them, and what is right is not refused.
+TEST(VerifyPenetration, SolidsThatAreTiny) {
+    for (const double s : {0x1p-490, 0x1p-537, 0x1p-600}) {
+        const Check found = check(scaled(cube, s), scaled(bar, s), {0.5 * s, 0.5 * s}, from_target(s * end));
+        EXPECT_EQ(found.lower, s > 0x1p-500 ? Verdict::holds : Verdict::not_checked) << s << found.reason;
+        EXPECT_NE(found.upper, Verdict::unsound) << s << found.reason;
+    }
+}
+
 TEST(VerifyPenetration, BoundsAndCoordinatesThatAreHuge) {
     const double infinity = std::numeric_limits<double>::infinity();
     expect(check(cube, bar, {infinity, infinity}, from_target(end)), Verdict::unsound, Verdict::holds, "infinite");

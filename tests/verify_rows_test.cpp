@@ -1,4 +1,5 @@
 // The off-clock check on small shapes: what it proves, what it refutes, and that it can be stopped.
+#include "check/claims.h"
 #include "check/verify.h"
 #include "random.h"
 
@@ -480,6 +481,78 @@ TEST_F(VerifyUncertified, WithoutAWitnessToo) {
     EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::no_witness);
     without.outcome.bounds.lower += 1e-12;
     EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::unsound);
+}
+
+// A row that says nothing wrong of itself.
+Row honest() {
+    Row row = answer(1, 1.5, Vec3(0, 0, 0));
+    row.asked.source_hash = "aa", row.asked.target_hash = "bb";
+    row.asked.tolerance_of = "absolute";
+    row.asked.tolerance = 0.5;
+    row.asked.identity = identify(row.asked);
+    row.outcome.witness.target_element = 99;
+    return row;
+}
+
+TEST_F(VerifyRows, ARowThatContradictsItselfIsNoticed) {
+    const auto says = [](auto change) {
+        Row row = honest();
+        change(row);
+        return contradiction_in(row);
+    };
+    const auto expects = [&](auto change, const std::string& words) {
+        EXPECT_NE(says(change).find(words), std::string::npos) << words << ": " << says(change);
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(says([](Row&) {}), "");
+    expects([](Row& r) { r.outcome.bounds.upper = std::nextafter(1.5, 2.0); }, "not within the tolerance");
+    expects([](Row& r) { r.outcome.bounds.lower = 0; }, "not within the tolerance");
+    expects([&](Row& r) { r.outcome.bounds.lower = nan; }, "not a number");
+    expects([&](Row& r) { r.outcome.bounds.upper = nan, r.outcome.solver_status = ""; }, "not a number");
+    expects([](Row& r) { r.asked.source_hash = ""; }, "does not list its model 'a'");
+    expects([](Row& r) { r.asked.target_hash = ""; }, "does not list its model 'b'");
+    for (const auto change :
+         {+[](Row& r) { r.asked.tolerance = 0.6; }, +[](Row& r) { r.asked.pose.translation.x() = 1; },
+          +[](Row& r) { r.asked.target_hash = "cc"; }, +[](Row& r) { r.asked.limits.case_seconds = 1; },
+          +[](Row& r) {
+              r.asked.options = {{"seed", std::int64_t(1)}};
+          }})
+        expects(change, "its identity");
+    // A gap above the tolerance is right where the row answers a floor or a cutoff, or is no `ok`.
+    EXPECT_EQ(says([](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = 7; }), "");
+    EXPECT_EQ(says([&](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = nan; }), "");
+    const auto asked = [](Row& r, double floor, double cutoff) {
+        r.asked.floor = floor, r.asked.cutoff = cutoff;
+        r.asked.identity = identify(r.asked);
+        r.outcome.bounds = {1, 3};
+    };
+    EXPECT_EQ(says([&](Row& r) { asked(r, 3, 9); }), "");
+    EXPECT_EQ(says([&](Row& r) { asked(r, 0, 0.5); }), "");
+    EXPECT_EQ(says([&](Row& r) { asked(r, 0, 9), r.outcome.cutoff_used = 0.5; }), "");
+    expects([&](Row& r) { asked(r, 2, 2); }, "not within");
+}
+
+TEST_F(VerifyRows, AWitnessNamesAnElementThatThereIs) {
+    const auto says = [&](Index of_source, Index of_target) {
+        Row row = honest();
+        row.outcome.witness.source_element = of_source, row.outcome.witness.target_element = of_target;
+        return wrong_witness(row, source, target);
+    };
+    EXPECT_EQ(says(0, 99), "");
+    EXPECT_EQ(says(-1, -1), "");
+    EXPECT_NE(says(1, 0).find("element 1 of the source, which has 1"), std::string::npos);
+    EXPECT_NE(says(-2, 0).find("source"), std::string::npos);
+    EXPECT_NE(says(0, 100).find("element 100 of the target, which has 100"), std::string::npos);
+}
+
+TEST_F(VerifyRows, ManyContradictionsAreCounted) {
+    Row wrong = honest();
+    wrong.outcome.bounds.upper = 9;
+    rows.assign(50, wrong);
+    rows.push_back(honest());
+    const auto lines = contradictions(rows, [this](const std::string& name) { return load(name); });
+    ASSERT_EQ(lines.size(), 21u);
+    EXPECT_EQ(lines.back(), "30 more rows contradict themselves");
 }
 
 }  // namespace

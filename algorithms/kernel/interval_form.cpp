@@ -56,7 +56,8 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
 // Each power from the one before, times m + h u.
 void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
-        const Interval m(middle[Eigen::Index(k)]), h(half[Eigen::Index(k)]);
+        const Eigen::Index axis = Eigen::Index(k);
+        const Interval m = Interval(middle[axis]) - Interval(polynomial_.origin()[axis]), h(half[axis]);
         Power next{{}, Interval(0.0), Interval(0.0), 0};
         next.low.fill(Interval(0.0));
         next.low[0] = Interval(1.0);
@@ -175,7 +176,9 @@ Interval FormEvaluator::affine(const Vec3& middle, const Vec3& half) const {
     for (const Polynomial::Term& term : polynomial_.terms()) {
         Affine product{term.coefficient, {Interval(0.0), Interval(0.0), Interval(0.0)}, 0};
         for (std::size_t k = 0; k < 3; ++k) {
-            Affine variable{Interval(middle[Eigen::Index(k)]), {Interval(0.0), Interval(0.0), Interval(0.0)}, 0};
+            const Interval from_origin =
+                Interval(middle[Eigen::Index(k)]) - Interval(polynomial_.origin()[Eigen::Index(k)]);
+            Affine variable{from_origin, {Interval(0.0), Interval(0.0), Interval(0.0)}, 0};
             variable.s[k] = Interval(half[Eigen::Index(k)]);
             for (int i = 0; i < term.powers[k]; ++i) product = product * variable;
         }

@@ -33,7 +33,7 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 // Recursive descent, one character ahead.
 class Reader {
 public:
-    explicit Reader(std::string_view text) : text_(text) {}
+    Reader(std::string_view text, const Vec3& origin) : text_(text), origin_(origin) {}
 
     Sum read() {
         Sum all = sum();
@@ -163,7 +163,9 @@ private:
             ++at_;
             Powers powers{};
             powers[static_cast<std::size_t>(c - 'x')] = 1;
-            return {{powers, Interval(1.0)}};
+            Sum variable{{powers, Interval(1.0)}};
+            if (const double from = origin_[c - 'x']; from != 0) variable.emplace(Powers{}, Interval(from));
+            return variable;
         }
         if (c == '(') {
             if (depth_ == deepest) fail(fmt::format("parentheses are nested more than {} deep: remove some", deepest));
@@ -219,6 +221,7 @@ private:
     }
 
     std::string_view text_;
+    Vec3 origin_;
     std::size_t at_ = 0;
     int depth_ = 0;  // parentheses open
     std::size_t products_ = 0;
@@ -226,9 +229,9 @@ private:
 
 }  // namespace
 
-Polynomial::Polynomial(std::string_view text) {
+Polynomial::Polynomial(std::string_view text, const Vec3& origin) : origin_(origin) {
     const UpwardRounding upward;
-    for (const auto& [powers, x] : Reader(text).read()) {
+    for (const auto& [powers, x] : Reader(text, origin).read()) {
         if (!std::isfinite(x.inf()) || !std::isfinite(x.sup()))
             refuse(text, "a coefficient is beyond double precision");
         if (!is_zero(x)) terms_.push_back({powers, x});
@@ -236,6 +239,36 @@ Polynomial::Polynomial(std::string_view text) {
     finish();
     if (degrees_[0] + degrees_[1] + degrees_[2] == 0)
         refuse(text, "is a constant, which has no surface: write one in x, y and z");
+}
+
+// An axis keeps the origin 0 if the box is near it, so that nothing changes for most surfaces.
+Polynomial Polynomial::of(const AlgebraicSurface& surface) {
+    Vec3 origin = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+        const double low = surface.box(0, k), high = surface.box(1, k), middle = 0.5 * low + 0.5 * high;
+        if (std::abs(middle) > 4 * (high - low)) origin[k] = middle;
+    }
+    Polynomial polynomial(surface.polynomial);
+    if (origin != Vec3::Zero()) {
+        try {
+            polynomial = Polynomial(surface.polynomial, origin);
+        } catch (const InputError&) {  // more terms than are multiplied out, or larger coefficients: it stays as it is
+        }
+    }
+    polynomial.normalise(surface.box);
+    return polynomial;
+}
+
+// Multiplying by a power of two moves no zero; intervals enclose what underflows.
+void Polynomial::normalise(const Points& box) {
+    const UpwardRounding upward;
+    std::array<Interval, 3> x;
+    for (int k = 0; k < 3; ++k) x[std::size_t(k)] = Interval(box(0, k), box(1, k));
+    const double most = magnitude(natural(x));
+    if (!(most > 0) || !std::isfinite(most) || std::abs(std::ilogb(most)) <= 100) return;
+    const Interval factor(std::ldexp(1.0, -std::ilogb(most)));
+    for (Term& term : terms_) term.coefficient *= factor;
+    finish();
 }
 
 void Polynomial::finish() {
@@ -250,6 +283,7 @@ void Polynomial::finish() {
 Polynomial Polynomial::derivative(int axis) const {
     const UpwardRounding upward;
     Polynomial out;
+    out.origin_ = origin_;
     for (Term term : terms_) {
         int& p = term.powers[static_cast<std::size_t>(axis)];
         if (p == 0) continue;
@@ -268,8 +302,9 @@ double Polynomial::value(const Vec3& at) const {
 double Polynomial::value(const Vec3& at, Vec3& gradient) const {
     double powers[3][most_power + 1];
     for (int k = 0; k < 3; ++k) {
+        const double x = at[k] - origin_[k];
         powers[k][0] = 1;
-        for (int i = 1; i <= degree(k); ++i) powers[k][i] = powers[k][i - 1] * at[k];
+        for (int i = 1; i <= degree(k); ++i) powers[k][i] = powers[k][i - 1] * x;
     }
     double sum = 0;
     gradient.setZero();
@@ -285,11 +320,13 @@ double Polynomial::value(const Vec3& at, Vec3& gradient) const {
 }
 
 Interval Polynomial::natural(const std::array<Interval, 3>& box) const {
+    std::array<Interval, 3> x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = box[k] - Interval(origin_[Eigen::Index(k)]);
     Interval sum(0.0);
     for (const Term& term : terms_) {
         Interval one = term.coefficient;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (term.powers[k] > 0) one *= power(box[k], term.powers[k]);
+            if (term.powers[k] > 0) one *= power(x[k], term.powers[k]);
         }
         sum += one;
     }

@@ -29,7 +29,17 @@ public:
     // Throws InputError for text that is none of the above (the column, from 1, and the remedy), powers above 40, more
     // than 100 nested parentheses or 10 million products of terms, a polynomial without x, y and z, or coefficients that are not finite.
     // Sets the rounding mode for itself.
-    explicit Polynomial(std::string_view text);
+    explicit Polynomial(std::string_view text, const Vec3& origin = Vec3::Zero());
+
+    // The polynomial of a surface for search in its box. Far from 0 it is expanded about the middle of the box: x^2 would cancel
+    // there, and lose what the surface is. Each variable is replaced in the text, before anything is multiplied out, so factors such
+    // as (x - 1000000)^2 lose nothing; a text that is multiplied out already keeps what its coefficients lost. Values beyond 2^100 in the
+    // box, or all below 2^-100, are scaled by a power of two, so that their squares neither overflow nor underflow: the zeros stay.
+    // Throws like the constructor.
+    static Polynomial of(const AlgebraicSurface& surface);
+
+    // The powers are those of x - origin(), y - ..., but every function takes points as they are.
+    const Vec3& origin() const { return origin_; }
 
     // In the order of powers; no term's coefficient is exactly 0.
     const std::vector<Term>& terms() const { return terms_; }
@@ -47,7 +57,9 @@ public:
 private:
     Polynomial() = default;
     void finish();
+    void normalise(const Points& box);
 
+    Vec3 origin_ = Vec3::Zero();
     std::vector<Term> terms_;
     std::vector<double> middles_;  // of the coefficients
     std::array<int, 3> degrees_{};

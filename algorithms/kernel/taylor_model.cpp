@@ -142,8 +142,9 @@ ModelPowers::ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial&
     for (int k = 0; k < 3; ++k) {
         auto& powers = powers_[std::size_t(k)];
         powers.push_back(TaylorModel::variable(1, 0, 0));
+        TaylorModel x = at[std::size_t(k)];
+        if (f.origin()[k] != 0) x = x + TaylorModel::variable(-f.origin()[k], 0, 0);
         for (int i = 1; i <= f.degree(k); ++i) {
-            const TaylorModel& x = at[std::size_t(k)];
             powers.push_back(i == 1                      ? x
                              : most < TaylorModel::order ? product(powers.back(), x, most)
                                                          : powers.back() * x);

@@ -83,12 +83,12 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     const auto [a, b, c] = longest_edge_first(corners, lane);
     const Vector ab = minus(b, a), w = minus(c, a);
     const V length = hn::Sqrt(dot(ab, ab));
-    const auto is_point = hn::Not(hn::Gt(length, zero));
+    const auto is_point = hn::Not(hn::Gt(length, hn::Set(d, frame_point)));
     const Vector e = choose(is_point, {one, zero, zero}, times(inverse_or_one(length), ab));
     const V x_c = dot(w, e);
     const Vector g = minus(w, times(x_c, e));
-    const auto is_flat =
-        hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length)));  // points too
+    const V flat = hn::Max(hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length), hn::Set(d, 2 * frame_point));
+    const auto is_flat = hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), flat));  // points too
     const Vector h = direction_across(e, g, is_flat);
 
     const auto put = [&](std::size_t row, V value) HWY_ATTR { store(value, frames.row[row] + lane); };

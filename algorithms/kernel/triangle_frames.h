@@ -25,6 +25,17 @@
 // the 64 that is used. For T = double the making counts: edges, lengths and axes take up to 12 roundings each where
 // the above has one (e is within 6u of an axis, h within 10u, n within 20u; a coordinate errs by 28u D, L, x_c and y_c by 20u R):
 // all in all less than 5 times as much; 256 is used.
+//
+// Underflow. A square may lose 2^-1075, so a root of a sum of squares of about 2^-1075 errs by any factor; a direction divided by it is not of
+// length 1, and the coordinates of all points, however far, are off by that factor. So no direction is made from a length of 2^-502 or less:
+//   - If the longest edge is no longer, as computed, the triangle is taken for a segment of its length along the x axis from a. Both are within
+//     2^-502 of a, but for rounding, so no distance changes by more.
+//   - If c is no farther than 2^-501 from the line of ab, the triangle is taken for ab. No point moves by more, as ab is longest. A
+//     point is flat too, as c is within 2^-502 of a.
+// Otherwise |ab| > 2^-502, and y_c, which is no less than half the height, is above 2^-502. Three squares lose 3 2^-1075, a part of less than
+// 2^-69 of the sums whose roots are |ab|, |ac|, |bc| and the height: the roots lose 2^-70 of themselves, far below u.
+// All other products only add: 2^-1075 each for double, 2^-150 for float, times at most 2^40 in a coordinate, and under the last root
+// sqrt(6 2^-1075) < 2^-535 or sqrt(6 2^-150) < 2^-73. Together less than 2^-500 for double, and less than 2^-60 for float.
 #pragma once
 
 #include "geometry.h"
@@ -48,6 +59,9 @@ inline constexpr std::size_t count = 19;
 template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 256;
 template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
 template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
+
+// A triangle whose longest edge is no longer is taken for a point, a triangle whose height is at most twice this for its longest edge.
+inline constexpr double frame_point = 0x1p-502;
 
 template <class T> struct alignas(64) TriangleFrames { T row[frame_row::count][frames_width]; };
 

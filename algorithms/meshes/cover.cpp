@@ -39,6 +39,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -57,10 +58,10 @@ Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
     return warm_start->partner.data();
 }
 
-class Search {
+class CoverSearch {
 public:
-    Search(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order, const GroupBoxes& boxes,
-           const Query& query, WarmStart* warm_start, Trace& trace)
+    CoverSearch(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order,
+                const GroupBoxes& boxes, const Query& query, WarmStart* warm_start, Trace& trace)
         : pair_(pair),
           boxes_(boxes, pair.source.triangles, pair.points, order, query.source_pose),
           query_(query),
@@ -85,8 +86,7 @@ public:
                  proofs_ ? &*proofs_ : nullptr,
                  partners_of(warm_start, pair)},
           threads_(elements_ || proofs_ ? 1 : query.threads) {
-        workers_.reserve(static_cast<std::size_t>(threads_.most()));
-        for (int i = 0; i < threads_.most(); ++i) workers_.emplace_back(scene_);
+        workers_.resize(static_cast<std::size_t>(threads_.most()));
     }
 
     Result run();
@@ -119,7 +119,7 @@ private:
     std::optional<CoverProofs> proofs_;
     CoverScene scene_;
     Threads threads_;
-    std::vector<CoverWorker> workers_;  // one for each thread
+    std::vector<std::unique_ptr<CoverWorker>> workers_;  // of each thread, made when it has its first part
     std::vector<Cluster> clusters_;
     std::vector<CoverPiece> undecided_;
     std::optional<Status> stop_;
@@ -127,7 +127,8 @@ private:
 
 // The outcomes of one round are merged in the order of its parts. `upper_of_rest(i)`: of what is left from item i on, for the trace.
 template <class Item, class UpperOfRest>
-void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest) {
+void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
+                            const UpperOfRest& upper_of_rest) {
     const bool one_by_one = query_.budget < std::numeric_limits<std::uint64_t>::max();
     if (one_by_one) of_part = 1;
     std::size_t parts = 1;
@@ -141,7 +142,9 @@ void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
         std::vector<CoverOutcome> outcomes((end - begin + of_part - 1) / of_part);
         std::vector<std::optional<Status>> stops(outcomes.size());
         threads_.for_each(outcomes.size(), [&](std::size_t part, int number) {
-            CoverWorker& worker = workers_[static_cast<std::size_t>(number)];
+            std::unique_ptr<CoverWorker>& made = workers_[static_cast<std::size_t>(number)];
+            if (!made) made = std::make_unique<CoverWorker>(scene_);
+            CoverWorker& worker = *made;
             worker.begin(farthest, settled, left, stopped, deadline_);
             const std::size_t first = begin + part * of_part;
             for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(worker, i);
@@ -155,7 +158,7 @@ void Search::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
     }
 }
 
-void Search::merge(CoverOutcome outcome) {
+void CoverSearch::merge(CoverOutcome outcome) {
     for (const CounterField& field : counter_fields) counters_.*field.member += outcome.counters.*field.member;
     if (outcome.farthest.source >= 0)
         bounds_.offer(outcome.farthest.point, outcome.farthest.source, outcome.farthest.level);
@@ -165,7 +168,7 @@ void Search::merge(CoverOutcome outcome) {
 }
 
 // What was farthest at the pose before is likely to be so again.
-void Search::measure_previous() {
+void CoverSearch::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);
     const Triangle t{pair_.points.row(v[0]), pair_.points.row(v[1]), pair_.points.row(v[2])};
@@ -177,7 +180,7 @@ void Search::measure_previous() {
 }
 
 // Level by level, so that l is nearly final when the small groups, which are many, have their turn.
-void Search::measure_groups() {
+void CoverSearch::measure_groups() {
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
     for (std::size_t level = boxes_.levels(); level-- > 0;) {
@@ -199,14 +202,14 @@ void Search::measure_groups() {
     }
 }
 
-void Search::cover_clusters(std::size_t begin, std::size_t end) {
+void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
     in_rounds(
         end - begin, clusters_of_part, [&](CoverWorker& worker, std::size_t i) { worker.cover(clusters_[begin + i]); },
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
 // Those that may be far first, as they may update l.
-void Search::decide_all(std::size_t clusters_left) {
+void CoverSearch::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);
     std::stable_sort(pieces.begin(), pieces.end(),
@@ -216,7 +219,7 @@ void Search::decide_all(std::size_t clusters_left) {
         [&](std::size_t i) { return std::max(upper_of(pieces, i), upper_of(clusters_, clusters_left)); });
 }
 
-Result Search::run() {
+Result CoverSearch::run() {
     measure_previous();
     measure_groups();
     if (stop_ == Status::time_limit) {
@@ -272,7 +275,7 @@ public:
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return Search(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
+        return CoverSearch(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
     }
 
     const TriangleOrder* order_ = nullptr;

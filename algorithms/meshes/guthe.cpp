@@ -49,7 +49,7 @@
 namespace hausbench {
 namespace {
 
-struct Piece {
+struct GuthePiece {
     std::array<MeasuredPoint, 3> corners;
     double upper;
     Index source;  // triangle of A
@@ -58,15 +58,16 @@ struct Piece {
     PieceProofs::Node node;  // of its proof, where a certificate is wanted
 };
 
-struct Choices {
+struct GutheChoices {
     bool textbook = false, certify = true;
     Split split = Split::midpoint;
 };
 
 // One query.
-class Search {
+class GutheSearch {
 public:
-    Search(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Choices& choices)
+    GutheSearch(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace,
+                const GutheChoices& choices)
         : a_(pair.source),
           target_(pair.target),
           points_(pair.points),
@@ -87,7 +88,7 @@ public:
         Result result = search();
         vertices_.remember();
         if (elements_) {
-            queue_.for_each([&](const Piece& piece) { elements_->settle(piece.upper, piece.source); });
+            queue_.for_each([&](const GuthePiece& piece) { elements_->settle(piece.upper, piece.source); });
             result.fields = bounds_.fields();
         }
         result.reported = stages_.seconds();
@@ -98,12 +99,12 @@ public:
 private:
     Result search();
     void push_triangles();
-    double squared_to_farthest(const Piece& piece, Index triangle);
-    bool settle(const Piece& piece) {
+    double squared_to_farthest(const GuthePiece& piece, Index triangle);
+    bool settle(const GuthePiece& piece) {
         return bounds_.settle(piece.upper, piece.source, piece.level, most_levels(split_));
     }
-    void push(const Piece& piece);
-    void split(const Piece& piece);
+    void push(const GuthePiece& piece);
+    void split(const GuthePiece& piece);
 
     const TriangleMesh& a_;
     const Target& target_;
@@ -115,20 +116,20 @@ private:
     std::optional<PieceProofs> proofs_;  // only where a certificate is wanted
     SearchBounds bounds_;
     SourceVertices vertices_;
-    PieceQueue<Piece> queue_;
+    PieceQueue<GuthePiece> queue_;
 };
 
-void Search::push(const Piece& piece) {
+void GutheSearch::push(const GuthePiece& piece) {
     if (settle(piece)) return;
     ++counters_.queue_pushes;
     queue_.push(piece);
 }
 
 // The least over the triangles nearest to its corners.
-void Search::push_triangles() {
+void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
-        Piece piece{vertices_.corners(i), 0, i, 0, 0, static_cast<PieceProofs::Node>(i)};
+        GuthePiece piece{vertices_.corners(i), 0, i, 0, 0, static_cast<PieceProofs::Node>(i)};
         double least = std::numeric_limits<double>::infinity();
         for (const MeasuredPoint& corner : piece.corners) {
             const double most = squared_to_farthest(piece, corner.triangle);
@@ -144,7 +145,7 @@ void Search::push_triangles() {
 }
 
 // The largest squared distance of a corner to a triangle of B that is nearest to one of them.
-double Search::squared_to_farthest(const Piece& piece, Index triangle) {
+double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;
     for (const MeasuredPoint& corner : piece.corners) {
@@ -169,7 +170,7 @@ PointBlock block_of(const Cut<MeasuredPoint>& cut) {
 }
 
 // Each part is bounded by the triangles nearest to any vertex of the cut, and by the one that was best for the whole piece.
-void Search::split(const Piece& piece) {
+void GutheSearch::split(const GuthePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
     if (elements_) elements_->subdivided(piece.source, level);
@@ -207,7 +208,7 @@ void Search::split(const Piece& piece) {
     }
 }
 
-Result Search::search() {
+Result GutheSearch::search() {
     const bool measured = vertices_.measure();
     stages_.end("measure vertices");
     if (!measured) {
@@ -217,8 +218,8 @@ Result Search::search() {
     push_triangles();
     stages_.end("first bounds");
     const Status status = split_until_done(
-        queue_, bounds_, counters_, [&](const Piece& piece) { return settle(piece); },
-        [&](const Piece& piece) { split(piece); });
+        queue_, bounds_, counters_, [&](const GuthePiece& piece) { return settle(piece); },
+        [&](const GuthePiece& piece) { split(piece); });
     stages_.end("subdivide");
     return bounds_.result(status, queue_.upper());
 }
@@ -237,7 +238,7 @@ private:
           choices_{textbook, options.flag("certify"), split_of(options)} {}
 
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        Result result = Search(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
+        Result result = GutheSearch(pair, query, static_cast<WarmStart*>(state), trace, choices_).run();
         if (query.wanted.certificate && !certified())
             result.why_no_certificate =
                 "with kernel = textbook or certify = false its bounds account for no rounding, so there is nothing to "
@@ -245,7 +246,7 @@ private:
         return result;
     }
 
-    Choices choices_;
+    GutheChoices choices_;
 };
 
 }  // namespace

@@ -44,7 +44,7 @@
 namespace hausbench {
 namespace {
 
-struct Choices {
+struct TangChoices {
     Cutting cutting = Cutting::voronoi;
     bool group = true;
     double least_part = 0.05;
@@ -55,7 +55,7 @@ struct Choices {
 template <class Tree> class Search {
 public:
     Search(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
-           Trace& trace, const Choices& choices, bool closed)
+           Trace& trace, const TangChoices& choices, bool closed)
         : a_(pair.source),
           points_(pair.points),
           target_(pair.target),
@@ -201,7 +201,7 @@ template <class Tree> Result Search<Tree>::search() {
 
 template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
-    explicit Tang(const Choices& choices) : choices_(choices) {}
+    explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
     // However small the shapes are: culling goes by the nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
@@ -223,14 +223,14 @@ private:
             .run();
     }
 
-    Choices choices_;
+    TangChoices choices_;
     const Tree* a_tree_ = nullptr;
     bool closed_ = false;  // B, where that is asked for
 };
 
 std::unique_ptr<Solver> make(const Options& options) {
-    const Choices choices{cutting_of(options), options.flag("group"), options.real("least_part"),
-                          options.flag("lemma4")};
+    const TangChoices choices{cutting_of(options), options.flag("group"), options.real("least_part"),
+                              options.flag("lemma4")};
     if (options.text("volumes") == "boxes") return std::make_unique<Tang<TriangleBvh>>(choices);
     return std::make_unique<Tang<SweptSphereBvh>>(choices);
 }

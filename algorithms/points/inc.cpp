@@ -43,9 +43,9 @@ struct Entry {
     }
 };
 
-class Search {
+class IncSearch {
 public:
-    Search(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query)
+    IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query)
         : source_(source),
           target_(target),
           a_(a),
@@ -204,7 +204,7 @@ public:
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return Search(*source_, *target_, a, b, query).run();
+        return IncSearch(*source_, *target_, a, b, query).run();
     }
 
 private:

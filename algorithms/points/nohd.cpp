@@ -24,9 +24,10 @@ namespace hausbench {
 namespace {
 
 // One query.
-class Search {
+class NohdSearch {
 public:
-    Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth, bool early_break)
+    NohdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth,
+               bool early_break)
         : tree_(tree),
           a_(a),
           b_(b),
@@ -137,7 +138,7 @@ public:
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return Search(*tree_, a, b, query, depth_, early_break_).run();
+        return NohdSearch(*tree_, a, b, query, depth_, early_break_).run();
     }
 
 private:

@@ -71,8 +71,6 @@ public:
     }
 
 private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-
     static std::optional<Status> why_stop(const Query& query, std::uint64_t taken, const Deadline& deadline) {
         if (taken >= query.budget) return Status::budget;
         if (deadline.passed()) return Status::time_limit;

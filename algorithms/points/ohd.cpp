@@ -25,9 +25,9 @@
 namespace hausbench {
 namespace {
 
-class Search {
+class OhdSearch {
 public:
-    Search(const PointOctree& tree, const Points& a, const Points& b, const Query& query)
+    OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query)
         : tree_(tree), a_(a), b_(b), query_(query), deadline_(query.time_limit) {}
 
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
@@ -161,7 +161,7 @@ public:
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return Search(*tree_, a, b, query).run(sample_, target_, culling_);
+        return OhdSearch(*tree_, a, b, query).run(sample_, target_, culling_);
     }
 
 private:

@@ -87,10 +87,10 @@ private:
     ShuffledTarget target_;
 };
 
-struct Near {
+struct NearCell {
     double squared_lower;
     std::int32_t node;
-    bool operator<(const Near& other) const {  // the nearest on top
+    bool operator<(const NearCell& other) const {  // the nearest on top
         return squared_lower != other.squared_lower ? squared_lower > other.squared_lower : node > other.node;
     }
 };
@@ -100,7 +100,7 @@ void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& far
     ++counters.closest_point_queries;
     const Vec3 point = a.row(i);
     FarthestPoint nearest{std::numeric_limits<double>::infinity(), i, -1};
-    std::priority_queue<Near> queue;
+    std::priority_queue<NearCell> queue;
     queue.push({0, 0});
     for (; !queue.empty() && queue.top().squared_lower < nearest.squared;) {
         const PointOctree::Node& node = cells.tree.nodes()[static_cast<std::size_t>(queue.top().node)];

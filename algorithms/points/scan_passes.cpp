@@ -30,7 +30,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Of whole rows: `count` numbers, a multiple of three.
 Extent extent_of_part(const double* data, std::size_t count) {

@@ -16,7 +16,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the points of a leaf
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance

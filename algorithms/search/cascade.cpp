@@ -18,7 +18,7 @@
 namespace hausbench {
 namespace {
 
-struct Piece {
+struct CascadePiece {
     PieceCorners corners;
     double upper;
     Index source;  // triangle of A
@@ -39,9 +39,9 @@ Query with_budget(Query query, std::uint64_t budget) {
 }
 
 // One query.
-class Search {
+class CascadeSearch {
 public:
-    Search(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
+    CascadeSearch(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
         : a_(pair.source),
           points_(pair.points),
           cascade_(cascade),
@@ -63,7 +63,7 @@ public:
         Result result = search();
         vertices_.remember();
         if (elements_) {
-            queue_.for_each([&](const Piece& piece) { elements_->settle(piece.upper, piece.source); });
+            queue_.for_each([&](const CascadePiece& piece) { elements_->settle(piece.upper, piece.source); });
             result.fields = bounds_.fields();
             result.fields->push_back({"bound", Field::Of::elements, Field::Meaning::number, last_bound_});
         }
@@ -77,11 +77,13 @@ public:
 private:
     Result search();
     void push_triangles();
-    bool settle(const Piece& piece) { return bounds_.settle(piece.upper, piece.source, piece.level, most_levels_); }
-    double bound(PieceBound which, const Piece& piece);
-    bool bound(Piece& piece);
-    void push(Piece piece);
-    void split(const Piece& piece);
+    bool settle(const CascadePiece& piece) {
+        return bounds_.settle(piece.upper, piece.source, piece.level, most_levels_);
+    }
+    double bound(PieceBound which, const CascadePiece& piece);
+    bool bound(CascadePiece& piece);
+    void push(CascadePiece piece);
+    void split(const CascadePiece& piece);
 
     const TriangleMesh& a_;
     const Points& points_;
@@ -97,10 +99,10 @@ private:
     SearchBounds bounds_;
     PieceBounds pieces_;
     SourceVertices vertices_;
-    PieceQueue<Piece> queue_;
+    PieceQueue<CascadePiece> queue_;
 };
 
-double Search::bound(PieceBound which, const Piece& piece) {
+double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     switch (which) {
         case PieceBound::u1:
             return pieces_.u1(piece.corners, piece.level);
@@ -125,7 +127,7 @@ double Search::bound(PieceBound which, const Piece& piece) {
 }
 
 // Lowers its upper bound; true: it is settled.
-bool Search::bound(Piece& piece) {
+bool CascadeSearch::bound(CascadePiece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);
         if (proofs_ && upper < proofs_->upper(piece.node))
@@ -142,13 +144,13 @@ bool Search::bound(Piece& piece) {
     return tied < std::numeric_limits<double>::infinity() && lower(tied, 0);
 }
 
-void Search::push(Piece piece) {
+void CascadeSearch::push(CascadePiece piece) {
     if (bound(piece)) return;
     ++counters_.queue_pushes;
     queue_.push(piece);
 }
 
-void Search::push_triangles() {
+void CascadeSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (!vertices_.settled(i))
             push({vertices_.corners(i), std::numeric_limits<double>::infinity(), i, 0,
@@ -156,7 +158,7 @@ void Search::push_triangles() {
     }
 }
 
-void Search::split(const Piece& piece) {
+void CascadeSearch::split(const CascadePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;
     if (elements_) elements_->subdivided(piece.source, level);
@@ -168,7 +170,7 @@ void Search::split(const Piece& piece) {
         push({cut.corners(c), piece.upper, piece.source, level, first + static_cast<PieceProofs::Node>(c)});
 }
 
-Result Search::search() {
+Result CascadeSearch::search() {
     const bool measured = vertices_.measure();
     stages_.end("measure vertices");
     if (!measured) {
@@ -178,8 +180,8 @@ Result Search::search() {
     push_triangles();
     stages_.end("first bounds");
     const Status status = split_until_done(
-        queue_, bounds_, counters_, [&](const Piece& piece) { return settle(piece); },
-        [&](const Piece& piece) { split(piece); });
+        queue_, bounds_, counters_, [&](const CascadePiece& piece) { return settle(piece); },
+        [&](const CascadePiece& piece) { split(piece); });
     stages_.end("subdivide");
     return bounds_.result(status, queue_.upper());
 }
@@ -192,7 +194,7 @@ public:
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return Search(pair, query, static_cast<WarmStart*>(state), trace, cascade_).run();
+        return CascadeSearch(pair, query, static_cast<WarmStart*>(state), trace, cascade_).run();
     }
 
     Cascade cascade_;

@@ -10,7 +10,8 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
-constexpr std::size_t most_gathered = 208;      // triangles of B, less than fit; with more, what is covered is halved
+constexpr std::size_t most_gathered_roughly =
+    208;  // triangles of B, less than fit; with more, what is covered is halved
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
@@ -38,9 +39,9 @@ void CoverWorker::cover(const Cluster& cluster) {
         else
             cover(batch, cluster.landmark);
         // Neighbours need about as many triangles of B.
-        if (gathered_ > most_gathered)
+        if (gathered_ > most_gathered_roughly)
             batch_ = std::max(count / 2, std::size_t{1});
-        else if (gathered_ < most_gathered / 3)
+        else if (gathered_ < most_gathered_roughly / 3)
             batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
     }
     // Each alone, and everything near it.
@@ -97,11 +98,11 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
     const double radius = all_near ? all : std::min(all, 1.5 * landmark.distance + 0.15 * batch.radius);
     cover_.near.clear(batch.place);
-    cover_.near.most = most_gathered;
+    cover_.near.most = most_gathered_roughly;
     scene_.blocks.gather(batch.centre, radius + batch.radius, cover_.near, outcome_.counters);
     gathered_ = std::max(gathered_, cover_.near.count());
     const bool by_some = pieces.size() == 1 && pieces[0].level >= halvings_for_all_near;
-    if (cover_.near.count() > most_gathered && !by_some) return false;
+    if (cover_.near.count() > most_gathered_roughly && !by_some) return false;
     const bool any = cover_.near.count() > 0;
     if (any) {
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);

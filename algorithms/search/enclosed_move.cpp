@@ -16,7 +16,6 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_near_move = 256;  // triangles of B: with more the lemma is not tried
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Vec3, 3>;
 

@@ -6,8 +6,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 double largest_squared(const PieceCorners& v) { return std::max({v[0].squared, v[1].squared, v[2].squared}); }
 
 // Of the edge opposite to each corner.
@@ -88,9 +86,9 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 // division by u: less than 10u in all. The cap is right, as X is largest: where rounding took another edge for the longest,
 // that is shorter by 5.1u at most, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. 16u is more, and than the rounding of that
 // product. With no sum added, half of the longest edge errs by 3.5u and 5.1u.
-// Underflow: where x < 2^-480, g errs by no more than 2^-479, far below the unit roundoff of any M >= 2^-400, which
-// surface_sum_at_most adds. Otherwise squares that underflow are off by 2^-114 s_x. A z so short that its own square is lost
-// meets the cap, as the sum is at least 4u x^2 then.
+// Underflow: where x < 2^-459, g errs by no more than 2^-459, a sixty-fourth of the uM that surface_sum_at_most has to spare, as M >= 2^-400.
+// Otherwise squares that underflow are off by 2^-155 s_x. A z so short that its own square is subnormal meets the cap: twice is at least
+// 5u s_x, so the cosine is at least 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u 2^-459 / 2^-511 > 1, where it is not infinite.
 double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());

@@ -64,12 +64,17 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
 
 // |R x|^2 = x.R^T R x is at most the largest sum of a row of |R^T R| (Gershgorin) times |x|^2. An entry as computed errs by
 // 3.01u |column i||column j|, at most that of the largest column, whose square is in one of the sums: a sum errs by 9.1u of the
-// largest, and 2u more when it is added up. A root, 8u for 5.6u, and next_up for the product.
+// largest, and 2u more when it is added up. A root, 8u for 5.6u, and next_up for the product. R is scaled by a power of two first, which is
+// exact, so that no square underflows beside the largest. Where the stretch itself is subnormal, it stretches no radius to 2^-600, which is far
+// below the uM that a bound is widened by (kernel/rounding.h).
 VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identity()) {
     if (identity_) return;
-    const Eigen::Matrix3d square = pose.rotation.transpose() * pose.rotation;
+    const double largest = pose.rotation.cwiseAbs().maxCoeff();
+    const int exponent = largest > 0 ? std::ilogb(largest) : 0;
+    const Eigen::Matrix3d scaled = pose.rotation.unaryExpr([&](double x) { return std::ldexp(x, -exponent); });
+    const Eigen::Matrix3d square = scaled.transpose() * scaled;
     const double most = square.cwiseAbs().rowwise().sum().maxCoeff();
-    stretch_ = next_up(std::sqrt(most) * (1 + 8 * unit_roundoff));
+    stretch_ = std::ldexp(next_up(std::sqrt(most) * (1 + 8 * unit_roundoff)), exponent);
     rows_ = pose.rotation.cwiseAbs().rowwise().sum().maxCoeff();
 }
 

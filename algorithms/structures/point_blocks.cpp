@@ -1,19 +1,13 @@
 #include "point_blocks.h"
 
+#include "kernel/posed_box.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
 
 namespace hausbench {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-Box box_of(const Points& points) {
-    Box box;
-    for (Eigen::Index i = 0; i < points.rows(); ++i) box.add(Vec3(points.row(i)));
-    return box;
-}
 
 void set_child(BlockNode& node, std::size_t c, const Box& box) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -13,7 +13,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int kept_feet = 3;
 constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without a single proven point
 
@@ -35,13 +34,13 @@ constexpr double gap_of_next_search = 0.5;
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
 // A box of A whose piece has no point farther from B than `upper`.
-struct Cell {
+struct EnclosureCell {
     double upper;
     std::int32_t node;
     std::array<std::int32_t, kept_feet> feet;  // proven points of B near it, those used last first
     int feet_count;
 
-    bool operator<(const Cell& other) const {
+    bool operator<(const EnclosureCell& other) const {
         return upper < other.upper || (upper == other.upper && node > other.node);
     }
 
@@ -60,10 +59,10 @@ struct Cell {
     }
 };
 
-class Search {
+class EnclosureSearch {
 public:
-    Search(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
-           Trace& trace)
+    EnclosureSearch(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
+                    Trace& trace)
         : most_cells_(most_cells),
           query_(query),
           trace_(trace),
@@ -97,7 +96,7 @@ private:
         std::uint64_t splits = 0;
         Bounds& bounds = result_.bounds;
         while (!queue_.empty()) {
-            const Cell top = queue_.top();
+            const EnclosureCell top = queue_.top();
             bounds.upper = std::min(bounds.upper, std::max(top.upper, bounds.lower));
             trace_.record(bounds.lower, bounds.upper);
             if (const auto answer = query_.answer(bounds.lower, bounds.upper)) return *answer;
@@ -119,7 +118,7 @@ private:
         return Status::stalled;
     }
 
-    std::optional<Status> hopeless(const Cell& top) {
+    std::optional<Status> hopeless(const EnclosureCell& top) {
         if (!proven_ && result_.counters.subdivisions > unproven_at_most)
             return stalled(
                 "no point of the source could be proven to exist: its polynomial may not change its sign there");
@@ -128,17 +127,21 @@ private:
                 "no point of the target could be proven to exist: its polynomial may not change its sign there");
         if (a_.size() + feet_.tree().size() > most_cells_)
             return stalled("more boxes are needed than 'most_cells' allows");
+        if (result_.bounds.gap() <= 8 * resolution()) {
+            result_.note = "doubles are too far apart at these coordinates: move both surfaces towards the origin";
+            return Status::precision_floor;
+        }
         if (a_.may_split(top.node)) return std::nullopt;
         if (result_.bounds.gap() <= 1e-9 * farthest_corners()) return Status::precision_floor;
         return stalled("next to a point that is about equally far from much of the target: too many boxes there");
     }
 
-    void split(const Cell& cell) {
+    void split(const EnclosureCell& cell) {
         a_.split(cell.node, result_.counters);
         ++result_.counters.subdivisions;
         const std::int32_t first = a_[cell.node].first, count = a_[cell.node].count;
         for (std::int32_t i = first; i < first + count; ++i) {
-            Cell child = cell;
+            EnclosureCell child = cell;
             child.node = i;
             bound(child);
             if (child.upper > result_.bounds.lower) queue_.push(child), ++result_.counters.queue_pushes;
@@ -147,7 +150,7 @@ private:
 
     // Bounds the cell from what is cheap to what is dear, until it cannot hold the answer; at last by a point in it, which may update the
     // lower bound.
-    void bound(Cell& cell) {
+    void bound(EnclosureCell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
         const auto lowered = [&](double upper) {
@@ -182,10 +185,19 @@ private:
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
 
+    // How far a point of either surface is from one that can be proven: at least the part that SurfaceTree::prove() allows for rounding.
+    double resolution() const {
+        const auto most = [](const Box& box) {
+            return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+        };
+        return 0x1p-51 * std::max(most(a_.box()), most(feet_.tree().box()));
+    }
+
     // To which the distance of a cell's point is of use: finer where the answer is, coarser as long as the bounds are far apart.
-    double precision_of(const Cell& cell) const {
+    double precision_of(const EnclosureCell& cell) const {
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
-        return std::max(wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap);
+        return std::max(
+            {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
     }
 
     // Takes over a proven point of A and its distance to B, if that is more than is known.
@@ -202,7 +214,7 @@ private:
 
     // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as that helps. The last
     // point is proven as any other. Only where it pays: the gap has shrunk since the last search, or it is the first.
-    void local_search(SurfacePoint point, std::int32_t foot, double step, Cell cell) {
+    void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
         searched_at_ = gap;
@@ -236,7 +248,7 @@ private:
     Result result_;
     SurfaceTree a_;
     ProvenFeet feet_;  // on B
-    std::priority_queue<Cell> queue_;
+    std::priority_queue<EnclosureCell> queue_;
     bool proven_ = false;            // some point of A
     double searched_at_ = infinity;  // the gap then
 };
@@ -245,7 +257,7 @@ private:
 
 Result enclose(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
                Trace& trace) {
-    return Search(source, target, most_cells, query, trace).run();
+    return EnclosureSearch(source, target, most_cells, query, trace).run();
 }
 
 }  // namespace hausbench

@@ -8,7 +8,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int most_boxes = 20000;             // of B opened for one point
 constexpr int most_boxes_without_foot = 200;  // likewise, as long as no point of B is proven
 constexpr int boxes_without_descent = 3;

@@ -29,6 +29,7 @@ public:
         : tree_(target), deadline_(deadline), counters_(counters) {}
 
     SurfaceTree& tree() { return tree_; }
+    const SurfaceTree& tree() const { return tree_; }
     bool empty() const { return feet_.empty(); }
     const SurfacePoint& operator[](std::int32_t foot) const { return feet_[static_cast<std::size_t>(foot)]; }
     std::int32_t add(const SurfacePoint& foot) {

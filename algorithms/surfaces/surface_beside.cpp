@@ -5,8 +5,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Encloses f_B(y + t) for y on the piece of A: the linear part of f_A, which is 0 there, is taken away as far as it helps.
 // Empty where y + t may leave B's box.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {

@@ -54,12 +54,14 @@ private:
         constexpr int depth = 4;
         SurfaceTree tree(surface);
         Counters ignored;
-        std::int32_t deepest = -1;
+        bool empty = true;
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(tree.size()); ++i) {
-            deepest = tree[i].depth;  // children come after all nodes of their parent's depth
-            if (deepest < depth) tree.split(i, ignored);
+            if (tree[i].depth < depth && tree.may_split(i))
+                tree.split(i, ignored);
+            else
+                empty = false;
         }
-        if (deepest < depth)
+        if (empty)
             throw InputError("surface '" + surface.polynomial +
                              "': has no point in its box: give another box or polynomial");
         return tree;

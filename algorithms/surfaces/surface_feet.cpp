@@ -8,7 +8,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int order = TaylorModel::order;
 
 using Models = std::array<TaylorModel, 3>;

@@ -12,7 +12,7 @@ namespace {
 
 class Marching {
 public:
-    Marching(const AlgebraicSurface& surface, int cells) : f_(surface.polynomial), cells_(cells) {
+    Marching(const AlgebraicSurface& surface, int cells) : f_(Polynomial::of(surface)), cells_(cells) {
         for (int k = 0; k < 3; ++k) {
             for (int i = 0; i <= cells; ++i) {
                 const double low = surface.box(0, k), high = surface.box(1, k);
@@ -40,8 +40,8 @@ public:
                         all = all && positive_[corners[c]];
                     }
                     if (!some || all) continue;
-                    for (const auto& order : orders)
-                        tetrahedron({corners[0], corners[order[0]], corners[order[1]], corners[7]});
+                    for (const auto& corner_order : orders)
+                        tetrahedron({corners[0], corners[corner_order[0]], corners[corner_order[1]], corners[7]});
                 }
             }
         }
@@ -146,7 +146,7 @@ public:
             const std::int32_t i = open.back();
             open.pop_back();
             const Vec3 width = tree_[i].box.high - tree_[i].box.low;
-            if (width.maxCoeff() <= size * 1.01) {
+            if (width.maxCoeff() <= size * 1.01 || !tree_.may_split(i)) {
                 most = std::max(most, middle_to_mesh(tree_[i]));
                 continue;
             }
@@ -157,8 +157,6 @@ public:
     }
 
 private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-
     Vec3 vertex(Index t, int k) const { return mesh_.vertices.row(mesh_.triangles(t, k)); }
 
     Box box_of(Index t) const {
@@ -182,7 +180,7 @@ private:
         const double least_width = 1e-6 * (tree_.box().high - tree_.box().low).maxCoeff() / cells_;
         for (int k = 0; k < 3; ++k) {  // a box without width has no linear form; the surface's box may not be left
             if (box.high[k] - box.low[k] >= least_width) continue;
-            box.low[k] = std::max(tree_.box().low[k], box.low[k] - least_width);
+            box.low[k] = std::max(tree_.box().low[k], -(least_width - box.low[k]));  // rounded down
             box.high[k] = std::min(tree_.box().high[k], box.high[k] + least_width);
         }
         const LinearForm f = tree_.form(box, counters_);

@@ -13,27 +13,41 @@ constexpr int deepest = 46;  // by then a box is a few ulps wide
 
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
 
+// False if the box has no double between its sides: one half would be the whole box again.
+bool divides(const Box& box, const Vec3& middle, int axis) {
+    return box.low[axis] < middle[axis] && middle[axis] < box.high[axis];
+}
+
 }  // namespace
 
 SurfaceTree::SurfaceTree(const AlgebraicSurface& surface)
     : box_{surface.box.row(0), surface.box.row(1)},
-      evaluator_(Polynomial(surface.polynomial)),
+      evaluator_(Polynomial::of(surface)),
       derivatives_{FormEvaluator(polynomial().derivative(0)), FormEvaluator(polynomial().derivative(1)),
                    FormEvaluator(polynomial().derivative(2))} {
     const LinearForm whole = evaluator_.linear(box_);
     if (holds_zero(whole.range())) nodes_.push_back({box_, whole});
 }
 
-bool SurfaceTree::may_split(std::int32_t i) const { return (*this)[i].depth < deepest; }
+bool SurfaceTree::may_split(std::int32_t i) const {
+    const Node& node = (*this)[i];
+    const auto divided = [&](int axis) { return divides(node.box, node.form.middle, axis); };
+    return node.depth < deepest && (divided(0) || divided(1) || divided(2));
+}
 
 void SurfaceTree::split(std::int32_t i, Counters& counters) {
     const Node node = (*this)[i];
     if (node.first >= 0) return;
     const auto first = static_cast<std::int32_t>(nodes_.size());
     const Vec3& m = node.form.middle;
+    int undivided = 0;  // axes, by bit
+    for (int k = 0; k < 3; ++k) undivided |= divides(node.box, m, k) ? 0 : 1 << k;
     for (int c = 0; c < 8; ++c) {
+        if (c & undivided) continue;
         Box box = node.box;
-        for (int k = 0; k < 3; ++k) (c >> k & 1 ? box.low : box.high)[k] = m[k];
+        for (int k = 0; k < 3; ++k) {
+            if (!(undivided >> k & 1)) (c >> k & 1 ? box.low : box.high)[k] = m[k];
+        }
         ++counters.polynomial_evaluations;
         const LinearForm f = evaluator_.linear(box);
         if (holds_zero(f.range())) nodes_.push_back({box, f, -1, 0, node.depth + 1});

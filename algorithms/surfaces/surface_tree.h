@@ -34,7 +34,8 @@ public:
     const Polynomial& polynomial() const { return evaluator_.polynomial(); }
     const Polynomial& derivative(int axis) const { return derivatives_[static_cast<std::size_t>(axis)].polynomial(); }
 
-    // Makes the children that may hold a point of the surface, once. References into the tree do not outlive it.
+    // Makes the children that may hold a point of the surface, once. An axis is divided only if a double lies between the sides
+    // of the box, so that no child is the box itself: ask may_split() first. References into the tree do not outlive it.
     void split(std::int32_t i, Counters& counters);
     bool may_split(std::int32_t i) const;  // the box is still larger than rounding
 

@@ -10,8 +10,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // What square roots and sums of a few of them round by, as a factor, and plenty: bounds of the search alone depend on it, no result.
 constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
 

@@ -46,6 +46,7 @@ class Measured:
     counters: Counts
     shapes: str
     instructions: int | None = None
+    uncounted: str = ""  # why there are no instructions
 
     def counts(self, by: str) -> Counts:
         return self.counters if by == "counters" else {} if self.instructions is None else {"instructions": self.instructions}
@@ -103,7 +104,10 @@ def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
         block = blocks.measure(build.program, case, Path(folder))
         if by == "counters":
             return Measured(block.counters, block.shapes)
-        return Measured(block.counters, block.shapes, counted.instructions_of(build.program, case, Path(folder)))
+        count = counted.instructions_of(build.program, case, Path(folder))
+        if isinstance(count, NotMeasured):
+            return Measured(block.counters, block.shapes, uncounted=str(count))
+        return Measured(block.counters, block.shapes, count)
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
@@ -124,7 +128,8 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
     if not found:
         what = {"auto": "neither work counters nor instructions differ", "counters": "work counters do not differ",
                 "instructions": "instructions do not differ"}[by]
-        raise Unclear(f"{what} between good and bad, as far as both could be counted: there is no commit to search for; "
+        uncounted = "".join(f" (instructions of {name} are not counted: {side.uncounted})" for name, side in (("good", good), ("bad", bad)) if side.uncounted)
+        raise Unclear(f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; "
                       "if the time differs all the same, look at libraries, the compiler and the layout of the program")
     return found[0]
 

@@ -124,11 +124,29 @@ def key_of(parts: str) -> str:
     return hashlib.sha256(parts.encode()).hexdigest()[:12]
 
 
+def unknown_instruction(logs: Path) -> NotMeasured | None:
+    """valgrind ended a process at an instruction that it does not know, or that this processor hides (rdtscp: 0xF 0x1 0xF9). That is a property
+    of the machine, so it counts as skipped.
+    """
+    for log in sorted(logs.glob("log.*")):
+        text = log.read_text(errors="replace")
+        if found := re.search(r"unhandled instruction bytes: ((?:0x[0-9A-F]+ ?)+)", text):
+            at = re.search(r"^==\d+== +at 0x[0-9A-F]+: (.*)$", text, re.M)
+            return NotMeasured(f"valgrind knows no instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}", skipped=True)
+    return None
+
+
 def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> int:
     """Instructions in `function` and what it calls, of the command and its children. NotMeasured where there are none."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
-        counting = ["valgrind", "--tool=callgrind", "--trace-children=yes", f"--toggle-collect={function}", f"--callgrind-out-file={out}/%p"]
-        run([*counting, *command], folder, good, CALLGRIND_LIMIT)
+        counting = ["valgrind", "--tool=callgrind", "--trace-children=yes", f"--toggle-collect={function}", f"--callgrind-out-file={out}/%p",
+                    f"--log-file={out}/log.%p"]
+        try:
+            run([*counting, *command], folder, good, CALLGRIND_LIMIT)
+        except NotMeasured as why:
+            raise unknown_instruction(Path(out)) or why from None
+        if unknown := unknown_instruction(Path(out)):  # in a worker: the program itself has ended as usual
+            raise unknown
         total = sum(int(found[1]) for file in Path(out).iterdir() if (found := re.search(r"^totals: (\d+)$", file.read_text(), re.M)))
     if total == 0:
         raise NotMeasured(f"callgrind counted nothing in {function}: is the program built as `make build` does?")
@@ -147,12 +165,12 @@ def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
             left.unlink()
 
 
-def instructions_of(program: Path, case: Case, folder: Path) -> int | None:
-    """None where they cannot be counted."""
+def instructions_of(program: Path, case: Case, folder: Path) -> int | NotMeasured:
+    """The reason where they cannot be counted."""
     try:
         return count_case(program, case, folder)[0]
-    except NotMeasured:
-        return None
+    except NotMeasured as why:
+        return why
 
 
 def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]:
@@ -172,7 +190,7 @@ Counting = dict[str, Callable[[], tuple[int, str]]]
 
 def in_parallel(jobs: Counting) -> dict[str, tuple[int, str] | NotMeasured]:
     """As many at a time as there are cores; what they count does not depend on that. Ctrl-C begins no other."""
-    pool = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
     try:
         running = {name: pool.submit(job) for name, job in jobs.items()}
         counts: dict[str, tuple[int, str] | NotMeasured] = {}

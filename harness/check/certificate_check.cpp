@@ -20,7 +20,6 @@ namespace {
 using namespace certificate;
 using IntervalVector = std::array<Interval, 3>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr const char* format_name = "hausbench cover 1";
 
 double middle(const Interval& x) { return 0.5 * (x.inf() + x.sup()); }
@@ -280,6 +279,8 @@ double scaled_back(double x, int exponent) {
 // rounds are off by at most 2^-1075, points by less than 2^-1074, and distances by less than twice that.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check) {
+    if (source_points.hasNaN() || target_points.hasNaN())
+        throw Refused("a coordinate is not a number");  // maxCoeff may lose it
     const double largest = std::max(source_points.cwiseAbs().maxCoeff(), target_points.cwiseAbs().maxCoeff());
     if (!std::isfinite(largest)) throw Refused("a pose moves a point beyond the largest double");
     const int exponent = largest > 0 ? -1 - std::ilogb(largest) : 0;

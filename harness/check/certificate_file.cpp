@@ -3,6 +3,7 @@
 #include "check/verify.h"
 #include "error.h"
 #include "hash.h"
+#include "printable.h"
 #include "process/whole_file.h"
 #include "record/json.h"
 #include "record/row.h"
@@ -195,15 +196,6 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
 
 }  // namespace
 
-std::string printable(const std::string& text) {
-    // As JSON and back: what is no UTF-8 is replaced.
-    std::string valid = json::parse(json(one_line(text)).dump(-1, ' ', false, json::error_handler_t::replace));
-    for (std::size_t i = 0; i + 1 < valid.size(); ++i) {  // U+0080 to U+009F are control characters too
-        if (valid[i] == '\xc2' && static_cast<unsigned char>(valid[i + 1]) < 0xa0) valid.replace(i, 2, "  ");
-    }
-    return valid;
-}
-
 bool proves_the_bound(double proven, double upper, double extent) {
     return proven - upper <= most_above_upper * extent;
 }
@@ -216,8 +208,9 @@ void write_certificate(const fs::path& file, const CertificateFile& content) {
 
 CertificateFile read_certificate(const fs::path& file) {
     std::error_code none;
-    std::ifstream in(file, std::ios::binary);
-    if (!in || fs::is_directory(file, none))
+    std::ifstream in;
+    if (fs::is_regular_file(file, none)) in.open(file, std::ios::binary);  // opening a pipe would wait for its writer
+    if (!in.is_open())
         throw InputError(
             fmt::format("{}: cannot be read: name a file that `measure --certificate` wrote", file.string()));
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};

@@ -48,9 +48,6 @@ struct CertificateVerdict {
 // shapes where they stand; and the lower bound by its witness. Throws InputError where the shapes are others than those of the file.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
 
-// Text of a file as a terminal may get it: one line of UTF-8 without control characters.
-std::string printable(const std::string& text);
-
 // For a person; ends in a newline.
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict);
 

@@ -7,8 +7,6 @@
 namespace hausbench {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 double up(double x) { return std::nextafter(x, infinity); }
 
 bool fits(double root, const Rational& square) { return Rational(root) * Rational(root) <= square; }

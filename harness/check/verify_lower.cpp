@@ -8,7 +8,6 @@
 namespace hausbench {
 namespace {
 
-double up(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
 double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 
 }  // namespace
@@ -48,7 +47,7 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
     if (!nearest_off) return Verdict::not_checked;
     const double e = root_at_least(squared_distance(p, *nearest_off));
     if (!std::isfinite(e)) return Verdict::unsound;
-    const double r = e == 0 ? lower : up(lower + e);
+    const double r = e == 0 ? lower : std::nextafter(lower + e, infinity);
 
     bool stopped = false;
     const std::optional<Rational> nearest = nearer_than(to, p, r, stop_, stopped);

@@ -166,7 +166,9 @@ struct PenetrationChecker::Pair {
         for (const Body* body : {&source, &target}) {
             if (!body->surface.finite() || body->triangles.empty()) return;
             largest = std::max(largest, body->surface.points().cwiseAbs().maxCoeff());
-            if (!std::isfinite(8 * body->whole.diagonal().norm())) return;  // a ray would end at infinity
+            const double size = body->whole.diagonal().norm();
+            if (!std::isfinite(8 * size)) return;  // a ray would end at infinity
+            if (!(size > 0x1p-500)) return;        // its square underflows, and a ray may end too early
         }
         usable = true;
         slack = 1e-10 * largest;

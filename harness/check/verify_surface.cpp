@@ -112,10 +112,10 @@ Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurfa
                             double& shown) {
     const UpwardRounding upward;
     shown = 0;
-    const auto e = off_surface(Polynomial(source.polynomial), {source.box.row(0), source.box.row(1)}, p);
+    const auto e = off_surface(Polynomial::of(source), {source.box.row(0), source.box.row(1)}, p);
     if (!e) return Verdict::unsound;
     const double r = lower + *e;
-    FormEvaluator f{Polynomial(target.polynomial)};
+    FormEvaluator f{Polynomial::of(target)};
     std::vector<Box> boxes{{target.box.row(0), target.box.row(1)}};
     for (int looked = 0; !boxes.empty(); ++looked) {
         if (looked == boxes_at_most) return Verdict::not_checked;

@@ -5,6 +5,7 @@
 #include "record/profiles.h"
 #include "record/row_times.h"
 #include "record/statistics.h"
+#include "result/provenance.h"
 
 #include <fmt/format.h>
 
@@ -20,13 +21,23 @@ namespace hausbench {
 
 namespace {
 
-// Which question a row answers, whoever answers it.
-using Question =
-    std::tuple<std::string, int, std::string, std::string, std::string, double, std::string, double, double>;
+// The question that a row answers, whatever its solver. A pose counts by its numbers, not by its place in a motion.
+using Question = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
+                            std::string, double, double>;
+
+// -0 and 0 are the same. NaN, which only a damaged file holds, would have no order.
+std::vector<double> pose_numbers(const Case& c) {
+    std::vector<double> all;
+    for (const Pose* pose : {&c.pose, &c.target_pose}) {
+        for (const double x : pose->rotation.reshaped()) all.push_back(std::isnan(x) ? HUGE_VAL : x);
+        for (const double x : pose->translation) all.push_back(std::isnan(x) ? HUGE_VAL : x);
+    }
+    return all;
+}
 
 Question question_of(const Case& c) {
-    return {c.scene,     c.pose_index,   c.source, c.target, std::string(to_string(c.quantity)),
-            c.tolerance, c.tolerance_of, c.floor,  c.cutoff};
+    return {c.scene,     pose_numbers(c), c.source, c.target, std::string(to_string(c.quantity)),
+            c.tolerance, c.tolerance_of,  c.floor,  c.cutoff};
 }
 
 std::string place_of(const Case& c) {
@@ -69,8 +80,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
 
 // "guthe" where all rows are of it, else with the parameters of each.
 std::string names_of(const Row& a, const Row& b, bool several) {
-    return several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
-                   : place_of(a.asked);
+    return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
+                             : place_of(a.asked));
 }
 
 std::string ratio_text(const Estimate& ratio) {
@@ -87,11 +98,14 @@ struct Ratios {
                      {"clock", false, 3}}};
     std::vector<double> again, total;
     std::size_t untimed = 0;
+    std::map<std::string, std::size_t> apart;  // why their times do not compare
 
-    void add(const Row& a, const Row& b, const std::string& name) {
-        const bool cpu = cpu_clock(a.outcome) && cpu_clock(b.outcome);
-        if (a.outcome.side_by_side || b.outcome.side_by_side) {  // times that compare with none
-            ++untimed;
+    void add(const Row& a, const Row& b, const Programs& programs, const std::string& name) {
+        const bool cpu = cpu_clock(a.outcome);
+        const std::string why = reason_apart(origin_of(a.outcome, programs.of(a.outcome.build)),
+                                             origin_of(b.outcome, programs.of(b.outcome.build)));
+        if (!why.empty()) {
+            ++apart[why];
             return;
         }
         const Estimate once = ratio_by_round(total_by_round(a.outcome, cpu), total_by_round(b.outcome, cpu));
@@ -127,6 +141,7 @@ std::string compare_solvers(const ResultFile& result, const std::string& first, 
     };
     std::string apart, silent;
     std::size_t overlapping = 0;
+    const Programs programs(result.texts);
     Ratios ratios;
     for (const auto& [a, b] : pairs) {
         const std::string name = names_of(*a, *b, variants.size() > 2);
@@ -138,7 +153,7 @@ std::string compare_solvers(const ResultFile& result, const std::string& first, 
             apart += wrapped(both, 2, paper.width);
         else
             ++overlapping;
-        if (answered(a->outcome) && answered(b->outcome)) ratios.add(*a, *b, name);
+        if (answered(a->outcome) && answered(b->outcome)) ratios.add(*a, *b, programs, name);
     }
     std::string text =
         wrapped(fmt::format("{} pairs of {} and {}; rows without a partner: {} of {}, {} of {}", pairs.size(), first,
@@ -152,6 +167,8 @@ std::string compare_solvers(const ResultFile& result, const std::string& first, 
                                 second, first, ratios.untimed),
                     0, paper.width);
     text += ratios.table.text(paper);
+    for (const auto& [why, cases] : ratios.apart)
+        text += wrapped(fmt::format("{} pairs without a ratio: their times are {}", cases, why), 0, paper.width);
     for (const auto& [what, all] :
          {std::pair("solving again", &ratios.again), std::pair("preparing and the first answer", &ratios.total)}) {
         if (!all->empty())

@@ -1,8 +1,16 @@
 #include "commands/experiment_arguments.h"
 
+#include "error.h"
 #include "paths.h"
 #include "plan/own_models.h"
 #include "run/progress.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
 
 namespace hausbench {
 
@@ -17,6 +25,21 @@ Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
                          if (before > 0) progress.done(1);
                          progress.doing("model " + name);
                      });
+}
+
+ShapeOf recorded_shapes(const Experiment& experiment) {
+    return [experiment, models = std::make_shared<std::optional<Catalogue>>()](const ModelRecord& record) {
+        if (!*models) {
+            Catalogue all = catalogue();
+            add_own_models(all, experiment);
+            *models = std::move(all);
+        }
+        const auto resolved = (*models)->resolve(record.name);
+        const auto* model = std::get_if<ResolvedModel>(&resolved);
+        if (!model || model->content_hash != record.sha256)
+            throw InputError(fmt::format("model '{}' is not here as it was measured", record.name));
+        return read_shape(model->shape_file).shape;
+    };
 }
 
 std::filesystem::path results_of(const ExperimentArguments& arguments) {

@@ -27,6 +27,9 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
 }
 
 Plan plan_of(const ExperimentArguments& arguments, bool quiet);
+// Reads the shapes that a result recorded from the models of the project and of the experiment. The catalogue is made when the first is
+// asked for.
+ShapeOf recorded_shapes(const Experiment& experiment);
 std::filesystem::path results_of(const ExperimentArguments& arguments);  // a folder
 
 }  // namespace hausbench

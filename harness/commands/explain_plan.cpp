@@ -3,6 +3,7 @@
 #include "contract.h"
 #include "error.h"
 #include "plan/estimate.h"
+#include "printable.h"
 #include "process/memory.h"
 #include "registry.h"
 #include "result/provenance.h"
@@ -55,11 +56,12 @@ std::string explain(const Plan& plan, const fs::path& results) {
     std::size_t run = 0, known = 0;
     for (const Job& job : plan.jobs) run += job.cases.size();
     std::string text = fmt::format(
-        "{} ({}, profile {}): {} cases asked for, {} to run in {} workers, {} rounds, {} timed repeats each\n", e.stem,
-        e.title, e.profile, plan.cases.size(), run, plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
+        "{} ({}, profile {}): {} cases asked for, {} to run in {} workers, {} rounds, {} timed repeats each\n",
+        printable(e.stem), printable(e.title), e.profile, plan.cases.size(), run,
+        plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
     text += "MODELS\n";
     for (const ModelRow& model : plan.models) {
-        text += fmt::format("  {:<28} {:>9} {}, {} {:.6g}\n", model.info->name, model.resolved.elements,
+        text += fmt::format("  {:<28} {:>9} {}, {} {:.6g}\n", printable(model.info->name), model.resolved.elements,
                             model.resolved.kind == ShapeKind::points    ? "points"
                             : model.resolved.kind == ShapeKind::surface ? "surface"
                                                                         : "triangles",
@@ -71,14 +73,15 @@ std::string explain(const Plan& plan, const fs::path& results) {
     std::int64_t most = 0;
     for (const Job& job : plan.jobs) {
         const JobEstimate one = estimates.of(plan, job);
+        const std::string label = printable(job.label);
         total += one.seconds;
         known += one.known;
         most = std::max(most, one.bytes);
         if (const std::string reason = does_not_fit(plan, job, this_machine().memory_bytes); !reason.empty())
-            text += fmt::format("  {}: {}\n", job.label, reason);
+            text += fmt::format("  {}: {}\n", label, reason);
         text +=
-            fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", job.label, job.cases.size(),
-                        clock_text(one.seconds), one.known == job.cases.size() ? "" : " (a guess)", one.bytes >> 20);
+            fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", label, job.cases.size(), clock_text(one.seconds),
+                        one.known == job.cases.size() ? "" : " (a guess)", one.bytes >> 20);
         describe_needs(plan, job, text);
         std::set<int> poses;
         for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
@@ -95,7 +98,8 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {
         if (entry.kind == "prepared_again") continue;  // said above
-        text += fmt::format("  {:<44} {} ({}): {}\n", entry.subject, entry.what, entry.count, entry.reason);
+        text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
+                            printable(entry.reason));
     }
     if (text.ends_with("LEFT OUT\n")) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",

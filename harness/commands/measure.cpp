@@ -73,18 +73,18 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
 void add_measure(CLI::App& app, int& code) {
     static MeasureRequest request;
     static std::vector<std::string> parameters;
-    static bool json = false;
+    static bool as_json = false;
     auto* verb = app.add_subcommand("measure",
                                     "bound the distance from A to B (meshes or point sets in any common format, or "
                                     "algebraic surfaces as .surface.toml)");
-    take_arguments(verb, request, parameters, json);
+    take_arguments(verb, request, parameters, as_json);
     take_plugins(verb);
     verb->callback([verb, &code] {
         request.options = parse_parameters(parameters);
         request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
         const Measured measured = measure(request);
         constexpr auto replace = nlohmann::json::error_handler_t::replace;  // output of a program may not be UTF-8
-        print(json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request));
+        print(as_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request));
         code = exit_code(measured, request);
         if (const std::string why = no_answer(measured); !why.empty())
             say({fmt::format("solver '{}' gave no answer: {}", measured.solver, why)});

@@ -149,8 +149,7 @@ Measured measure(const MeasureRequest& asked) {
     const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), measured);
     const MeasureWork work{entry, request, tolerance};
     if (request.in_process)
-        prepare_and_solve(
-            work, std::move(source.shape), std::move(target.shape), measured, [] {}, [] {});
+        prepare_and_solve(work, std::move(source.shape), std::move(target.shape), measured, {});
     else
         solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
@@ -158,6 +157,8 @@ Measured measure(const MeasureRequest& asked) {
         measured.warnings.push_back(
             fmt::format("{} is not written: {}", request.certificate.string(),
                         measured.why_not_proven.empty() ? "the solver did not say why" : measured.why_not_proven));
+    if (!measured.doubt.empty())
+        measured.warnings.push_back(fmt::format("{}: {}", request.certificate.string(), measured.doubt));
     return measured;
 }
 
@@ -176,7 +177,7 @@ std::string no_answer(const Measured& measured) {
 }
 
 int exit_code(const Measured& measured, const MeasureRequest& request) {
-    const bool proof = request.certificate.empty() || measured.proven;
+    const bool proof = request.certificate.empty() || (measured.proven && measured.doubt.empty());
     if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
     if (!no_answer(measured).empty()) return 3;
     const Status status = measured.result.status;

@@ -69,6 +69,7 @@ struct Measured {
     std::optional<double>
         proven;  // what the certificate written says is an upper bound; none: no certificate was written
     std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
+    std::string doubt = {};  // one line: why the certificate that was written may prove nothing; empty: it was checked
     std::vector<std::string> warnings = {};
 };
 
@@ -86,7 +87,7 @@ double grace_of(double time_limit);
 // Empty where the solver said anything at all: not where it stalled at [0, infinity], or failed.
 std::string no_answer(const Measured& measured);
 
-// 0, or 1 without an answer, or without the certificate that was asked for. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
+// 0, or 1 without an answer, or without the certificate that was asked for, or if its check refuses it. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
 int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);

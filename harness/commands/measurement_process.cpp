@@ -81,13 +81,12 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
         send({{"event", "trouble"}, {"kind", int(kind)}, {"what", one_line(what)}});
     };
     try {
-        prepare_and_solve(
-            work, std::move(source), std::move(target), measured,
-            [&] {
-                send({{"event", "prepared"}});
-            },
-            [&] { send(answers_json(measured)); });
-        if (measured.proven) send({{"event", "certificate"}, {"proven", number(*measured.proven)}});
+        MeasureSteps steps;
+        steps.prepared = [&] { send({{"event", "prepared"}}); };
+        steps.answered = [&] { send(answers_json(measured)); };
+        steps.proved = [&] { send({{"event", "certificate"}, {"proven", number(*measured.proven)}}); };
+        prepare_and_solve(work, std::move(source), std::move(target), measured, steps);
+        if (!measured.doubt.empty()) send({{"event", "doubt"}, {"why", one_line(measured.doubt)}});
         if (!measured.why_not_proven.empty())
             send({{"event", "no certificate"}, {"why", one_line(measured.why_not_proven)}});
         send({{"event", "end"}});
@@ -145,6 +144,8 @@ private:
             measured_.failed = NoAnswer{status, reason};
         else if (!measured_.proven)
             measured_.why_not_proven = reason;
+        else
+            measured_.doubt = "it was not checked: " + reason;
     }
 
     bool only_the_proof_is_missing() const { return answered_ && proof_wanted_; }
@@ -178,6 +179,10 @@ private:
             }
             if (name == "certificate") {
                 measured_.proven = number(event.at("proven"));
+                return allow("its certificate was not checked");
+            }
+            if (name == "doubt") {
+                measured_.doubt = event.at("why");
                 return;
             }
             if (name == "no certificate") {

@@ -20,8 +20,6 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 // h(B,A), answered as h(A,B) of shapes in each other's place.
@@ -108,8 +106,8 @@ public:
         export_fields(work_.request.fields, source.shape(), source.original(), fields);
     }
 
-    // Once more too, with the bounds of the answer that it proves.
-    void write_certificate() {
+    // Solves once more, writes the proof with the bounds of that answer, and checks what was written.
+    void write_certificate(const std::function<void()>& written) {
         Query query = query_;
         query.wanted.certificate = true;
         begin_ = Clock::now();
@@ -129,18 +127,28 @@ public:
             return;
         }
         const MeasureRequest& request = work_.request;
-        const auto model = [](const std::filesystem::path& file, const PreparedShape& prepared) {
+        const auto as_loaded = [](const PreparedShape& prepared) {
             Shape shape = prepared.shape();
             points_of(shape) = prepared.original();
-            return CertificateFile::Model{file.string(), content_hash(shape), {}};
+            return shape;
         };
-        measured_.proven = 0;
-        for (const Certificate& one : result.certificates) measured_.proven = std::max(*measured_.proven, one.proven);
-        hausbench::write_certificate(
-            request.certificate,
-            {model(request.source, *shapes_.source), model(request.target, *shapes_.target),
-             request.symmetric ? Quantity::symmetric : Quantity::directed, work_.entry.info.name, request.tolerance,
-             measured_.tolerance_of, result.bounds, result.witness, std::move(result.certificates)});
+        const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
+        const CertificateFile content{{request.source.string(), content_hash(source), {}},
+                                      {request.target.string(), content_hash(target), {}},
+                                      request.symmetric ? Quantity::symmetric : Quantity::directed,
+                                      work_.entry.info.name,
+                                      request.tolerance,
+                                      measured_.tolerance_of,
+                                      result.bounds,
+                                      result.witness,
+                                      std::move(result.certificates)};
+        hausbench::write_certificate(request.certificate, content);
+        double proven = 0;
+        for (const Certificate& one : content.certificates) proven = std::max(proven, one.proven);
+        measured_.proven = proven;
+        written();
+        const CertificateVerdict verdict = verify_certificate(content, source, target);
+        if (!verdict.accepted) measured_.doubt = "its own check refuses this proof: " + verdict.refusal;
     }
 
 private:
@@ -205,18 +213,18 @@ private:
 }  // namespace
 
 void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Measured& measured,
-                       const std::function<void()>& prepared, const std::function<void()>& answered) {
+                       const MeasureSteps& steps) {
     PeakMemory memory;
     Solving solving(work, prepare_pair(work.entry.info, std::move(source), std::move(target)), measured);
     memory.prepared();
     measured.prepare_seconds = solving.prepare_seconds();
-    prepared();
+    steps.prepared();
     memory.next_answer();
     solving.solve();
     measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
-    answered();
+    steps.answered();
     if (!work.request.fields.empty()) solving.write_fields();
-    if (!work.request.certificate.empty()) solving.write_certificate();
+    if (!work.request.certificate.empty()) solving.write_certificate(steps.proved);
 }
 
 }  // namespace hausbench

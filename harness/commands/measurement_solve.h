@@ -14,9 +14,15 @@ struct MeasureWork {
     Tolerance tolerance;
 };
 
-// Prepares, says so, solves, and fills in the answers of `measured`.
+// What is called when a step is done.
+struct MeasureSteps {
+    std::function<void()> prepared = [] {}, answered = [] {};
+    std::function<void()> proved = [] {};  // the certificate is written, and not checked yet
+};
+
+// Prepares, solves, and fills in the answers of `measured`.
 void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Measured& measured,
-                       const std::function<void()>& prepared, const std::function<void()>& answered);
+                       const MeasureSteps& steps);
 
 // The same in a process of its own.
 void solve_outside(const MeasureWork& work, Shape source, Shape target, Measured& measured);

@@ -25,10 +25,10 @@ bool was_run(const Outcome& o) {
 
 // Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
 // One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
-std::string place_of(const Case& c) {
+std::string place_of_case(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
                            c.tolerance_of, to_string(c.quantity), c.warm})
-        .dump();
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 bool same_options(const Row& a, const Row& b) {
@@ -73,7 +73,8 @@ std::string both_shards(const std::string& one, const std::string& other) {
 class Merger {
 public:
     Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
-        for (std::size_t i = 0; i < merged_.rows.size(); ++i) places_[place_of(merged_.rows[i].asked)].push_back(i);
+        for (std::size_t i = 0; i < merged_.rows.size(); ++i)
+            places_[place_of_case(merged_.rows[i].asked)].push_back(i);
     }
 
     void add(const ResultFile& next, const fs::path& file, bool any_build) {
@@ -107,7 +108,7 @@ private:
     }
 
     void add(const Row& row) {
-        std::vector<std::size_t>& here = places_[place_of(row.asked)];
+        std::vector<std::size_t>& here = places_[place_of_case(row.asked)];
         bool found = false;
         for (std::size_t i : here) {
             Row& mine = merged_.rows[i];

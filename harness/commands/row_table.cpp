@@ -49,7 +49,8 @@ nlohmann::ordered_json row_object(const Row& row) {
 }
 
 std::string csv_field(const nlohmann::ordered_json& value) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    const std::string text =
+        value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace);
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
     std::string quoted = "\"";
     for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
@@ -134,6 +135,10 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
     for (const std::size_t number : rows) ++counts[result.rows[number].outcome.status];
     out +=
         wrapped(fmt::format("{} of {} rows: {}", rows.size(), result.rows.size(), to_string(counts)), 0, paper.width);
+    std::vector<const Row*> timed;
+    for (const std::size_t number : rows) timed.push_back(&result.rows[number]);
+    if (const std::string apart = apart_text(timed, Programs(result.texts)); !apart.empty())
+        out += wrapped(apart, 0, paper.width);
     if (!left.empty())
         out += wrapped(fmt::format("left out for want of room: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
                        paper.width);

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
+#include <set>
 
 namespace hausbench {
 
@@ -67,6 +69,18 @@ Colour colour_of(RowStatus status) {
         default:
             return Colour::red;
     }
+}
+
+std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs) {
+    std::set<std::string> reasons;
+    std::optional<Origin> first;
+    for (const Row* row : rows) {
+        if (time_of(row->outcome).n == 0) continue;
+        const Origin one = origin_of(row->outcome, programs.of(row->outcome.build));
+        if (!first) first = one;
+        if (std::string why = reason_apart(*first, one); !why.empty()) reasons.insert(std::move(why));
+    }
+    return reasons.empty() ? "" : fmt::format("not all of these times compare: some are {}", fmt::join(reasons, ", "));
 }
 
 double gap_of(const Outcome& outcome) { return outcome.bounds.upper - outcome.bounds.lower; }

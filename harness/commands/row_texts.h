@@ -3,8 +3,10 @@
 
 #include "commands/text_table.h"
 #include "record/row.h"
+#include "result/provenance.h"
 
 #include <string>
+#include <vector>
 
 namespace hausbench {
 
@@ -19,6 +21,9 @@ std::string time_text(const Outcome& outcome);  // with its interval, where ther
 std::string check_text(const Row& row);  // whether independent code has re-checked the lower bound by its witness
 std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
 std::string gap_text(double gap);               // two digits; empty for NaN
+
+// Says for the end of a table which rows have times that do not compare, and why; empty if all compare.
+std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs);
 
 double gap_of(const Outcome& outcome);
 Colour colour_of(RowStatus status);

@@ -68,7 +68,8 @@ int run(RunArguments& arguments) {
                        .quiet = arguments.quiet,
                        .jobs = arguments.jobs,
                        .cluster = arguments.cluster,
-                       .suffix = suffix};
+                       .suffix = suffix,
+                       .shapes_of = recorded_shapes};
     if (arguments.collect) {
         if (!suffix.empty())
             throw InputError(

@@ -85,6 +85,10 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
                      {"largest gap", true, 2}});
     for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->asked), rows));
     std::string out = table.text(paper);
+    std::vector<const Row*> all;
+    for (const Row& row : result.rows) all.push_back(&row);
+    if (const std::string apart = apart_text(all, Programs(result.texts)); !apart.empty())
+        out += wrapped(apart, 0, paper.width);
     for (const auto& rows : reasons.all()) {
         const Row& first = *rows.front();
         const std::string where = fmt::format("{}, pose {}, tolerance {:g}", first.asked.scene, first.asked.pose_index,

@@ -56,16 +56,6 @@ std::string coloured(const std::string& text, Colour colour, const Paper& paper)
     return fmt::format("\033[{}m{}\033[0m", colour == Colour::red ? 31 : colour == Colour::yellow ? 33 : 90, text);
 }
 
-std::string printable(std::string text) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const auto c = static_cast<unsigned char>(text[i]);
-        const bool c1 = c == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
-        if (c < 32 || c == 127) text[i] = ' ';
-        if (c1) text[i] = text[i + 1] = ' ';  // U+0080 to U+009F, in UTF-8
-    }
-    return text;
-}
-
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
     const std::string blanks(indent, ' ');
     std::istringstream in(printable(text));

@@ -1,6 +1,8 @@
 // Text tables that fit the terminal; elsewhere they are as wide as needed.
 #pragma once
 
+#include "printable.h"
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -18,9 +20,6 @@ Paper paper_of_output();
 
 enum class Colour { none, red, yellow, grey };
 std::string coloured(const std::string& text, Colour colour, const Paper& paper);
-
-// Without control characters: a label, a reason or a file of somebody else must not steer the terminal or break a line.
-std::string printable(std::string text);
 
 // Words on lines of at most `width` characters (0: one line), each after `indent` blanks.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
@@ -43,7 +42,7 @@ public:
 
     explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
     void add(Row row) {
-        for (std::string& cell : row.cells) cell = printable(std::move(cell));
+        for (std::string& cell : row.cells) cell = printable(cell);
         rows_.push_back(std::move(row));
     }
     // `left_out`, if given, gets the titles of the columns that have no room.

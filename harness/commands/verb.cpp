@@ -1,7 +1,9 @@
 #include "commands/verb.h"
 
+#include "commands/text_table.h"
 #include "paths.h"
 #include "plugin.h"
+#include "printable.h"
 
 #include <fmt/format.h>
 
@@ -32,10 +34,13 @@ void take_plugins(CLI::App* verb) {
 
 Catalogue catalogue() { return {manifest_file(), cache_folder(), program_path()}; }
 
-void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+void print(const std::string& text) {
+    const std::string shown = printable_lines(text, paper_of_output().colour);
+    std::fwrite(shown.data(), 1, shown.size(), stdout);
+}
 
 void say(const std::vector<std::string>& lines) {
-    for (const std::string& line : lines) fmt::print(stderr, "hausbench: {}\n", line);
+    for (const std::string& line : lines) fmt::print(stderr, "hausbench: {}\n", printable(line));
 }
 
 }  // namespace hausbench

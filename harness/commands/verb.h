@@ -34,6 +34,7 @@ const std::vector<std::filesystem::path>& plugins_given();
 
 Catalogue catalogue();  // of the project, or of what was installed
 
+// Both print what printable.h lets through.
 void print(const std::string& text);              // on standard output
 void say(const std::vector<std::string>& lines);  // on standard error, as the program's own
 

@@ -22,7 +22,7 @@ int verify_rows_of(const std::vector<std::filesystem::path>& files) {
     return any_unsound(result) || !missing.empty() ? 1 : 0;
 }
 
-int verify_proof(const std::vector<std::filesystem::path>& files) try {
+int verify_proof(const std::vector<std::filesystem::path>& files) {
     if (files.size() != 1 && files.size() != 3)
         throw InputError("verify --certificate: name the certificate alone, or the certificate, A and B");
     CertificateFile content = read_certificate(files.front());
@@ -31,14 +31,15 @@ int verify_proof(const std::vector<std::filesystem::path>& files) try {
         if (!std::filesystem::exists(file))
             throw InputError(fmt::format("{}: its model {} is not there: name A and B after the certificate",
                                          files.front().string(), file));
+        if (!std::filesystem::is_regular_file(file))
+            throw InputError(fmt::format("{}: its model {} is not a regular file: name A and B after the certificate",
+                                         files.front().string(), file));
     }
     const LoadedShape source = load_isolated(program_path(), content.source.file);
     const LoadedShape target = load_isolated(program_path(), content.target.file);
     const CertificateVerdict verdict = verify_certificate(content, source.shape, target.shape);
     print(describe(content, verdict));
     return verdict.accepted ? 0 : 1;
-} catch (const InputError& error) {
-    throw InputError(printable(error.what()));  // it may quote the file, as the names of its models
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "commands/verify_result.h"
 
+#include "check/claims.h"
 #include "check/verify.h"
+#include "commands/foreign_shapes.h"
 #include "commands/summary.h"
-#include "error.h"
-#include "plan/own_models.h"
-#include "shape_file.h"
+#include "printable.h"
 
 #include <fmt/format.h>
 
@@ -14,37 +14,14 @@
 namespace hausbench {
 
 std::vector<std::string> verify_result(ResultFile& result, const Catalogue& manifest) {
-    Catalogue catalogue = manifest;
-    add_own_models(catalogue, result);
-    std::map<std::string, Shape> shapes;
     std::vector<std::string> missing;
-    for (const ModelRecord& model : result.models) {
-        const auto resolved = catalogue.resolve(model.name);
-        if (const auto* absent = std::get_if<MissingModel>(&resolved)) {
-            missing.push_back(
-                fmt::format("model '{}' is not here, so its rows are not checked: {}", model.name, absent->reason));
-            continue;
-        }
-        const auto& good = std::get<ResolvedModel>(resolved);
-        if (good.content_hash != model.sha256 && catalogue.find(model.name).source == "file") {
-            const ModelInfo& info = catalogue.find(model.name);
-            throw InputError(
-                fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} then, {} "
-                            "now): put that file back, or run the experiment again",
-                            model.name, (info.folder / info.path).string(), model.sha256, good.content_hash));
-        }
-        if (good.content_hash != model.sha256) {
-            throw InputError(
-                fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the "
-                            "result was made with",
-                            model.name, model.sha256, good.content_hash));
-        }
-        shapes[model.name] = read_shape(good.shape_file).shape;
-    }
-    verify_rows(result.rows, [&](const std::string& name) -> const Shape* {
+    const std::map<std::string, Shape> shapes = foreign_shapes(result, manifest, missing);
+    const auto load = [&](const std::string& name) -> const Shape* {
         const auto at = shapes.find(name);
         return at == shapes.end() ? nullptr : &at->second;
-    });
+    };
+    verify_rows(result.rows, load);
+    for (std::string& line : contradictions(result.rows, load)) missing.push_back(std::move(line));
     return missing;
 }
 
@@ -59,8 +36,9 @@ std::string describe_checks(const ResultFile& result) {
     std::map<std::string, std::map<Verdict, int>> lower, upper;
     const SummaryNames names(result.rows);
     for (const Row& row : result.rows) {
-        ++lower[names.of(row.asked)][row.check.lower];
-        ++upper[names.of(row.asked)][row.check.upper];
+        const std::string name = printable(names.of(row.asked));
+        ++lower[name][row.check.lower];
+        ++upper[name][row.check.upper];
     }
     std::size_t width = 16;
     for (const auto& [name, counts] : lower) width = std::max(width, name.size());
@@ -81,7 +59,8 @@ std::string describe_checks(const ResultFile& result) {
         text += fmt::format("fields of cases: {} hold, {} unsound, {} not checked\n", fields[Verdict::holds],
                             fields[Verdict::unsound], fields[Verdict::not_checked]);
     for (const Row& row : result.rows) {
-        if (!row.check.reason.empty()) text += fmt::format("unsound: {}: {}\n", name_of(row.asked), row.check.reason);
+        if (!row.check.reason.empty())
+            text += fmt::format("unsound: {}: {}\n", name_of(row.asked), printable(row.check.reason));
     }
     return text;
 }

@@ -10,7 +10,8 @@
 namespace hausbench {
 
 // Re-checks every row (verify.h) on the shapes of the catalogue, which must be those that were measured (SHA-256).
-// Returns a line for each model that is not available, whose rows become `not checked`, whatever the file says of them. Throws
+// Returns a line for each model that is not available, whose rows become `not checked`, whatever the file says of them, and a line
+// for each row that contradicts itself (claims.h). Throws
 // InputError where a model has other bytes now.
 std::vector<std::string> verify_result(ResultFile& result, const Catalogue& catalogue);
 

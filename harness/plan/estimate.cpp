@@ -143,7 +143,7 @@ std::int64_t least_bytes(const Plan& plan, const Job& job) {
 std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory) {
     const std::int64_t limit = plan.cases[job.cases.front()].limits.memory_bytes, least = least_bytes(plan, job);
     if (least <= std::min(limit, memory)) return "";
-    return fmt::format("not started: its shapes alone take {} MB, and {}", least >> 20,
+    return fmt::format("{}its shapes alone take {} MB, and {}", not_started, least >> 20,
                        limit <= memory ? fmt::format("{} MB are allowed: raise memory_mb in [limits]", limit >> 20)
                                        : fmt::format("this machine has {} MB: take a larger one", memory >> 20));
 }

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
 
 namespace hausbench {
 
@@ -34,6 +36,9 @@ private:
 
 // What a worker of the job takes at least: the shapes of its largest pair, once, whatever the solver.
 std::int64_t least_bytes(const Plan& plan, const Job& job);
+
+// How every reason of does_not_fit() begins.
+inline constexpr std::string_view not_started = "not started: ";
 
 // Why the job cannot run: it takes more at least than the limit of its cases or `memory`, that of the machine, allow. Empty where it may.
 std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory);

@@ -5,6 +5,7 @@
 #include "plan/scene_reader.h"
 #include "plan/severity.h"
 #include "plan/solver_reader.h"
+#include "registry.h"
 #include "toml_reader.h"
 
 #include <fmt/format.h>
@@ -264,6 +265,15 @@ std::vector<fs::path> experiment_files(const fs::path& folder) {
         }
     }
     return files;
+}
+
+bool unsound_expected(const Case& asked, const Experiment& experiment) {
+    if (asked.certified == 1) return false;
+    const auto& labels = experiment.expected_unsound;
+    if (std::find(labels.begin(), labels.end(), asked.label) != labels.end()) return true;
+    return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
+        return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
+    });
 }
 
 }  // namespace hausbench

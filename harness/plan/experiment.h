@@ -68,6 +68,10 @@ struct Experiment {
 // keys, solvers, parameters and their values, own models, files of poses; names of models are checked by own_models.h.
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile);
 
+// Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
+// or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
+bool unsound_expected(const Case& asked, const Experiment& experiment);
+
 // The models that the text of an experiment defines in a profile; relative paths count from the folder of `file`.
 std::vector<ModelInfo> models_of(const std::filesystem::path& file, const std::string& toml,
                                  const std::string& profile);

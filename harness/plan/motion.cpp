@@ -1,6 +1,7 @@
 #include "plan/motion.h"
 
 #include "error.h"
+#include "kernel/direction.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -41,7 +42,7 @@ std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {
         const double angle = motion.degrees * fraction(i, steps) * std::numbers::pi / 180;
         if (angle == 0) continue;  // the identity, exactly
         Pose& pose = poses[std::size_t(i)];
-        pose.rotation = Eigen::AngleAxisd(angle, motion.axis.normalized()).toRotationMatrix();
+        pose.rotation = Eigen::AngleAxisd(angle, at_unit_scale(motion.axis).normalized()).toRotationMatrix();
         pose.translation = centre - pose.rotation * centre;
     }
     return poses;

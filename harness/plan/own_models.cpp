@@ -106,11 +106,14 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         add_tiers(catalogue, models);
         catalogue.add(file, std::move(models));
     }
+    std::vector<ModelInfo> files;
+    std::set<std::string> named;
     for (const ModelRecord& model : result.models) {
         add_tier_of(model.name, manifest_file(), catalogue);
-        if (!catalogue.has(model.name) && names_a_file(model.name))
-            catalogue.add(file, {file_model(model.name, file.parent_path())});
+        if (!catalogue.has(model.name) && names_a_file(model.name) && named.insert(model.name).second)
+            files.push_back(file_model(model.name, file.parent_path()));
     }
+    catalogue.add(file, std::move(files));
 }
 
 }  // namespace hausbench

@@ -6,6 +6,7 @@
 #include "plan/command_files.h"
 #include "plan/matrix.h"
 #include "plan/scene_models.h"
+#include "plan/turns.h"
 #include "registry.h"
 #include "session.h"
 
@@ -57,12 +58,9 @@ struct SolverOnScene {
 
 class Planner {
 public:
-    Planner(const Experiment& experiment, const Catalogue& catalogue, const SayModel& say)
-        : catalogue_(catalogue), models_(catalogue, say) {
-        plan_.experiment = experiment;
-    }
+    explicit Planner(const Experiment& experiment) { plan_.experiment = experiment; }
 
-    Plan make(const Choice& choice) {
+    Plan make(const Choice& choice, const Catalogue& catalogue, ModelFinder& finder) {
         const Experiment& experiment = plan_.experiment;
         std::vector<std::string> scene_names, solver_names;
         for (const ScenePlan& scene : experiment.scenes) {
@@ -84,15 +82,15 @@ public:
         }
         for (const ScenePlan& scene :
              experiment.scenes) {  // all names first: a wrong one should not cost the derivations
-            catalogue_.find(scene.source);
-            catalogue_.find(scene.target);
+            catalogue.find(scene.source);
+            catalogue.find(scene.target);
         }
-        catalogue_.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
+        catalogue.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
         for (const ScenePlan& scene : experiment.scenes)
-            if (chosen(choice.scenes, scene)) models_.expect(scene);
+            if (chosen(choice.scenes, scene)) finder.expect(scene);
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             if (!chosen(choice.scenes, experiment.scenes[i])) continue;
-            const SceneModels models = models_.find(experiment.scenes[i]);
+            const SceneModels models = finder.find(experiment.scenes[i]);
             for (const SolverPlan& solver : experiment.solvers) {
                 const auto& on = solver.scenes;
                 if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i])) continue;
@@ -100,10 +98,26 @@ public:
             }
         }
         if (plan_.cases.empty()) refuse_empty();
-        plan_.models = models_.found();
+        plan_.models = finder.found();
         join_matrices(plan_);
+        interleave_seeds(plan_);
         check_identities();
         return std::move(plan_);
+    }
+
+    AskedCases as_recorded(const RecordedModels& recorded) {
+        AskedCases asked;
+        for (const ScenePlan& scene : plan_.experiment.scenes) {
+            const SceneModels models = recorded.find(scene);
+            if (models.row == RowStatus::failed) asked.unknown.insert(scene.name);
+            for (const SolverPlan& solver : plan_.experiment.solvers) {
+                if (!chosen(solver.scenes, scene)) continue;
+                for (const ParameterMap& options : solver.options) add_cases(look_at(scene, models, solver, options));
+            }
+        }
+        check_identities();
+        asked.cases = std::move(plan_.cases);
+        return asked;
     }
 
 private:
@@ -345,8 +359,6 @@ private:
         }
     }
 
-    const Catalogue& catalogue_;
-    ModelFinder models_;
     std::map<std::string, CommandFiles> commands_;  // by line
     // Of the chain of each search, source and set of options: by tolerance, the identity of its last case.
     std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
@@ -372,17 +384,14 @@ void Plan::read_off(std::size_t row, const FromTrace& from) {
     if (!from.ignores_tolerance) readers_.add(from.of, row);
 }
 
-bool unsound_expected(const Case& asked, const Experiment& experiment) {
-    if (asked.certified == 1) return false;
-    const auto& labels = experiment.expected_unsound;
-    if (std::find(labels.begin(), labels.end(), asked.label) != labels.end()) return true;
-    return std::any_of(solvers().begin(), solvers().end(), [&](const SolverEntry& entry) {
-        return entry.info.name == asked.solver && !entry.info.known_wrong.empty();
-    });
+Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
+    ModelFinder finder(catalogue, say);
+    return Planner(experiment).make(choice, catalogue, finder);
 }
 
-Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
-    return Planner(experiment, catalogue, say).make(choice);
+AskedCases cases_as_recorded(const Experiment& experiment, const std::vector<ModelRecord>& models,
+                             const ShapeOf& shape_of) {
+    return Planner(experiment).as_recorded(RecordedModels(models, shape_of));
 }
 
 }  // namespace hausbench

@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -77,10 +78,6 @@ private:
 // Whether the solver's bounds hold under rounding with these options.
 bool promises(const SolverEntry& entry, const ParameterMap& given);
 
-// Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
-// or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
-bool unsound_expected(const Case& asked, const Experiment& experiment);
-
 // The next model, how many came before it, and of how many.
 using SayModel = std::function<void(const std::string& name, std::size_t before, std::size_t of)>;
 
@@ -94,5 +91,19 @@ struct Choice {  // --solver, --scene; empty: all
 // Fetched, generated and derived models are resolved here, which can take a while the first time: `say` hears of each before
 // it is made. Throws InputError for an unknown model (names the nearest) or chosen solver or scene, or a case asked for twice.
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say);
+
+// The shape of a model that a result recorded; throws InputError if it is not to be had with these bytes.
+using ShapeOf = std::function<Shape(const ModelRecord&)>;
+using ShapesOf = std::function<ShapeOf(const Experiment&)>;  // with the experiment's own models
+
+struct AskedCases {
+    std::vector<Case> cases;
+    std::set<std::string> unknown;  // scenes whose poses are not known, because a shape that moves is not to be had
+};
+
+// Every case that the experiment asks for today if its models are those that a result recorded; others count as missing. No model
+// is made. Throws InputError if the experiment asks for a case twice.
+AskedCases cases_as_recorded(const Experiment& experiment, const std::vector<ModelRecord>& models,
+                             const ShapeOf& shape_of);
 
 }  // namespace hausbench

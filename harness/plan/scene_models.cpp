@@ -10,10 +10,10 @@ namespace hausbench {
 namespace {
 
 // A static side has the identity beside every pose of the other; two that move have as many poses (scene_reader.cpp).
-void move(const ScenePlan& scene, SceneModels& models) {
+void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
     if (!moves(scene.motion) && !moves(scene.target_motion)) return;
-    const auto side = [&](const Motion& motion, const auto& model, Pose ScenePose::*pose) {
-        const Shape shape = read_shape(std::get<ResolvedModel>(model).shape_file).shape;
+    const auto side = [&](const Motion& motion, const std::string& name, const auto& model, Pose ScenePose::*pose) {
+        const Shape shape = read(name, std::get<ResolvedModel>(model));
         if (moves(motion)) {
             const auto moved = poses_of(motion, shape);
             models.poses.resize(moved.size());
@@ -21,8 +21,8 @@ void move(const ScenePlan& scene, SceneModels& models) {
         }
         return kind_of(shape) == ShapeKind::surface ? 0.0 : magnitude(points_of(shape));
     };
-    models.source_largest = side(scene.motion, models.source, &ScenePose::source);
-    models.target_largest = side(scene.target_motion, models.target, &ScenePose::target);
+    models.source_largest = side(scene.motion, scene.source, models.source, &ScenePose::source);
+    models.target_largest = side(scene.target_motion, scene.target, models.target, &ScenePose::target);
 }
 
 }  // namespace
@@ -39,6 +39,36 @@ std::variant<ResolvedModel, MissingModel> ModelFinder::find(const std::string& n
 void ModelFinder::expect(const ScenePlan& scene) { expected_.insert({scene.source, scene.target}); }
 
 SceneModels ModelFinder::find(const ScenePlan& scene) {
+    return models_of(
+        scene, [this](const std::string& name) { return find(name); },
+        [](const std::string&, const ResolvedModel& model) { return read_shape(model.shape_file).shape; });
+}
+
+RecordedModels::RecordedModels(const std::vector<ModelRecord>& records, ShapeOf shape_of)
+    : shape_of_(std::move(shape_of)) {
+    for (const ModelRecord& record : records) records_[record.name] = &record;
+}
+
+SceneModels RecordedModels::find(const ScenePlan& scene) const {
+    const auto resolved = [&](const std::string& name) -> std::variant<ResolvedModel, MissingModel> {
+        const auto at = records_.find(name);
+        if (at == records_.end()) return MissingModel{"the result has no such model"};
+        const ModelRecord& record = *at->second;
+        ResolvedModel model;
+        model.content_hash = record.sha256;
+        for (const ShapeKind kind : {ShapeKind::points, ShapeKind::mesh, ShapeKind::surface})
+            if (to_string(kind) == record.kind) model.kind = kind;
+        model.elements = Index(record.elements);
+        model.vertices = Index(record.vertices);
+        model.diagonal = record.diagonal;
+        model.longest_side = record.longest_side;
+        return model;
+    };
+    return models_of(scene, resolved,
+                     [&](const std::string& name, const ResolvedModel&) { return shape_of_(*records_.at(name)); });
+}
+
+SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadShape& read) {
     SceneModels models{MissingModel{}, MissingModel{}, {ScenePose{}}, 0, 0, "", RowStatus::skipped};
     try {
         models.source = find(scene.source);
@@ -46,7 +76,7 @@ SceneModels ModelFinder::find(const ScenePlan& scene) {
         for (const auto* side : {&models.source, &models.target}) {
             if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
         }
-        if (models.missing.empty()) move(scene, models);
+        if (models.missing.empty()) move(scene, models, read);
     } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
         models.missing = error.what();
         models.row = RowStatus::failed;

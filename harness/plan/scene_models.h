@@ -25,6 +25,13 @@ struct SceneModels {
     RowStatus row = RowStatus::skipped;             // the status of its rows then
 };
 
+// A model, resolved or missing, and its shape where it moves.
+using FindModel = std::function<std::variant<ResolvedModel, MissingModel>(const std::string& name)>;
+using ReadShape = std::function<Shape(const std::string& name, const ResolvedModel&)>;
+
+// Finds the models of a scene with these two functions; an InputError of theirs becomes the reason why the scene cannot run.
+SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadShape& read);
+
 // Finds each model once. Fetched, generated and derived models are made here, which can take a while: `say` hears of each.
 class ModelFinder {
 public:
@@ -44,6 +51,18 @@ private:
     std::set<std::string> expected_, begun_;
     std::map<std::string, std::variant<ResolvedModel, MissingModel>> resolved_;
     std::vector<ModelRow> found_;
+};
+
+// Finds the models of scenes among those that a result recorded. All others count as missing; none is made.
+class RecordedModels {
+public:
+    RecordedModels(const std::vector<ModelRecord>& records, ShapeOf shape_of);
+
+    SceneModels find(const ScenePlan& scene) const;
+
+private:
+    std::map<std::string, const ModelRecord*> records_;
+    ShapeOf shape_of_;
 };
 
 }  // namespace hausbench

@@ -16,7 +16,7 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::string_view place = "{}";
+constexpr std::string_view place_of_value = "{}";
 
 // "1e8", "0.25", "1000": short texts that read back as the same number, as people write it.
 std::string text_of(double value) {
@@ -61,7 +61,7 @@ std::vector<ExperimentTable> by_severity(const ExperimentTable& scene) {
         if (const toml::node* other = scene.find(key))
             scene.fail(*other, fmt::format("'{}' does not go with a list of severities: remove one of the two", key));
     if (values->empty()) scene.fail(node, "'severity' has no value: give some, or remove it");
-    if (scene.text("name").find(place) == std::string::npos)
+    if (scene.text("name").find(place_of_value) == std::string::npos)
         scene.fail(*scene.find("name"), "'name' has no {}, the place of each severity");
     std::vector<ExperimentTable> scenes;
     std::set<double> seen;
@@ -85,7 +85,8 @@ std::string family_of(const ExperimentTable& scene) {
     const toml::node* name = scene.find("name");
     if (!scene.filling() || !name) return "";
     std::string family = name->value_or<std::string>("");
-    if (const std::size_t at = family.find(place); at != std::string::npos) family.erase(at, place.size());
+    if (const std::size_t at = family.find(place_of_value); at != std::string::npos)
+        family.erase(at, place_of_value.size());
     while (family.ends_with(' ') || family.ends_with(',')) family.pop_back();
     return family;
 }

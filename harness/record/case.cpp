@@ -1,6 +1,7 @@
 #include "record/case.h"
 
 #include "hash.h"
+#include "printable.h"
 #include "record/columns.h"
 
 #include <fmt/format.h>
@@ -87,8 +88,9 @@ std::string suffix_of(Quantity quantity) {
 }
 
 std::string name_of(const Case& c) {
-    return fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene, suffix_of(c.quantity),
-                       c.pose_index, c.tolerance, c.tolerance_of, c.warm ? ", warm" : "");
+    return printable(fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene,
+                                 suffix_of(c.quantity), c.pose_index, c.tolerance, c.tolerance_of,
+                                 c.warm ? ", warm" : ""));
 }
 
 }  // namespace hausbench

@@ -50,11 +50,13 @@ const Columns<Outcome>& outcome_columns() {
                "what the solver took, as in `measure`: peak resident set while preparing and solving less the resident "
                "set before preparing; of an outside program its own peak; -1 unknown, as in a matrix, whose pairs "
                "share shapes"),
-        COLUMN(clock,
-               "which of the times in `/answers` and `/repeats` is the time of the case: `cpu` where one thread works "
-               "at a time, `wall` where several do (another thread of the process took more than a hundredth of its "
-               "CPU time, or CPU time with children is more than 1.1 times wall time, in any round); empty without an "
-               "answer. `solve_seconds` is wall time all the same"),
+        COLUMN(
+            clock,
+            "which of the times in `/answers` and `/repeats` is the time of the case: `cpu` where one thread works "
+            "at a time, `wall` where several do (another thread of the process took more than a hundredth of its "
+            "CPU time, or CPU time with children is more than 1.1 times wall time, in any round) or an outside program "
+            "waits (its CPU time is less than a fifth of its wall time: a daemon or a GPU works, or it sleeps); empty "
+            "without an answer. `solve_seconds` is wall time all the same"),
         COLUMN(from_trace, "1: not run; the answer is read from the trace of a finer tolerance"),
         COLUMN(side_by_side,
                "1: `--jobs` or a cluster may have run other cases on the machine at the same time, so the times of "

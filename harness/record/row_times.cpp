@@ -18,6 +18,8 @@ std::vector<double> values(const ByRound& rounds) {
     return seconds;
 }
 
+}  // namespace
+
 ByRound first_by_round(const Outcome& outcome, bool cpu) {
     ByRound rounds;
     for (const FirstAnswer& answer : outcome.answers) {
@@ -25,8 +27,6 @@ ByRound first_by_round(const Outcome& outcome, bool cpu) {
     }
     return rounds;
 }
-
-}  // namespace
 
 ByRound again_by_round(const Outcome& outcome, bool cpu) {
     std::map<int, std::vector<double>> repeats;
@@ -48,6 +48,18 @@ ByRound total_by_round(const Outcome& outcome, bool cpu) {
         seconds += at == prepared.end() ? usual : at->second;
     }
     return rounds;
+}
+
+Origin origin_of(const Outcome& outcome, const std::string& program) {
+    return {outcome.side_by_side, outcome.machine, program, outcome.clock};
+}
+
+std::string reason_apart(const Origin& a, const Origin& b) {
+    if (a.beside || b.beside) return "run beside others";
+    if (a.machine != b.machine) return "of different machines";
+    if (a.program != b.program) return "of different builds";
+    if (!a.clock.empty() && !b.clock.empty() && a.clock != b.clock) return "by different clocks";
+    return "";
 }
 
 Estimate time_of(const Outcome& outcome) {

@@ -6,6 +6,7 @@
 #include "record/statistics.h"
 
 #include <map>
+#include <string>
 
 namespace hausbench {
 
@@ -13,10 +14,24 @@ using ByRound = std::map<int, double>;  // seconds
 
 inline bool cpu_clock(const Outcome& outcome) { return outcome.clock == "cpu"; }
 
-// Of solving again: the median of a round's timed repeats. Of preparing and the first answer together. Empty where nothing was
-// timed. `cpu`: by the CPU time of the process, else by wall time; preparing always by wall time.
+// Times of solving again (the median of a round's timed repeats), of the first answer, and of preparing and the first answer together.
+// Empty if nothing was timed. `cpu`: by the CPU time of the process, else by wall time; preparing always by wall time.
+ByRound first_by_round(const Outcome& outcome, bool cpu);
 ByRound again_by_round(const Outcome& outcome, bool cpu);
 ByRound total_by_round(const Outcome& outcome, bool cpu);
+
+// Everything about a row that decides whether its times compare with those of another row.
+struct Origin {
+    bool beside;  // --jobs or a cluster may have run other cases at the same time
+    std::string machine, program, clock;
+};
+
+// `program`: the build of the program, without its plug-ins (Programs in result/provenance.h).
+Origin origin_of(const Outcome& outcome, const std::string& program);
+
+// Returns why the times of two rows do not compare, such as "of different machines"; empty if they do. The same rule as in
+// analysis/shared/comparable.py.
+std::string reason_apart(const Origin& a, const Origin& b);
 
 // Time to solve, by the clock of the row: over rounds of again_by_round(), or of the first answers where nothing was repeated.
 // Of a single round the median and the extremes of its repeats. n = 0 if nothing was timed.

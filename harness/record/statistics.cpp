@@ -37,11 +37,10 @@ Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>
 }
 
 const char* verdict_of(const Estimate& ratio) {
-    return ratio.n == 1              ? "one pair"
-           : ratio.confidence < 0.95 ? "too few pairs"
-           : !separated(ratio)       ? "not separated"
-           : ratio.value > 1         ? "slower"
-                                     : "faster";
+    return ratio.confidence < 0.95 ? "too few rounds"
+           : !separated(ratio)     ? "not separated"
+           : ratio.value > 1       ? "slower"
+                                   : "faster";
 }
 
 double geometric_mean(const std::vector<double>& values) {

@@ -18,7 +18,7 @@ Estimate median(std::vector<double> values);
 // exp(median) of the logarithms of candidate[i] / base[i], paired by position; the end of the longer list is ignored.
 Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate);
 
-// "faster" or "slower" where the interval excludes 1, else why that is not known.
+// "faster" or "slower" if the interval excludes 1 with 95 % confidence, which takes at least six rounds; else why that is not known.
 const char* verdict_of(const Estimate& ratio);
 
 double geometric_mean(const std::vector<double>& values);

@@ -158,6 +158,21 @@ const std::string& build_of(const std::string& solver) {
     return at == builds.end() ? this_build().id : at->second;
 }
 
+Programs::Programs(const std::map<std::string, std::string>& texts) {
+    const auto text = [&](const char* name) {
+        const auto at = texts.find(name);
+        return at == texts.end() ? std::string() : at->second;
+    };
+    program_ = text("build");
+    const json plugins = json::parse(text("plugins"), nullptr, false);
+    if (!plugins.is_array()) return;
+    for (const json& plugin : plugins) {
+        const auto hash = plugin.is_object() ? plugin.find("sha256") : plugin.end();
+        if (hash != plugin.end() && hash->is_string())
+            with_plugin_.insert(Sha256().add(program_).add(hash->get<std::string>()).hex());
+    }
+}
+
 std::string utc_now() {
     const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
     std::tm parts{};

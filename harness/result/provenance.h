@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 
 namespace hausbench {
@@ -35,6 +36,19 @@ const std::map<std::filesystem::path, std::string>& plugin_hashes();
 
 // JSON: of each plug-in its file's name, its SHA-256, how it was compiled, and its solvers.
 std::string plugins_json();
+
+// The build of the program that made each row of a result. Column `build` of a solver in a plug-in is a hash of the program and the
+// plug-in; the times of both compare all the same, because one program ran them.
+class Programs {
+public:
+    explicit Programs(const std::map<std::string, std::string>& texts);  // of a result
+
+    const std::string& of(const std::string& build) const { return with_plugin_.contains(build) ? program_ : build; }
+
+private:
+    std::string program_;
+    std::set<std::string> with_plugin_;
+};
 
 std::string utc_now();  // "2026-11-21T03:29:32Z"
 

@@ -1,6 +1,7 @@
 // Writes and reads the HDF5 file that results/README.md documents.
 #pragma once
 
+#include "error.h"
 #include "record/row.h"
 
 #include <cstdint>
@@ -25,7 +26,17 @@ struct ResultFile {
 // Whole or not at all: by a temporary file and rename. Throws InputError where it cannot be written.
 void write_result(const std::filesystem::path& file, const ResultFile& result);
 
-// Throws InputError for a file that is missing, not HDF5, cut short, not a result of hausbench, or of a newer schema.
+// A sound file that a newer program wrote.
+class NewerResult : public InputError {
+public:
+    using InputError::InputError;
+};
+
+// Throws NewerResult, and InputError for a file that is missing, not a regular file, not HDF5, cut short, or not a result of
+// hausbench.
 ResultFile read_result(const std::filesystem::path& file);
+
+// Throws NewerResult if the file is one; a missing or damaged file passes.
+void refuse_newer_result(const std::filesystem::path& file);
 
 }  // namespace hausbench

@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "hdf5.h"
+#include "printable.h"
 #include "process/child.h"
 #include "process/memory.h"
 #include "record/columns.h"
@@ -12,8 +13,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 #include <new>
 #include <stdexcept>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
 
 namespace hausbench {
 
@@ -59,8 +64,6 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
     }
 }
 
-template <class Row> Row& itself(Row& row) { return row; }
-
 std::vector<Row> read_cases(const h5::File& file) {
     std::vector<Row> rows(file.read_texts("cases/identity").size());
     read_columns(file, "cases", case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
@@ -92,7 +95,7 @@ void read_details(const h5::File& file, const std::string& group, const Columns<
     if (!file.has(group)) return;  // of an older program
     const auto of = file.read_integers(group + "/case");
     std::vector<Detail> all(of.size());
-    read_columns(file, group, columns, all, itself<Detail>);
+    read_columns(file, group, columns, all, std::identity{});
     for (std::size_t i = 0; i < of.size(); ++i) {
         if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
             throw std::runtime_error(fmt::format("a row of {} belongs to no case", group));
@@ -102,7 +105,7 @@ void read_details(const h5::File& file, const std::string& group, const Columns<
 
 void read_traces(const h5::File& file, std::vector<Row>& rows) {
     std::vector<TraceSample> all(file.read_doubles("trace/seconds").size());
-    read_columns(file, "trace", trace_columns(), all, itself<TraceSample>);
+    read_columns(file, "trace", trace_columns(), all, std::identity{});
     const auto begins = file.read_integers("cases/trace_begin"), ends = file.read_integers("cases/trace_end");
     if (begins.size() != rows.size() || ends.size() != rows.size())
         throw std::runtime_error("cases/trace_begin and trace_end are not as many as the cases");
@@ -121,7 +124,7 @@ void read_fields(const h5::File& file, std::vector<Row>& rows) {
     const auto of = file.read_integers("fields/case");
     const auto values = file.read_doubles("fields/values");
     std::vector<FieldRecord> all(of.size());
-    read_columns(file, "fields", field_columns(), all, itself<FieldRecord>);
+    read_columns(file, "fields", field_columns(), all, std::identity{});
     std::int64_t used = 0;  // as in read_traces()
     for (std::size_t i = 0; i < of.size(); ++i) {
         const FieldRecord& one = all[i];
@@ -139,7 +142,7 @@ template <class Row>
 std::vector<Row> read_group(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                             const std::string& counted) {
     std::vector<Row> rows(file.read_texts(group + "/" + counted).size());
-    read_columns(file, group, columns, rows, itself<Row>);
+    read_columns(file, group, columns, rows, std::identity{});
     return rows;
 }
 
@@ -154,16 +157,25 @@ constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "pro
 constexpr const char* later_texts[] = {"plugins", "shard", "experiment_file"};  // older files have none
 constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
 
-ResultFile read_trusting(const fs::path& file) {
-    const h5::File in(file, h5::Open::read);
+void expect_result(const fs::path& file, const h5::File& in) {
     if (!in.has("meta") || !in.has_attribute("meta", "schema_version")) {
         throw InputError(
             fmt::format("{}: is not a result of hausbench: name a file that `hausbench run` wrote", file.string()));
     }
-    if (const auto schema = in.integer_attribute("meta", "schema_version"); schema > result_schema || schema < 1) {
-        throw InputError(fmt::format("{}: has schema version {}, this program reads 1 to {}: use a newer hausbench",
-                                     file.string(), schema, result_schema));
-    }
+    const auto schema = in.integer_attribute("meta", "schema_version");
+    if (schema > result_schema)
+        throw NewerResult(
+            fmt::format("{}: has schema version {}, this program reads 1 to {}: use a newer hausbench, or another "
+                        "folder for results",
+                        file.string(), schema, result_schema));
+    if (schema < 1)
+        throw InputError(fmt::format("{}: has schema version {}, but the first is 1: run its experiment again",
+                                     file.string(), schema));
+}
+
+ResultFile read_trusting(const fs::path& file) {
+    const h5::File in(file, h5::Open::read);
+    expect_result(file, in);
     for (const char* column : needed) {
         if (!in.has(column)) throw std::runtime_error(fmt::format("it has no {}", column));
     }
@@ -183,11 +195,13 @@ ResultFile read_trusting(const fs::path& file) {
     for (LedgerEntry& entry : result.ledger) {
         if (entry.profile.empty()) entry.profile = result.texts["profile"];
     }
+    std::unordered_map<std::string_view, std::string_view> hashes;
+    for (const ModelRecord& model : result.models) hashes[model.name] = model.sha256;
     for (Row& row : result.rows) {
         if (row.asked.profile.empty()) row.asked.profile = result.texts["profile"];
-        for (const ModelRecord& model : result.models) {
-            if (model.name == row.asked.source) row.asked.source_hash = model.sha256;
-            if (model.name == row.asked.target) row.asked.target_hash = model.sha256;
+        for (auto [name, hash] : {std::pair(&row.asked.source, &row.asked.source_hash),
+                                  std::pair(&row.asked.target, &row.asked.target_hash)}) {
+            if (const auto at = hashes.find(*name); at != hashes.end()) *hash = at->second;
         }
     }
     return result;
@@ -195,8 +209,9 @@ ResultFile read_trusting(const fs::path& file) {
 
 // The library crashes on some damaged files, and a file without a seal, changed by another program, may be one. So a copy of
 // this process reads the file first, within limits of time and memory; this process reads it only where the copy survives.
-void read_in_a_copy(const fs::path& file) {
-    constexpr int out_of_memory = 4;
+// Returns whether the file is of a newer schema.
+bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
+    constexpr int out_of_memory = 4, newer = 5;
     const auto bytes = std::int64_t(fs::file_size(file));
     Launch launch;
     launch.silent = true;  // the last words of an abort
@@ -205,7 +220,9 @@ void read_in_a_copy(const fs::path& file) {
         ::setrlimit(RLIMIT_CORE, &nothing);
         ::setrlimit(RLIMIT_CPU, &enough);  // s; it reads 100 MB/s, and loops for ever on some files
         try {
-            read_trusting(file);
+            read();
+        } catch (const NewerResult&) {
+            return newer;
         } catch (const std::bad_alloc&) {
             return out_of_memory;
         } catch (const std::length_error&) {
@@ -222,27 +239,27 @@ void read_in_a_copy(const fs::path& file) {
     if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted while it was read", file.string()));
     if (end == Child::End::time)
         throw std::runtime_error(fmt::format("reading it takes more than {} s", limits.seconds));
-    if (end == Child::End::memory || copy.exit_code() != 0)
+    const bool is_newer = copy.exit_code() == newer;
+    if (end == Child::End::memory || (copy.exit_code() != 0 && !is_newer))
         throw std::runtime_error("it asks for more memory than its size accounts for");
     if (copy.signal()) throw std::runtime_error(fmt::format("reading it ends with {}", copy.how_it_ended()));
-}
-
-// Untrusted text: control characters, and all that is not ASCII, become question marks.
-std::string printable(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
-    return text;
+    return is_newer;
 }
 
 }  // namespace
 
 ResultFile read_result(const fs::path& file) {
-    if (fs::is_directory(file))
+    std::error_code gone;
+    const fs::file_status status = fs::status(file, gone);
+    if (fs::is_directory(status))
         throw InputError(fmt::format("{}: is a folder: name a result file (.h5)", file.string()));
-    if (!fs::exists(file)) throw InputError(fmt::format("{}: does not exist: run its experiment first", file.string()));
+    if (!fs::exists(status))
+        throw InputError(fmt::format("{}: does not exist: run its experiment first", file.string()));
+    if (!fs::is_regular_file(status))
+        throw InputError(fmt::format("{}: is not a regular file: name a result file (.h5)", file.string()));
     try {
         h5::check_seal(file);
-        read_in_a_copy(file);
+        read_in_a_copy(file, [&] { read_trusting(file); });
         return read_trusting(file);
     } catch (const InputError&) {
         throw;
@@ -252,6 +269,19 @@ ResultFile read_result(const fs::path& file) {
         throw InputError(
             fmt::format("{}: damaged, or not a result of hausbench ({}): write it again by running its experiment",
                         file.string(), printable(why)));
+    }
+}
+
+void refuse_newer_result(const fs::path& file) {
+    std::error_code gone;
+    if (!fs::is_regular_file(file, gone)) return;
+    try {
+        h5::check_seal(file);
+        const auto look = [&] { expect_result(file, h5::File(file, h5::Open::read)); };
+        if (read_in_a_copy(file, look)) look();  // throws
+    } catch (const NewerResult&) {
+        throw;
+    } catch (const std::exception&) {  // damaged: put aside when the result is written
     }
 }
 

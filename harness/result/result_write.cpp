@@ -37,8 +37,6 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
     }
 }
 
-template <class Row> const Row& itself(const Row& row) { return row; }
-
 void write_cases(h5::File& file, const std::vector<Row>& rows) {
     write_columns(file, "cases", case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
     write_columns(file, "cases", outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
@@ -75,7 +73,7 @@ void write_details(h5::File& file, const std::string& group, const Columns<Detai
         }
     }
     file.write(group + "/case", of);
-    write_columns(file, group, columns, all, itself<Detail>);
+    write_columns(file, group, columns, all, std::identity{});
 }
 
 // Traces stand one after the other; each case knows where its own begins and ends.
@@ -90,7 +88,7 @@ void write_traces(h5::File& file, const std::vector<Row>& rows) {
     }
     file.write("cases/trace_begin", begins);
     file.write("cases/trace_end", ends);
-    write_columns(file, "trace", trace_columns(), all, itself<TraceSample>);
+    write_columns(file, "trace", trace_columns(), all, std::identity{});
 }
 
 void write_fields(h5::File& file, const std::vector<Row>& rows) {
@@ -106,7 +104,7 @@ void write_fields(h5::File& file, const std::vector<Row>& rows) {
         }
     }
     file.write("fields/case", of);
-    write_columns(file, "fields", field_columns(), all, itself<FieldRecord>);
+    write_columns(file, "fields", field_columns(), all, std::identity{});
     file.write("fields/values", values);
 }
 
@@ -119,14 +117,14 @@ void write_result(const fs::path& file, const ResultFile& result) {
         out.attribute("meta", "schema_version", result_schema);
         for (const auto& [name, value] : result.texts) out.attribute("meta", name, value);
         for (const auto& [name, value] : result.integers) out.attribute("meta", name, value);
-        write_columns(out, "models", model_columns(), result.models, itself<ModelRecord>);
+        write_columns(out, "models", model_columns(), result.models, std::identity{});
         write_cases(out, result.rows);
         write_details(out, "answers", answer_columns(), result.rows, &Outcome::answers);
         write_details(out, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
         write_details(out, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
         write_traces(out, result.rows);
         write_fields(out, result.rows);
-        write_columns(out, "ledger", ledger_columns(), result.ledger, itself<LedgerEntry>);
+        write_columns(out, "ledger", ledger_columns(), result.ledger, std::identity{});
         out.close();
         fs::rename(unfinished, file);
     } catch (const std::exception& error) {

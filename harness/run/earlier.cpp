@@ -16,57 +16,54 @@ namespace hausbench {
 
 namespace {
 
-// What an experiment asks for in a profile.
-class Asked {
-public:
-    explicit Asked(Experiment experiment) : experiment_(std::move(experiment)) {
-        for (const ScenePlan& scene : experiment_.scenes) models_[scene.name] = {scene.source, scene.target};
-    }
+using CaseKey = std::tuple<std::string, std::string, std::string>;
 
-    bool has(const Case& c) const {
-        const auto models = models_.find(c.scene);
-        return models != models_.end() && models->second == std::pair(c.source, c.target) &&
-               c.tolerance_of == experiment_.of &&
-               std::any_of(experiment_.solvers.begin(), experiment_.solvers.end(), [&](const SolverPlan& solver) {
-                   const auto& tolerances = solver.tolerances;
-                   return solver.label == c.label && solver.name == c.solver && solver.quantity == c.quantity &&
-                          std::find(tolerances.begin(), tolerances.end(), c.tolerance) != tolerances.end();
-               });
-    }
+CaseKey key_of(const Case& c) { return {c.identity, c.scene, c.label}; }
 
-private:
-    Experiment experiment_;
-    std::map<std::string, std::pair<std::string, std::string>> models_;  // of scenes
+// The cases of an experiment's profile today, by key.
+struct Asked {
+    std::map<CaseKey, Case> cases;
+    std::set<std::string> unknown;  // scenes, see AskedCases
 };
 
 class Keeper {
 public:
-    Keeper(ResultFile& result, const Plan& plan, std::vector<std::size_t>& places)
-        : result_(result), plan_(plan), places_(places), now_(plan.experiment.profile) {
+    Keeper(ResultFile& result, ResultFile& before, const Plan& plan, const ShapesOf& shapes_of,
+           std::vector<std::size_t>& places)
+        : result_(result),
+          before_(before),
+          shapes_of_(shapes_of),
+          plan_(plan),
+          places_(places),
+          now_(plan.experiment.profile) {
         std::map<std::string, std::string> matrices;
         for (const ScenePlan& scene : plan.experiment.scenes) matrices[scene.name] = scene.matrix;
         for (std::size_t i = 0; i < plan.cases.size(); ++i) {
             const Case& c = plan.cases[i];
-            rows_[key(c)] = i;
+            rows_[key_of(c)] = i;
             covered_.insert({c.scene, c.label});
             subjects_.insert(fmt::format("{} on {}", shown(c), c.scene));
             if (!matrices[c.scene].empty()) subjects_.insert(fmt::format("{} on {}", shown(c), matrices[c.scene]));
         }
         for (const ModelRecord& model : result.models) hashes_[model.name] = model.sha256;
+        recorded_ = result.models;
+        for (const ModelRecord& model : before.models)
+            if (!hashes_.contains(model.name)) recorded_.push_back(model);
     }
 
-    std::vector<std::string> keep(ResultFile before) {
+    std::vector<std::string> keep() {
         const std::size_t asked = result_.rows.size();
-        for (std::size_t i = 0; i < asked; ++i) places_.push_back(plan_.whole ? i : before.rows.size() + i);
-        for (std::size_t i = 0; i < before.rows.size(); ++i) {
+        for (std::size_t i = 0; i < asked; ++i) places_.push_back(plan_.whole ? i : before_.rows.size() + i);
+        decide_profiles();
+        for (std::size_t i = 0; i < before_.rows.size(); ++i) {
             place_ = plan_.whole ? asked + i : i;
-            keep(std::move(before.rows[i]));
+            keep(std::move(before_.rows[i]));
         }
-        for (ModelRecord& model : before.models) {
+        for (ModelRecord& model : before_.models) {
             if (models_.contains(model.name) && !hashes_.contains(model.name))
                 result_.models.push_back(std::move(model));
         }
-        for (LedgerEntry& entry : before.ledger) {
+        for (LedgerEntry& entry : before_.ledger) {
             const bool mine = entry.profile == now_ && (plan_.whole || subjects_.contains(entry.subject));
             if (!mine && profiles_.contains(entry.profile)) result_.ledger.push_back(std::move(entry));
         }
@@ -74,54 +71,66 @@ public:
     }
 
 private:
-    static std::tuple<std::string, std::string, std::string> key(const Case& c) {
-        return {c.identity, c.scene, c.label};
-    }
-
     static bool awaits(const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
     }
 
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
-    // Of the experiment as it is now; null where it can no longer be read in that profile.
-    const Asked* asked_in(const std::string& profile) {
-        auto at = asked_.find(profile);
-        if (at == asked_.end()) {
-            std::optional<Asked> asked;
-            try {
-                asked.emplace(profile == now_ ? plan_.experiment : read_experiment(plan_.experiment.file, profile));
-            } catch (const InputError&) {  // nobody can ask for it; a run in that profile says why
+    // Finds what the experiment asks for today in each profile of the earlier rows that the plan does not cover. A profile in which it
+    // can no longer be read asks for nothing; a run in that profile says why.
+    void decide_profiles() {
+        for (const Row& row : before_.rows) {
+            for (const std::string& profile : uncovered(row.asked)) {
+                if (asked_.contains(profile)) continue;
+                Asked& asked = asked_[profile];
+                try {
+                    const Experiment experiment =
+                        profile == now_ ? plan_.experiment : read_experiment(plan_.experiment.file, profile);
+                    AskedCases found = cases_as_recorded(experiment, recorded_, shapes_of_(experiment));
+                    for (Case& c : found.cases) {
+                        CaseKey k = key_of(c);
+                        asked.cases.emplace(std::move(k), std::move(c));
+                    }
+                    asked.unknown = std::move(found.unknown);
+                } catch (const InputError&) {
+                }
             }
-            at = asked_.emplace(profile, std::move(asked)).first;
         }
-        return at->second ? &*at->second : nullptr;
+    }
+
+    std::set<std::string> uncovered(const Case& c) const {
+        std::set<std::string> profiles = profile_names(c.profile);
+        if (covers(c)) profiles.erase(now_);
+        return profiles;
     }
 
     void keep(Row row) {
         Case& c = row.asked;
-        const auto at = rows_.find(key(c));
+        const auto at = rows_.find(key_of(c));
         if (at != rows_.end() && !plan_.whole) places_[at->second] = place_;
         if (at != rows_.end() && awaits(result_.rows[at->second]) && !awaits(row)) {
             Row& asked = result_.rows[at->second];
             asked.outcome = std::move(row.outcome), asked.check = row.check, asked.fields = std::move(row.fields);
             ++not_replaced_;
         }
-        std::set<std::string> profiles = profile_names(c.profile);
-        if (covers(c)) profiles.erase(now_);
+        std::set<std::string> profiles = uncovered(c);
         if (profiles.empty()) return;
-        std::erase_if(profiles, [&](const std::string& profile) {
-            const Asked* asked = asked_in(profile);
-            return !asked || !asked->has(c);
-        });
-        if (profiles.empty()) {
-            ++gone_;
-            return;
-        }
         for (const auto& [name, hash] : {std::pair(c.source, c.source_hash), std::pair(c.target, c.target_hash)}) {
             const auto now = hashes_.find(name);
             if (now == hashes_.end() || hash.empty() || now->second == hash) continue;
             ++changed_[name];
+            return;
+        }
+        const Case* today = nullptr;
+        std::erase_if(profiles, [&](const std::string& profile) {
+            const Asked& asked = asked_.at(profile);
+            const auto found = asked.cases.find(key_of(c));
+            if (found != asked.cases.end()) today = &found->second;
+            return found == asked.cases.end() && !asked.unknown.contains(c.scene);
+        });
+        if (profiles.empty()) {
+            ++gone_;
             return;
         }
         if (at != rows_.end()) {
@@ -129,6 +138,7 @@ private:
             both = joined_profiles(both, joined_profiles(profiles));
             return;
         }
+        if (today) describe_as(*today, c);
         c.profile = joined_profiles(profiles);
         profiles_.merge(profiles);
         models_.insert({c.source, c.target});
@@ -137,11 +147,22 @@ private:
         result_.rows.push_back(std::move(row));
     }
 
+    // What the experiment says of a case beside its identity.
+    static void describe_as(const Case& today, Case& c) {
+        c.variant = today.variant;
+        c.note = today.note;
+        c.exact = today.exact;
+        c.family = today.family;
+        c.severity = today.severity;
+        c.pose_index = today.pose_index;
+    }
+
     std::vector<std::string> said() const {
         std::vector<std::string> lines;
         if (gone_ > 0)
             lines.push_back(fmt::format(
-                "{} earlier rows are left out: the experiment no longer asks for their scene, solver or tolerance",
+                "{} earlier rows are left out: the experiment no longer asks for these cases (scene, solver, "
+                "parameters, tolerance, motion, limits, or the program of `external`)",
                 gone_));
         if (not_replaced_ > 0)
             lines.push_back(
@@ -156,17 +177,19 @@ private:
         return lines;
     }
 
-    ResultFile& result_;
+    ResultFile &result_, &before_;
+    const ShapesOf& shapes_of_;
+    std::vector<ModelRecord> recorded_;  // of the plan, and of earlier rows
     const Plan& plan_;
     std::vector<std::size_t>& places_;
     std::size_t place_ = 0;  // of the row at hand
     const std::string now_;
-    std::map<std::tuple<std::string, std::string, std::string>, std::size_t> rows_;
+    std::map<CaseKey, std::size_t> rows_;
     std::set<std::pair<std::string, std::string>> covered_;  // scene, label
     std::set<std::string> subjects_;                         // of the ledger
     std::map<std::string, std::string> hashes_;              // of the models of the plan
-    std::map<std::string, std::optional<Asked>> asked_;
-    std::set<std::string> profiles_, models_;  // of rows that stay
+    std::map<std::string, Asked> asked_;                     // by profile
+    std::set<std::string> profiles_, models_;                // of rows that stay
     std::map<std::string, std::size_t> changed_;
     std::size_t gone_ = 0, not_replaced_ = 0, other_builds_ = 0;
 };
@@ -174,8 +197,8 @@ private:
 }  // namespace
 
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
-                                      std::vector<std::size_t>& places) {
-    return Keeper(result, plan, places).keep(std::move(before));
+                                      const ShapesOf& shapes_of, std::vector<std::size_t>& places) {
+    return Keeper(result, before, plan, shapes_of, places).keep();
 }
 
 }  // namespace hausbench

@@ -5,23 +5,25 @@
 #include "plan/plan.h"
 #include "result/result_file.h"
 
-#include <set>
 #include <string>
 #include <vector>
 
 namespace hausbench {
 
-// Adds to `result`, the rows of `plan` in its order, the earlier rows that stay, with their models and their part of the
-// ledger. A row stays unless the plan covers it: the plan is of its profile, and either of the whole experiment or of its solver and
-// scene. A row of several profiles loses that one; where both have the same case, the row of the plan is that of all of them.
+// Adds to `result`, the rows of `plan` in its order, the earlier rows that stay, with their models and their part of the ledger.
 //
-// Rows also go where nothing asks for them any more: their scene, solver or tolerance is no longer in the experiment's profile,
-// or a model of that name has other bytes now. A case that an interrupted run did not come to keeps its earlier outcome.
-// Returns a line for each such reason, and one where rows of other builds stay.
+// A row that the plan covers goes: the plan is of its profile, and either of the whole experiment or of its solver and scene. A row of
+// several profiles loses that one; if both have the same case, the row of the plan becomes a row of all these profiles. Any other row
+// stays if and only if the experiment as it is today, in the row's profile, asks for a case of its identity (with its scene and
+// label) on the models as the result recorded them. A row also goes if a model of the plan has other bytes than the row was
+// measured on. Rows whose poses depend on a model that is not available stay. A case that an interrupted run did not reach keeps
+// its earlier outcome.
 //
-// `places` gets where each row belongs: a part of an experiment takes the places that its rows had, and a run of the whole
-// stands before what stays.
+// Returns a line for each such reason, and one if rows of other builds stay.
+//
+// `places` gets the place of each row: a part of an experiment takes the places that its rows had, and a run of the whole stands
+// before the rows that stay.
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
-                                      std::vector<std::size_t>& places);
+                                      const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
 }  // namespace hausbench

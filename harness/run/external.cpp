@@ -59,9 +59,9 @@ private:
 };
 
 std::string command_problem(const std::string& value) {
-    for (const char* needed : {"{A}", "{B}"}) {
-        if (value.find(needed) == std::string::npos)
-            return fmt::format("does not contain {}: write it where the program takes that file", needed);
+    for (const char* file : {"{A}", "{B}"}) {
+        if (value.find(file) == std::string::npos)
+            return fmt::format("does not contain {}: write it where the program takes that file", file);
     }
     return "";
 }
@@ -89,7 +89,7 @@ std::string quoted(const fs::path& path) {
 
 // What became of the command, and what it wrote.
 struct CommandRun {
-    bool timed_out;
+    Child::End end;
     std::string how_it_ended, output;
     std::int64_t peak_bytes;
 };
@@ -101,7 +101,7 @@ std::string last_words(const std::string& output) {
     return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
 }
 
-// The whole family of the command ends with it. Interrupted, it is as if its time were over: its runner ends this process anyway.
+// The whole family of the command ends with it.
 CommandRun run_command(const std::string& line, double seconds, const fs::path& folder) {
     Launch launch;
     launch.command = {"/bin/sh", "-c", line};
@@ -109,8 +109,8 @@ CommandRun run_command(const std::string& line, double seconds, const fs::path& 
     launch.kept = std::size_t(16) << 20;
     launch.dies_with_parent = true;
     Child child(std::move(launch));
-    const bool timed_out = child.wait({.seconds = seconds}) != Child::End::by_itself;
-    return {timed_out, child.how_it_ended(), child.output(), child.peak_bytes()};
+    const Child::End end = child.wait({.seconds = seconds});
+    return {end, child.how_it_ended(), child.output(), child.peak_bytes()};
 }
 
 class External final : public Solver {
@@ -152,6 +152,10 @@ public:
         replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
         replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
         const CommandRun run = run_command(line, query.time_limit, folder_of_command_);
+        if (run.end == Child::End::interrupt) {  // the signal was for this process: it ends by it, but leaves no files
+            folder_.reset();
+            HoldInterrupts::deliver();
+        }
         result.outside_bytes = run.peak_bytes;
         fs::remove(file("A"));
         read(run, query, result);
@@ -165,7 +169,7 @@ private:
     }
 
     void read(const CommandRun& run, const Query& query, Result& result) const {
-        if (run.timed_out) {
+        if (run.end != Child::End::by_itself) {
             result.status = Status::time_limit;
             result.note = "the program did not end in time" + last_words(run.output);
             return;
@@ -207,7 +211,7 @@ private:
     fs::path folder_of_command_;
     const Scene* scene_ = nullptr;
     HoldInterrupts hold_;  // destroyed after the folder
-    std::optional<ScratchFolder> folder_;
+    mutable std::optional<ScratchFolder> folder_;
 };
 
 }  // namespace

@@ -48,6 +48,8 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
     if (plan.experiment.fields) made_folder(fields_);
 }
 
+void Finished::forget(std::size_t row) { journal_.forget({plan_.cases[row].identity}); }
+
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
     const Outcome* known = kept(row, round);
     // The head of a search may be a case of another scene too, whose trace holds the answers of other rows.

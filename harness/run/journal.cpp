@@ -69,7 +69,7 @@ Journal::~Journal() {
 }
 
 Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // a pipe would wait for its writer
     if (descriptor_ < 0 && errno == ENOENT) return;
     if (descriptor_ < 0)
         throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));

@@ -5,12 +5,18 @@
 #include <fmt/format.h>
 
 #include <sched.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstddef>
 #include <exception>
 #include <mutex>
 #include <numeric>
+#include <set>
+#include <string>
 #include <system_error>
 #include <thread>
 
@@ -42,18 +48,47 @@ void Room::give_back(const Demand& demand, const std::vector<int>& cores) {
     free_bytes_ += bytes_of(demand);
 }
 
+namespace {
+
+// Claims a core for the rest of this process; false if another process has. A name of a socket in the abstract namespace belongs to one
+// process of the machine, and is free again when that ends, however it ends.
+bool claim(int core) {
+    static std::set<int> mine;
+    if (mine.contains(core)) return true;
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string name = fmt::format("hausbench-core-{}", core);
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // after a NUL
+    const int claim = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const auto length = socklen_t(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    if (claim >= 0 && ::bind(claim, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
+        mine.insert(core);
+        return true;  // stays open
+    }
+    if (claim >= 0) ::close(claim);
+    return false;
+}
+
+}  // namespace
+
 std::vector<int> cores_here(int count) {
     cpu_set_t set;
     CPU_ZERO(&set);
-    std::vector<int> cores;
+    std::vector<int> all;
     if (::sched_getaffinity(0, sizeof set, &set) == 0) {
-        for (int core = 0; core < CPU_SETSIZE && cores.size() < std::size_t(count); ++core) {
-            if (CPU_ISSET(core, &set)) cores.push_back(core);
+        for (int core = 0; core < CPU_SETSIZE; ++core) {
+            if (CPU_ISSET(core, &set)) all.push_back(core);
         }
     }
-    if (cores.size() < std::size_t(count))
+    if (all.size() < std::size_t(count))
         throw InputError(
-            fmt::format("--jobs {}: this process may run on {} cores: ask for no more", count, cores.size()));
+            fmt::format("--jobs {}: this process may run on {} cores: ask for no more", count, all.size()));
+    std::vector<int> cores, taken;
+    for (const int core : all) {
+        if (cores.size() == std::size_t(count)) break;
+        (claim(core) ? cores : taken).push_back(core);
+    }
+    cores.insert(cores.end(), taken.begin(), taken.begin() + (count - std::ptrdiff_t(cores.size())));
     return cores;
 }
 

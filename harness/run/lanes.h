@@ -33,7 +33,8 @@ private:
     std::vector<int> free_;
 };
 
-// The first `count` cores that this process may run on, by the kernel's numbers. Throws InputError where it may run on fewer.
+// Returns `count` cores that this process may run on, by the kernel's numbers: first those that no other run on this machine has, which
+// are this run's until it ends, then those of other runs. Throws InputError where it may run on fewer.
 std::vector<int> cores_here(int count);
 
 // Calls `work` with each number of a demand and its cores, on threads of its own, until all are done. The longest that fits goes first.

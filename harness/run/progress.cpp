@@ -1,5 +1,7 @@
 #include "run/progress.h"
 
+#include "printable.h"
+
 #include <fmt/format.h>
 
 #include <unistd.h>
@@ -52,7 +54,7 @@ void Progress::draw() {
 }
 
 void Progress::doing(const std::string& what) {
-    what_ = what;
+    what_ = printable(what);
     if (!quiet_ && person_) draw();
 }
 
@@ -69,9 +71,9 @@ void Progress::line(const std::string& text) {
     drawn_ = Clock::now();
     erase();
     if (person_ || total_ == 0)
-        fmt::print(stderr, "{}\n", text);
+        fmt::print(stderr, "{}\n", printable(text));
     else
-        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, time(), text);
+        fmt::print(stderr, "[{}/{}] {} | {}\n", done_, total_, time(), printable(text));
     if (person_ && total_ > 0) draw();
 }
 

@@ -45,6 +45,7 @@ public:
 
     RunSummary run() {
         const HoldInterrupts hold;
+        refuse_newer_result(file());
         for (const std::string& name : options_.collect) finished_.take_over(options_.results, name);
         if (!options_.collect.empty()) return finish();
         const int rounds = plan_.experiment.rounds;
@@ -77,12 +78,17 @@ public:
     }
 
 private:
-    // Cases that are finished stay so: what a solver takes is not asked here.
+    std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
+
+    // Cases that are finished stay so: what a solver takes is not asked here. Those that a smaller machine refused are open again.
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
-        if (reason.empty()) return;
         for (const std::size_t row : job.cases) {
-            if (finished_.kept(row, 0)) continue;
+            const Outcome* known = finished_.kept(row, 0);
+            const bool refused =
+                known && known->status == RowStatus::out_of_memory && known->reason.starts_with(not_started);
+            if (reason.empty() && refused) finished_.forget(row);
+            if (reason.empty() || known) continue;
             Outcome outcome;
             outcome.status = RowStatus::out_of_memory;
             outcome.reason = reason;
@@ -270,7 +276,7 @@ private:
         for (const ModelRow& model : plan_.models) result.models.push_back(record_of(model));
         result.ledger = ledger_of(result.rows);
         const std::size_t mine = result.rows.size();
-        summary.file = options_.results / (plan_.experiment.stem + options_.suffix + ".h5");
+        summary.file = file();
         const bool swept = !HoldInterrupts::came();
         HoldInterrupts::handled();  // the next Ctrl-C ends the reading or the checking, which can take long, too
         std::vector<std::size_t> places;
@@ -334,15 +340,26 @@ private:
         return ledger;
     }
 
+    // Renames a file to the first free name of FILE.unreadable, FILE.unreadable.2, ...
+    static std::filesystem::path put_aside(const std::filesystem::path& file) {
+        std::filesystem::path aside = file.string() + ".unreadable";
+        for (int number = 2; std::filesystem::exists(std::filesystem::symlink_status(aside)); ++number)
+            aside = fmt::format("{}.unreadable.{}", file.string(), number);
+        std::filesystem::rename(file, aside);
+        return aside;
+    }
+
     // A file that cannot be read is put aside: whoever knows what it is may still want it.
     void keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, std::vector<std::size_t>& places) {
         if (!std::filesystem::exists(file)) return;
         try {
-            for (const std::string& line : keep_earlier(result, read_result(file), plan_, places)) progress_.line(line);
+            for (const std::string& line : keep_earlier(result, read_result(file), plan_, options_.shapes_of, places))
+                progress_.line(line);
+        } catch (const NewerResult&) {
+            throw;  // the finished cases are in the journal
         } catch (const InputError& error) {
             if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
-            const std::filesystem::path aside = file.string() + ".unreadable";
-            std::filesystem::rename(file, aside);
+            const std::filesystem::path aside = put_aside(file);
             progress_.line(fmt::format("{}; it is {} now", error.what(), aside.string()));
         }
     }

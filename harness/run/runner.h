@@ -20,6 +20,7 @@ struct RunOptions {
     bool cluster = false;                   // they say so in any case, and rows of other machines stay
     std::vector<std::string> collect = {};  // runs nothing: takes over the journals of these names in the folder
     std::string suffix;                     // after the stem in the names of journal and result (shards)
+    ShapesOf shapes_of;                     // see earlier.h
 };
 
 struct RunSummary {

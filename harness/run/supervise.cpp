@@ -83,7 +83,7 @@ private:
     bool kill_if_too_large() {
         if (Clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
-        if (worker_.resident_bytes() > limit) {
+        if (worker_.takes_more_than(limit)) {
             fail(RowStatus::out_of_memory, fmt::format("more than {} MB resident", limit >> 20));
             return true;
         }

@@ -29,9 +29,13 @@ double seconds_of(clockid_t clock) {
     return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-double seconds_of_children() {
+rusage of_children() {
     rusage used{};
     ::getrusage(RUSAGE_CHILDREN, &used);
+    return used;
+}
+
+double seconds_of(const rusage& used) {
     return double(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
            1e-6 * double(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
 }
@@ -41,8 +45,11 @@ double seconds_of_children() {
 // The clock of the process is read last here and first in spent(): reading the others takes microseconds, which would count as
 // CPU time of a short solve. Around it stand the clocks of the thread and of the wall, so that of a process with one thread
 // no time seems to be another's.
-Stopwatch::Stopwatch()
-    : children_(seconds_of_children()),
+Stopwatch::Stopwatch() : Stopwatch(of_children()) {}
+
+Stopwatch::Stopwatch(const rusage& children)
+    : children_(seconds_of(children)),
+      faults_(children.ru_minflt),
       wall_(std::chrono::steady_clock::now()),
       thread_(seconds_of(CLOCK_THREAD_CPUTIME_ID)),
       process_(seconds_of(CLOCK_PROCESS_CPUTIME_ID)) {}
@@ -51,9 +58,11 @@ Spent Stopwatch::spent() const {
     const double process = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_;
     const double thread = seconds_of(CLOCK_THREAD_CPUTIME_ID) - thread_;
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
-    const double children = seconds_of_children() - children_;
+    const rusage ended = of_children();
+    const double children = seconds_of(ended) - children_;
     const bool others = process - thread > 0.01 * process;  // a hundredth: clocks of a thread are no time of another's
-    return {wall, process + children, others || several_at_once(wall, process + children)};
+    const bool elsewhere = ended.ru_minflt != faults_ && works_elsewhere(wall, process + children);
+    return {wall, process + children, others || elsewhere || several_at_once(wall, process + children)};
 }
 
 double cpu_seconds_of_thread() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }

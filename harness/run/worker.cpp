@@ -7,6 +7,7 @@
 #include "hash.h"
 #include "plugin.h"
 #include "process/memory.h"
+#include "process/watch.h"
 #include "record/json.h"
 #include "registry.h"
 #include "result/field_file.h"
@@ -172,7 +173,7 @@ private:
         add_preparation(outcome);
         outcome.solve_seconds = spent.wall_seconds;
         outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});
-        outcome.clock = spent.several_threads ? "wall" : "cpu";
+        outcome.clock = spent.by_wall ? "wall" : "cpu";
         outcome.reported_seconds = result.reported_seconds;
         if (memory_) outcome.peak_bytes = memory_->peak_bytes(result.outside_bytes);
         send({{"event", "answer"}, {"row", item.row}, {"outcome", to_json(outcome)}});
@@ -332,6 +333,7 @@ private:
 }  // namespace
 
 int worker_main(int events) {
+    end_family_with_parent();
     ::fcntl(events, F_SETFD, FD_CLOEXEC);  // no business of programs that a solver starts
     WorkOrder order = unpacked({std::istreambuf_iterator<char>(std::cin), {}});
     for (const auto& [file, hash] : order.plugins) {

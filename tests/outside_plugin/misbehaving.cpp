@@ -56,6 +56,9 @@ void lie(const std::string& how, Result& result) {
     if (how == "not a number") bounds.lower = bounds.upper = std::numeric_limits<double>::quiet_NaN();
     result.status = Status::converged;
     if (how == "wide") bounds = {0, 4e9};
+    if (how == "false proof") {
+        for (Certificate& one : result.certificates) one.proven *= 0.5;
+    }
     if (how == "wide, no cutoff") bounds = {0, 4e9}, result.status = Status::above_cutoff;
 }
 
@@ -201,7 +204,7 @@ HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), misbehaving<crash>("cr
                  misbehaving<leave>("leaves"), never_ready(), misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
-                                           "wide", "wide, no cutoff"}),
+                                           "wide", "wide, no cutoff", "false proof"}),
                  misbehaving<leak>("leaks", {"from repeat to repeat", "while it talks"}), stops_early(),
                  misbehaving<babble>("babbles", {"noise", "json", "another row", "an answer", "closed"}),
                  misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"))

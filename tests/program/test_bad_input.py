@@ -57,6 +57,7 @@ def test_unknown_solver_and_parameter_name_the_nearest(hausbench: Program, tetra
 
 
 BAD_EXPERIMENTS = {
+    'title = "a\\u0000b"\n': ("NUL", "title"),
     "cutoff = 9007199254740993": ("finite number", "cutoff"),  # a double does not hold it
     "repeat = 1": ("unknown key 'repeat'", "repeats"),
     "repeats = -1": ("'repeats'", "whole number"),

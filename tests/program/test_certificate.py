@@ -214,8 +214,62 @@ def test_mesh_solvers_write_proofs(hausbench: Program, tetrahedron: Path, raised
         assert done.returncode == 0 and f"answer     of {solver}: " in done.stdout and "\naccepted " in done.stdout
 
 
+@pytest.mark.parametrize("in_process", [False, True])
+@pytest.mark.parametrize("how", ["lower above", "false proof", ""])
+def test_measure_warns_if_its_own_proof_is_refused(hausbench: Program, outside: Path, tetrahedron: Path, raised: Path,  # noqa: F811
+                                                   tmp_path: Path, how: str, in_process: bool) -> None:
+    file = tmp_path / "mine"
+    deed = ("--set", "at=0", "--set", f"how={how}") if how else ()
+    asked: tuple[str | Path, ...] = ("--json", "--solver", "lies", "--plugin", outside / "libmisbehaving.so", *deed, *["--in-process"] * in_process)
+    done = hausbench("measure", tetrahedron, raised, *asked, "--certificate", file)
+    said = json.loads(done.stdout)
+    checked = hausbench("verify", "--certificate", file)
+    assert done.returncode == checked.returncode == (1 if how else 0)
+    assert len(said["warnings"]) == (1 if how else 0)
+    if how:
+        why = checked.stdout.splitlines()[-1].removeprefix("refused").strip()
+        assert why in said["warnings"][0] and said["warnings"][0].startswith(f"{file}: its own check refuses this proof: ")
+
+
 def test_bounds_that_prove_nothing_are_said(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     out = tmp_path / "none"
     done = hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--set", "kernel=textbook", "--certificate", out)
     assert done.returncode == 1 and not out.exists()
     assert "kernel = textbook or certify = false" in done.stdout + done.stderr
+
+
+def shape_sha256(kind: str, vertices: list[tuple[float, ...]], triangles: list[tuple[int, ...]]) -> str:
+    """As docs/certificate.md says: without the program, and without its readers."""
+    content = struct.pack("<Q", len(kind)) + kind.encode() + struct.pack("<Q", len(vertices))
+    content += b"".join(struct.pack("<3d", *vertex) for vertex in vertices)
+    if kind == "mesh":
+        content += struct.pack("<Q", len(triangles)) + b"".join(struct.pack("<3i", *triangle) for triangle in triangles)
+    return hashlib.sha256(content).hexdigest()
+
+
+def test_the_document_says_how_the_sha256_of_a_shape_is_taken(hausbench: Program, tmp_path: Path) -> None:
+    # A vertex that no face uses, a -0, a convex polygon and a value that single precision does not hold.
+    mesh, points, proof = tmp_path / "a.off", tmp_path / "b.xyz", tmp_path / "proof"
+    mesh.write_text("OFF\n6 2 0\n0 0 -0.0\n9 9 9\n1 0 0.1\n1 1 0\n0 1 0\n0 0 1\n4 0 2 3 4\n3 5 2 0\n")
+    points.write_text("0 0 0\n1e-320 -2.5 1e300\n")
+    vertices: list[tuple[float, ...]] = [(0, 0, -0.0), (1, 0, 0.1), (1, 1, 0), (0, 1, 0), (0, 0, 1)]
+    of_mesh = shape_sha256("mesh", vertices, [(0, 1, 2), (0, 2, 3), (4, 1, 0)])
+    of_points = shape_sha256("points", [(0, 0, 0), (1e-320, -2.5, 1e300)], [])
+    assert hausbench("measure", mesh, points, "--solver", "cover", "--certificate", proof).returncode == 0
+    header, _ = read(proof)
+    assert [header[side]["sha256"] for side in ("source", "target")] == [of_mesh, of_points]
+
+
+@pytest.mark.parametrize("text", ["inf", "-inf", "nan"])
+def test_the_document_says_how_numbers_that_json_lacks_are_written(
+    hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, text: str
+) -> None:
+    file = tmp_path / "proof"
+    assert hausbench("measure", tetrahedron, raised, "--solver", "cover", "--certificate", file).returncode == 0
+    header, rest = read(file)
+    header["lower"] = 0
+    header["witness"]["source_point"] = header["witness"]["target_point"] = ["nan", "nan", "nan"]
+    header["upper"] = text
+    done = hausbench("verify", "--certificate", write(file, (header, rest)))
+    assert f"in [0, {text}]" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == (0 if text == "inf" else 1), done.stdout + done.stderr

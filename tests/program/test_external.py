@@ -104,6 +104,13 @@ def test_meshes(sweep: Sweep, tmp_path: Path, format: str) -> None:
     assert nothing_left(tmp_path)
 
 
+def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep) -> None:
+    """As the client of a daemon, or of a GPU: it sleeps much longer than it computes."""
+    rows = sweep(deed="; sleep 3", limit=60)
+    assert rows["status"] == ["ok", "ok"] and rows["clock"] == ["wall", "wall"], rows["reason"]
+    assert rows["good clock"] == ["cpu", "cpu"]
+
+
 def test_points(sweep: Sweep) -> None:
     rows = sweep(source="gaussian_1k_a", target="gaussian_1k_b", other="naive")
     assert rows["status"] == ["ok", "ok"], rows["reason"]
@@ -214,6 +221,15 @@ def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) ->
     wait_until_gone(tmp_path / "pid")
 
 
+def test_a_stray_signal_costs_one_case(sweep: Sweep, tmp_path: Path) -> None:
+    """The shell's parent is the worker. The case that it was running ends by the signal, and the next has an answer."""
+    once = tmp_path / "once"
+    rows = sweep(deed=f"; if mkdir {once} 2> /dev/null; then kill -TERM $PPID; sleep 600; fi")
+    assert rows["status"] == ["signal", "ok"], rows["reason"]
+    assert "signal 15" in rows["reason"][0] and rows["upper"][1] > 0
+    assert nothing_left(tmp_path)
+
+
 def test_nothing_outlives_a_case(sweep: Sweep, tmp_path: Path) -> None:
     left = tmp_path / "left"
     rows = sweep(deed=f"; setsid sh -c 'echo $$ > {left}; exec sleep 600' > /dev/null 2>&1 & while [ ! -s {left} ]; do sleep 0.01; done; echo")
@@ -240,6 +256,19 @@ def test_nothing_outlives_the_program(sweep: Sweep, hausbench: Program, tetrahed
     if end == signal.SIGKILL:  # the next clears up
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert nothing_left(tmp_path)
+
+
+def test_daemons_end_with_a_run_that_is_killed(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
+    """Also one that left its session and lost its parent, which nobody can find once the worker has ended."""
+    pid = tmp_path / "pid"
+    daemon = f"sh -c '(setsid sh -c \"echo \\$\\$ > {pid}; exec sleep 600\" &) ; exec sleep 600'; echo {{A}} {{B}}"
+    arguments: list[str | Path] = ["run", sweep.write(python=daemon + " #", limit=600), "--results", tmp_path, "--solver", "peer"]
+    process = subprocess.Popen(hausbench.command(*arguments), env=hausbench.environment(), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    wait_for(lambda: pid.exists() and pid.read_text().endswith("\n"))
+    process.kill()
+    process.wait(60)
+    wait_until_gone(pid)
 
 
 def test_memory_of_the_program_counts(sweep: Sweep, tmp_path: Path) -> None:

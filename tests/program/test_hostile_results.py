@@ -151,6 +151,27 @@ def test_hostile_results_are_refused(hausbench: Program, good: Path, tmp_path: P
     assert "bad.h5" in hausbench.fails("compare", bad, good)
 
 
+CONTRADICTIONS = {
+    "an ok whose gap is above its tolerance": (value("cases/upper", 0, 1e9), "not within the tolerance"),
+    "an ok whose bound is not a number": (value("cases/upper", 0, np.nan), "not a number"),
+    "an identity of another case": (value("cases/identity", 0, "0" * 64), "its identity"),
+    "a tolerance that was not asked for": (value("cases/tolerance", 0, 0.5), "its identity"),
+    "a witness of no element": (value("cases/witness_source_element", 0, 10**6), "names element 1000000 of the source"),
+}
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_verify_notices_a_row_that_contradicts_itself(hausbench: Program, good: Path, tmp_path: Path, name: str) -> None:
+    change, said = CONTRADICTIONS[name]
+    bad = tmp_path / "bad.h5"
+    shutil.copy(good, bad)
+    assert hausbench("verify", bad).returncode == 0
+    with h5py.File(bad, "r+") as f:
+        change(f)
+    done = hausbench("verify", bad)
+    assert done.returncode == 1 and said in done.stdout + done.stderr, done.stdout + done.stderr
+
+
 def test_flipped_bits_under_a_right_seal_take_nothing_down(hausbench: Program, good: Path, tmp_path: Path) -> None:
     content = good.read_bytes()[:-73]
     moments = random.Random(12)
@@ -188,3 +209,146 @@ def test_hostile_shapes_in_the_cache_are_refused(hausbench: Program, experiment:
             seal(file)
     code, said = again()
     assert code in (0, 2) and "unreferenced: is not one value" in said and "delete the file" in said, (code, said)
+
+
+ESCAPES = "\x1b]0;owned\x07\x1b[2J\u009b31m\u202e\nunsound: forged"
+
+
+def rewritten(good: Path, bad: Path, change: Change) -> Path:
+    shutil.copy(good, bad)
+    with h5py.File(bad, "r+") as f:
+        change(f)
+    seal(bad)
+    return bad
+
+
+def steers_nothing(done: subprocess.CompletedProcess[str]) -> None:
+    text = done.stdout + done.stderr
+    assert all(c == "\n" or c.isprintable() for c in text), ascii(text)
+    assert not any(line.startswith("unsound: forged") for line in text.splitlines()), text
+
+
+def test_texts_of_a_file_do_not_steer_the_terminal(hausbench: Program, good: Path, tmp_path: Path) -> None:
+    def escapes(f: h5py.File) -> None:
+        for name in ("label", "scene", "variant", "reason"):
+            f["cases"][name][:] = [f"{name}{ESCAPES}" for _ in f["cases"][name]]
+        f["cases/status"][0] = "failed"
+
+    def other_answer(f: h5py.File) -> None:
+        escapes(f)
+        f["cases/upper"][:] = f["cases/upper"][:] * 2
+        f["meta"].attrs["build"] = "\x1b[31m"
+
+    bad, other = rewritten(good, tmp_path / "bad.h5", escapes), rewritten(good, tmp_path / "other.h5", other_answer)
+    verbs: list[tuple[str | Path, ...]] = [("verify", bad), ("compare", bad, other), ("merge", tmp_path / "out.h5", bad, other), ("show", bad),
+                 ("show", "--json", bad), ("show", "--summary", bad), ("show", bad, "--solver", "x"),
+                 ("compare", "--solver", "a", "b", bad), ("merge", "--any-build", tmp_path / "any.h5", bad, other)]
+    for verb in verbs:
+        steers_nothing(hausbench(*verb))
+    assert all(c == "\n" or c.isprintable() for c in hausbench("show", "--csv", bad).stdout)  # a quoted cell may hold line breaks
+
+
+def test_texts_of_an_experiment_do_not_steer_the_terminal(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    text = experiment.read_text()
+    hostile = r"\u001b]0;owned\u0007\u009b31m\u202e\nunsound: forged"
+    experiment.write_text(text.replace('"a test"', f'"{hostile}"').replace('"spheres"', f'"s{hostile}"') + f'label = "g{hostile}"\n')
+    for verb in ("explain", "run"):
+        done = hausbench(verb, experiment, "--results", tmp_path)
+        assert done.returncode == 0, done.stderr
+        steers_nothing(done)
+    steers_nothing(hausbench("explain", experiment, "--solver", "x"))  # lists what is known
+    steers_nothing(hausbench("explain", experiment, "--scene", "x\x1b[2J"))
+
+
+def defines(model: str) -> Change:
+    """The file's first model is one that its experiment defines."""
+    def change(f: h5py.File) -> None:
+        f["models/name"][0] = "trap"
+        toml = f["meta"].attrs["experiment_toml"] + model
+        del f["meta"].attrs["experiment_toml"]
+        f["meta"].attrs["experiment_toml"] = toml
+
+    return change
+
+
+GENERATED = '\n[model.{}]\nsource = "generated"\nrecipe = '
+TRAPS = {
+    "a device": ('\n[model.trap]\npath = "/dev/zero"\nformat = "off"\n', "is not a regular file"),
+    "a pipe": ('\n[model.trap]\npath = "PIPE"\nformat = "off"\n', "is not a regular file"),
+    "many points": (GENERATED.format("trap") + '"uniform_points"\ncount = 100000000\nseed = 1\n', "would take about"),
+    "subdivisions": (GENERATED.format("ball") + '"icosphere"\nlevel = 1\nradius = 1\n[model.finer]\nfrom = "ball"\noperation = "subdivide"\n'
+                     'levels = 4\n[model.trap]\nfrom = "finer"\noperation = "subdivide"\nlevels = 8\n', "would take about"),
+    "copies": (GENERATED.format("ball") + '"icosphere"\nlevel = 1\nradius = 1\n[model.trap]\nfrom = "ball"\noperation = "repeat"\n'
+               'count = 10000000\nvertices = 1\nx = 1\ny = 0\nz = 0\ngrow = 0\n', "would take about"),
+}
+
+
+@pytest.mark.parametrize("name", TRAPS)
+def test_models_of_a_hostile_result_fill_nothing(hausbench: Program, good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                 name: str) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    model, said = TRAPS[name]
+    bad = rewritten(good, tmp_path / "bad.h5", defines(model.replace("PIPE", str(tmp_path / "pipe"))))
+    assert said in hausbench.fails("verify", bad)
+    assert said in hausbench.fails("merge", tmp_path / "out.h5", bad, bad)
+    assert not list((tmp_path / "cache").rglob("*")) and not (tmp_path / "out.h5").exists()
+
+
+def test_models_of_a_result_stay_out_of_the_cache(hausbench: Program, experiment: Path, tmp_path: Path,
+                                                  monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its rows are checked all the same."""
+    experiment.write_text(experiment.read_text().replace('"sphere1"', '"mine"') + GENERATED.format("mine") + '"icosphere"\nlevel = 2\nradius = 3\n')
+    file = run(hausbench, experiment, tmp_path)
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    done = hausbench("verify", file)
+    assert done.returncode == 0 and "guthe" in done.stdout, done.stderr
+    assert not list((tmp_path / "cache").rglob("*.h5"))
+
+
+def test_pipes_among_the_results_are_passed_over(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.h5"
+    os.mkfifo(pipe)
+    os.mkfifo(tmp_path / "pipe.journal")
+    assert hausbench("explain", experiment, "--results", tmp_path, timeout=60).returncode == 0
+    assert hausbench("run", experiment, "--results", tmp_path, timeout=60).returncode == 0
+    verbs: list[tuple[str | Path, ...]] = [("verify", pipe), ("compare", pipe, pipe), ("show", pipe)]
+    for verb in verbs:
+        assert "is not a regular file" in hausbench.fails(*verb)
+    assert "cannot be read" in hausbench.fails("verify", "--certificate", pipe)
+
+
+def test_a_shape_of_another_model_in_its_place_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
+                                                          monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is whole, and its content hash fits; but it was not made from the bytes that its place stands for."""
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    run(hausbench, experiment, tmp_path)
+    one, other = sorted((tmp_path / "cache" / "shapes").glob("*.h5"))
+    shutil.copy(one, other)
+    done = hausbench("run", experiment, "--results", tmp_path, "--fresh")
+    said = done.stderr if done.returncode != 0 else texts(tmp_path / "tiny.h5", "cases/reason")[0]
+    assert "was made from another file or recipe" in said and other.name in said and "delete the file" in said
+    other.unlink()
+    run(hausbench, experiment, tmp_path, "--fresh")
+    assert texts(tmp_path / "tiny.h5", "cases/status") == ["ok"]
+
+
+def test_models_are_not_taken_from_a_folder_that_others_can_write(program_file: str, tmp_path: Path) -> None:
+    below = tmp_path / "planted" / "below"
+    below.mkdir(parents=True)
+    manifest = tmp_path / "planted" / "datasets" / "manifest.toml"
+    manifest.parent.mkdir()
+    manifest.write_text('[model.planted]\nsource = "generated"\nrecipe = "needle"\nratio = 2.0\n')
+    environment = {name: value for name, value in os.environ.items() if name not in ("HAUSBENCH_ROOT", "HAUSBENCH_CACHE")}
+
+    def models() -> subprocess.CompletedProcess[str]:
+        return subprocess.run([program_file, "list", "models"], cwd=below, env=environment, capture_output=True, text=True, timeout=60)
+
+    assert models().returncode == 0 and "planted" in models().stdout
+    for place in (tmp_path / "planted", manifest.parent, manifest):
+        mode = place.stat().st_mode
+        place.chmod(mode | 0o002)
+        done = models()
+        assert done.returncode == 2 and f"{place}: another user can write to it" in done.stderr and "HAUSBENCH_ROOT" in done.stderr
+        place.chmod(mode)
+    assert models().returncode == 0

@@ -260,3 +260,17 @@ def test_an_interrupted_reader_leaves_nothing(hausbench: Program, tetrahedron: P
     if end == signal.SIGKILL:  # the next clears up
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert scratch_folders(tmp_path) == []
+
+
+@pytest.mark.parametrize("solver", ["cover", "scan"])
+def test_no_more_workers_than_can_be_used(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, solver: str) -> None:
+    files = [tetrahedron, raised]
+    if solver == "scan":
+        files = [tmp_path / "a.xyz", tmp_path / "b.xyz"]
+        for shift, file in enumerate(files):
+            file.write_text("".join(f"{i} {i * 7 % 64} {shift}\n" for i in range(64)))
+    peak = {
+        threads: int(json.loads(hausbench("measure", *files, "--solver", solver, "--threads", str(threads), "--json").stdout)["peak_bytes"])
+        for threads in (1, 1024)
+    }
+    assert peak[1024] <= peak[1] + 16e6, peak

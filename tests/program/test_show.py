@@ -16,6 +16,7 @@ import subprocess
 import termios
 from pathlib import Path
 
+import h5py
 import pytest
 import signal
 
@@ -220,6 +221,22 @@ def test_a_result_that_cannot_be_read_is_put_aside(hausbench: Program, experimen
     done = hausbench("run", experiment, "--results", tmp_path)
     assert done.returncode == 0 and "tiny.h5.unreadable" in done.stderr
     assert (tmp_path / "tiny.h5.unreadable").read_text() == "notes of mine"
+    (tmp_path / "tiny.h5").write_text("more notes")
+    done = hausbench("run", experiment, "--results", tmp_path)
+    assert done.returncode == 0 and "tiny.h5.unreadable.2" in done.stderr
+    assert (tmp_path / "tiny.h5.unreadable").read_text() == "notes of mine"
+    assert (tmp_path / "tiny.h5.unreadable.2").read_text() == "more notes"
+
+
+def test_a_sound_result_of_a_newer_program_stays_where_it_is(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    file = tmp_path / "tiny.h5"
+    assert hausbench("run", experiment, "--results", tmp_path).returncode == 0
+    with h5py.File(file, "r+") as f:
+        f["meta"].attrs["schema_version"] = 99
+    content = file.read_bytes()
+    line = hausbench.fails("run", experiment, "--results", tmp_path, "--fresh")
+    assert "tiny.h5: has schema version 99" in line and "use a newer hausbench" in line
+    assert file.read_bytes() == content and not list(tmp_path.glob("*.unreadable*"))
     assert texts(tmp_path / "tiny.h5", "cases/status") == ["ok"]
 
 

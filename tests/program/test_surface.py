@@ -73,3 +73,12 @@ def test_a_square_stalls_with_bounds(hausbench: Program, tmp_path: Path) -> None
     done = hausbench("measure", square, ball, "--json")
     result = json.loads(done.stdout)
     assert result["status"] == "stalled" and result["lower"] <= 0.5 <= result["upper"] < 1
+
+
+def test_a_sphere_a_million_from_the_origin(hausbench: Program, tmp_path: Path) -> None:
+    here = surface(tmp_path, "here", "x^2 + y^2 + z^2 - 1")
+    there = surface(tmp_path, "there", "x^2 - 2000000*x + y^2 + z^2 + 999999999999", "[[999998, 1000002], [-2, 2], [-2, 2]]")
+    done = hausbench("measure", here, there, "--tolerance", "1e-3", "--of", "absolute", "--json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["status"] == "converged" and answer["lower"] <= 1e6 <= answer["upper"]

@@ -17,15 +17,13 @@ from pathlib import Path
 
 NODES = ("n1", "n2")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol")
-PATH = "/usr/sbin:/sbin:" + os.environ.get("PATH", "/usr/bin:/bin")
-
 
 def missing() -> str:
-    """Why there is no Slurm here; empty where there is."""
+    """Returns why there is no Slurm here; an empty text if there is one."""
     if os.geteuid() != 0:
         return "it needs root"
-    lacking = [name for name in NEEDED if not shutil.which(name, path=PATH)]
-    return f"not installed: {', '.join(lacking)} (packages slurm-wlm and munge)" if lacking else ""
+    lacking = [name for name in NEEDED if not shutil.which(name)]
+    return f"not on the PATH: {', '.join(lacking)} (`make test-slurm` installs slurm-wlm and munge)" if lacking else ""
 
 
 def free_ports(count: int) -> list[int]:
@@ -66,7 +64,7 @@ class Slurm:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.environment = {**os.environ, "PATH": PATH, "SLURM_CONF": str(folder / "slurm.conf")}
+        self.environment = {**os.environ, "SLURM_CONF": str(folder / "slurm.conf")}
         self._daemons: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> Slurm:

@@ -50,9 +50,9 @@ def fake_measure(program: Path, case: Case, folder: Path) -> Block:
     return Block(1.0, 1.0, 0.1, work.get("shapes", "same"), counters=work["counters"])
 
 
-def fake_instructions(program: Path, case: Case, folder: Path) -> int | None:
+def fake_instructions(program: Path, case: Case, folder: Path) -> int | NotMeasured:
     count: int | None = json.loads(program.read_text()).get("instructions")
-    return count
+    return NotMeasured("there is no valgrind") if count is None else count
 
 
 def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
@@ -292,6 +292,8 @@ def test_what_decides() -> None:
         decided_by(good, more, "instructions")
     with pytest.raises(Unclear, match="neither"):
         decided_by(good, Measured({"a": 5}, "x", None), "auto")
+    with pytest.raises(Unclear, match="instructions of bad are not counted: no valgrind"):
+        decided_by(good, Measured({"a": 5}, "x", uncounted="no valgrind"), "auto")
     with pytest.raises(Unclear, match="shapes"):
         decided_by(good, Measured({"a": 9}, "y", 1), "auto")
 

@@ -1,0 +1,67 @@
+// The functions that Highway's headers expect from its library: which instruction sets the processor has, and which of them is in use.
+//
+// Highway's own library is not linked: Debian has it as a shared library only, whose initialiser measures a timer (`rdtscp`) that nothing here
+// needs. Some virtual machines hide that instruction, and valgrind then ends the program before main().
+#undef HWY_SHARED_DEFINE  // so that these functions are hidden, and stay out of a plug-in's symbols
+#include <hwy/targets.h>
+
+#include <atomic>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+
+#if HWY_ARCH_X86
+#include <cpuid.h>
+#endif
+
+namespace hwy {
+namespace {
+
+std::atomic<std::int64_t> targets_for_test{0};  // 0: those of the processor
+ChosenTarget chosen_target;
+
+// Returns the targets whose instructions the processor has and the system allows. A target needs everything that the compiler may use in
+// it (HWY_TARGET_STR_... in hwy/ops/set_macros-inl.h).
+std::int64_t targets_of_processor() {
+    std::int64_t targets = HWY_ENABLED_BASELINE | HWY_SCALAR | HWY_EMU128;
+#if HWY_ARCH_X86
+    if (!__builtin_cpu_supports("ssse3")) return targets;
+    targets |= HWY_SSSE3;
+    if (!__builtin_cpu_supports("sse4.1") || !__builtin_cpu_supports("sse4.2") || !__builtin_cpu_supports("pclmul") ||
+        !__builtin_cpu_supports("aes"))
+        return targets;
+    targets |= HWY_SSE4;
+    unsigned a = 0, b = 0, c = 0, d = 0;  // clang 14 has no name for F16C
+    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2") ||
+        !__builtin_cpu_supports("fma") || __get_cpuid(1, &a, &b, &c, &d) == 0 || (c & bit_F16C) == 0)
+        return targets;
+    targets |= HWY_AVX2;
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512bw"))
+        targets |= HWY_AVX3;
+#endif
+    return targets;
+}
+
+}  // namespace
+
+std::int64_t SupportedTargets() {
+    const std::int64_t forced = targets_for_test.load();
+    return forced != 0 ? forced : targets_of_processor();
+}
+
+void SetSupportedTargetsForTest(std::int64_t targets) { targets_for_test.store(targets); }
+
+ChosenTarget& GetChosenTarget() { return chosen_target; }
+
+void Abort(const char* file, int line, const char* format, ...) {
+    std::va_list values;
+    va_start(values, format);
+    std::fprintf(stderr, "%s:%d: ", file, line);
+    std::vfprintf(stderr, format, values);
+    std::fputc('\n', stderr);
+    va_end(values);
+    std::abort();
+}
+
+}  // namespace hwy

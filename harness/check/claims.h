@@ -1,0 +1,26 @@
+// Checks what the rows of a result say of themselves: a forged or damaged file may contradict itself where its bounds are right.
+#pragma once
+
+#include "record/row.h"
+#include "scene.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+// Returns what the row says that its own columns rule out: an `ok` whose gap is above the tolerance, an answer whose bounds are NaN,
+// an identity that does not fit the case, or a model with an answer that the result does not list (`source_hash` is empty).
+// Empty if there is nothing.
+std::string contradiction_in(const Row& row);
+
+// Likewise for a witness that names an element that its shape does not have.
+std::string wrong_witness(const Row& row, const Shape& source, const Shape& target);
+
+// A line for each row that contradicts itself, at most 20 of them and then their number. `load` returns null for a shape that is
+// not there.
+std::vector<std::string> contradictions(const std::vector<Row>& rows,
+                                        const std::function<const Shape*(const std::string&)>& load);
+
+}  // namespace hausbench

@@ -1,0 +1,20 @@
+"""A test that lacks an optional tool is skipped, with the reason. `--insist` is for the target that promises it: the skip is then a failure."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--insist", action="store_true", help="a test that is skipped has failed")
+
+
+@pytest.hookimpl(hookwrapper=True)  # type: ignore[misc]
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
+    report = (yield).get_result()
+    if item.config.getoption("insist") and report.skipped:
+        report.outcome = "failed"
+        report.longrepr = f"{item.nodeid}: {report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr}"
