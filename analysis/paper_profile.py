@@ -4,7 +4,8 @@
 
 writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md. The group
 `corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
-Stems of the group without a result here keep the tables that the file has, so that a long group may be measured in parts.
+Their verdicts are kept beside it, in NAME.verdicts.json.
+Stems of the group without a result here keep the tables and the verdicts that the files have, so that a long group may be measured in parts.
 README's table of winners is written again from these files.
 """
 
@@ -19,11 +20,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis import winners
-from analysis.shared import tables
+from analysis.shared import claims, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.results import ResultError, Results
-from analysis.shared.stems import drawn_with, module_of
+from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 @dataclass
@@ -33,6 +34,7 @@ class Kept:
     machines: list[str] = field(default_factory=list)
     rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
     tables: dict[str, str] = field(default_factory=dict)  # by stem
+    verdicts: list[claims.Record] = field(default_factory=list)
 
 
 def kept_of(path: Path) -> Kept:
@@ -45,6 +47,7 @@ def kept_of(path: Path) -> Kept:
         stem, _, body = section.partition("\n")
         if stem in rows:
             kept.rows[stem], kept.tables[stem] = rows[stem], body.strip("\n")
+    kept.verdicts = claims.read(path.with_suffix(claims.SUFFIX))
     kept.machines = [line[2:] for line in head.splitlines() if line.startswith("- ")]
     return kept
 
@@ -76,19 +79,20 @@ def check(results: Results) -> Results:
     return results
 
 
-def text_of(group: str, folder: Path, kept: Kept) -> str:
-    """The whole file: of each stem what was measured, or else what was kept."""
+def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record]]:
+    """The whole file, and all verdicts: of each stem what was measured, or else what was kept."""
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
-    rows, texts = dict(kept.rows), dict(kept.tables)
+    rows, texts, judged = dict(kept.rows), dict(kept.tables), list[claims.Record]()
     for stem, results in zip(stems, all_results):
         counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
         rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
                       f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-        texts[stem] = "\n\n".join(tables.markdown(importlib.import_module(module_of(each)).make(results).table).strip("\n")
-                                  for each in drawn_with(stem))
+        made = {each: importlib.import_module(module_of(each)).make(results).printed(results) for each in drawn_with(stem)}
+        texts[stem] = "\n\n".join(tables.markdown(table).strip("\n") for table in made.values())
+        judged += [one for each, table in made.items() for one in claims.records(table.verdicts, each, whole)]
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
@@ -100,7 +104,9 @@ def text_of(group: str, folder: Path, kept: Kept) -> str:
     parts += [rows[stem] for stem in ordered]
     for stem in ordered:
         parts += ["", f"## {stem}", "", texts[stem]]
-    return "\n".join(parts) + "\n"
+    judged += [one for one in kept.verdicts if results_of(str(one["stem"])) not in stems]
+    place = {stem: i for i, stem in enumerate(ordered)}
+    return "\n".join(parts) + "\n", sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place)))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -112,11 +118,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     single = stems_of(chosen.group, chosen.results) == [chosen.group] or chosen.group == whole_profile(chosen.group)
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     try:
-        text = text_of(chosen.group, chosen.results, kept_of(path))
+        text, judged = files_of(chosen.group, chosen.results, kept_of(path))
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    path.write_text(text, encoding="utf-8")
+    tables.write_whole(path, text)
+    claims.save(judged, path.with_suffix(claims.SUFFIX))
     print(path)
     if chosen.out == REFERENCE and path.name in winners.SOURCES:
         return winners.main()

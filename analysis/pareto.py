@@ -1,7 +1,7 @@
 """Whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover] [--results DIR]`.
 
 A cell is a scene of meshes, a pose and a tolerance. In it the solver is beaten by a certified solver that is faster and gives a gap no larger.
-Only times that are separated tell: where a rival's gap is no larger and neither is clearly faster, the cell is open.
+Only times that are separated tell: where a rival's gap is no larger and neither is clearly faster, or their times do not compare, the cell is open.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
+from analysis.shared.comparable import apart, origins
 from analysis.shared.load import load
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import Estimate, ratio_by_round
@@ -42,7 +43,9 @@ class Cell:
         return tuple(rival for rival in self.rivals if rival.ratio.separated and rival.ratio.low > 1)
 
     def line(self) -> str:
-        worst = max(self.beaten_by or self.rivals, key=lambda rival: rival.ratio.value)
+        worst = max(self.beaten_by or self.rivals, key=lambda rival: rival.ratio.value if rival.ratio.n else 0.0)
+        if not worst.ratio.n:
+            return f"{style.scene_title(self.scene)} at {tables.number(self.tolerance, 1)}: no ratio to {worst.name}: {worst.ratio.reason}"
         what = "beaten by" if self.beaten_by else "not separated from"
         return (f"{style.scene_title(self.scene)} at {tables.number(self.tolerance, 1)}: {what} {worst.name}, "
                 f"{tables.estimate(worst.ratio)} times as fast with a gap of {tables.number(worst.gap, 2)} instead of {tables.number(self.gap, 2)}")
@@ -57,15 +60,16 @@ def cells(results: Results, solver: str) -> list[Cell]:
             continue
         same = results.rows(scene=cases.scene[own], pose_index=cases.pose_index[own], tolerance=cases.tolerance[own], certified=1)
         rivals = [Rival(style.title(cases.solver[row], results.names[row]),
-                        ratio_by_round(results.total_by_round(int(own)), results.total_by_round(int(row))), results.gap(int(row)))
+                        apart(origins(results, (int(own), int(row))))
+                        or ratio_by_round(results.total_by_round(int(own)), results.total_by_round(int(row))), results.gap(int(row)))
                   for row in same if cases.solver[row] != solver and results.is_bounded(int(row)) and results.gap(int(row)) <= results.gap(int(own))]
-        near = tuple(rival for rival in rivals if rival.ratio.n and not (rival.ratio.separated and rival.ratio.high < 1))
+        near = tuple(rival for rival in rivals if (rival.ratio.n or rival.ratio.reason) and not (rival.ratio.separated and rival.ratio.high < 1))
         found.append(Cell(cases.scene[own], int(cases.pose_index[own]), float(cases.tolerance[own]), results.gap(int(own)), near))
     return found
 
 
 def judge(found: Sequence[Cell], title: str) -> Verdict:
-    claim = f"{title} is on the Pareto front of gap against time in {SHARE:.0%} of the cells (mesh scene, tolerance)"
+    claim = claims.of("hausbench", "pareto", title=title, share=SHARE)
     if not found:
         return Verdict(claim, UNTESTED, "no cells")
     beaten, unsure = sum(bool(cell.beaten_by) for cell in found), sum(bool(cell.rivals) and not cell.beaten_by for cell in found)

@@ -3,7 +3,7 @@ writes it between two marks in README.md; analysis.paper_profile does so wheneve
 
 A solver wins a scene where its interval lies below the interval of every other. Nobody wins where a solver has a single time,
 which has no interval, or where the note of the table promises less than 95 % for its intervals; a line below the table says how
-many scenes that are. Claims are the verdicts of the tables.
+many scenes that are. Claims are the verdicts beside the tables (NAME.verdicts.json), each in the row of its solver.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +19,9 @@ from typing import Final
 
 from analysis.points.points_speed import TITLES
 from analysis.shared import style, tables
+from analysis.shared.claims import SUFFIX, Record, read
 from analysis.shared.load import REFERENCE
+from analysis.shared.notes import APART
 
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
@@ -27,14 +30,8 @@ SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_pa
 # Stem, how its rows of times are marked and in which column, and what it is called.
 RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
                 ("mesh_peers", "ms", 3, "pairs of real meshes"))
-# Whose a claim is, by a part of its text; the first that matches.
-CLAIMS: Final = (("Tang's|Culling leaves|is subdivided|Voronoi|three corners|nearer the models|Tang 2009, warm", "`tang`"),
-                 ("as printed", "`ohd_as_printed`, `nohd_as_printed`"), ("framework", "`adaptive`"), ("INC", "`inc`"),
-                 ("EARLYBREAK takes less", "`earlybreak`"), ("(?<!N)OHD (with cells|takes less)|culling", "`ohd`"),
-                 ("NOHD", "`nohd`"), ("cover", "`cover`"), ("Sacht (2024 is|takes|ends)", "`sacht`"), ("Zheng 2022 is", "`zheng`"), ("Tang 2009 is", "`tang`"))
 ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`",
                 "`cover`", "`guthe`", "`sacht`", "`zheng`", "`tang`", "`kang`")  # then the others
-SKIPPED: Final = ("peaks where", "fastest at", "increases with", "a much ", "inner steps", "Eq. 7", "as many points")
 
 
 @dataclass
@@ -43,8 +40,8 @@ class Section:
 
     header: list[str] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    claims: list[tuple[str, str]] = field(default_factory=list)  # claim, outcome
     sure: bool = False  # its intervals are of 95 %, as tables.coverage_note says
+    apart: bool = False  # rows were run beside others, so nobody wins
 
 
 def sections(text: str) -> dict[str, Section]:
@@ -59,10 +56,9 @@ def sections(text: str) -> dict[str, Section]:
                 section.rows.append(cells)
             else:
                 section.header = cells
-        elif match := re.match(r"- Claim: (.*?)\. Here(?::| it) (.*?) \(", line):
-            section.claims.append((match[1], match[2]))
         elif "intervals in brackets (95 %)" in line:
             section.sure = True
+        section.apart |= APART in line
     return found
 
 
@@ -102,7 +98,7 @@ def race(section: Section, mark: str, column: int) -> Race:
             continue
         single = [title for x, title in known if math.isnan(x[1])]
         best, winner = known[0][0], name_of(known[0][1])
-        judged = section.sure and not single
+        judged = section.sure and not single and not section.apart
         if not judged:
             found.unknown += [title for title in single if title not in found.unknown]
             found.unjudged += 1
@@ -110,7 +106,7 @@ def race(section: Section, mark: str, column: int) -> Race:
             continue
         if judged:
             found.won.setdefault(winner, []).append(known[1][0][0] / best[0])
-        elif section.sure:
+        elif section.sure and not section.apart:
             found.least[winner] = found.least.get(winner, 0) + 1
     return found
 
@@ -143,52 +139,46 @@ def unjudged(found: dict[str, Section]) -> list[str]:
     return lines
 
 
-def left_out(found: dict[str, Section]) -> str:
+def left_out(found: Sequence[Record]) -> str:
     """How many claims the table does not show, and where they are."""
-    counts = {stem: sum(owner_of(claim) is None for claim, _ in section.claims) for stem, section in found.items()}
-    many = {stem: count for stem, count in counts.items() if count}
+    many = Counter(str(verdict["stem"]) for verdict in found if not verdict["solver"])
     if not many:
         return ""
     return (f"{sum(many.values())} more claims, and what came out, are below the tables in `results/reference`: "
             + ", ".join(f"{stem} ({count})" for stem, count in many.items()) + ".")
 
 
-def owner_of(claim: str) -> str | None:
-    """The solver in whose row the claim stands; None if the table leaves it out."""
-    if any(part in claim for part in SKIPPED):
-        return None
-    return next((solver for part, solver in CLAIMS if re.search(part, claim)), None)
-
-
-def verdicts(found: dict[str, Section]) -> dict[str, list[str]]:
+def verdicts(found: Sequence[Record]) -> dict[str, list[str]]:
     """By solver, its claims in the order of the tables; one claim of several scenes is one text."""
     grouped: dict[str, dict[str, dict[str, list[str]]]] = {}
-    for section in found.values():
-        for claim, outcome in section.claims:
-            owner = owner_of(claim)
-            if owner is None:
-                continue
-            scene, _, text = claim.rpartition(": ")
-            grouped.setdefault(owner, {}).setdefault(text, {}).setdefault(outcome, []).append(scene)
+    for verdict in found:
+        if verdict["solver"]:
+            owner = ", ".join(f"`{solver}`" for solver in str(verdict["solver"]).split(", "))
+            outcomes = grouped.setdefault(owner, {}).setdefault(str(verdict["claim"]), {})
+            outcomes.setdefault(str(verdict["outcome"]), []).append(str(verdict["place"]))
+
     def named(outcomes: dict[str, list[str]]) -> bool:
         """Whether the scenes are told: what came out differs between them, or the claim is of a single one."""
         return len(outcomes) > 1 or all(len(scenes) == 1 and scenes[0] for scenes in outcomes.values())
 
     return {owner: [f"{text}: " + ", ".join(outcome + (f" ({'; '.join(scenes)})" if named(outcomes) else "")
                                             for outcome, scenes in outcomes.items())
-                    for text, outcomes in claims.items()] for owner, claims in grouped.items()}
+                    for text, outcomes in texts.items()] for owner, texts in grouped.items()}
 
 
 def table(folder: Path = REFERENCE) -> str:
     found: dict[str, Section] = {}
+    judged: list[Record] = []
     for name in SOURCES:
-        found |= sections((folder / name).read_text(encoding="utf-8"))
-    won, claims = victories(found), verdicts(found)
-    solvers = list(dict.fromkeys([*ORDER, *won, *(owner for _, owner in CLAIMS)]))
+        path = folder / name
+        found |= sections(path.read_text(encoding="utf-8"))
+        judged += read(path.with_suffix(SUFFIX))
+    won, told = victories(found), verdicts(judged)
+    solvers = list(dict.fromkeys([*ORDER, *won, *told]))
     lines = ["| solver | fastest | what is claimed for or of it, and what came out here |", "| --- | --- | --- |"]
     for solver in solvers:
-        lines.append(f"| {solver} | {'; '.join(won.get(solver, ['nowhere']))} | {'; '.join(claims.get(solver, [])) or tables.NOTHING} |")
-    notes = [*unjudged(found), left_out(found)]
+        lines.append(f"| {solver} | {'; '.join(won.get(solver, ['nowhere']))} | {'; '.join(told.get(solver, [])) or tables.NOTHING} |")
+    notes = [*unjudged(found), left_out(judged)]
     return "\n".join(lines + [line for note in notes if note for line in ("", note)])
 
 
@@ -201,7 +191,7 @@ def rewritten(readme: str, text: str) -> str:
 
 
 def write(folder: Path = REFERENCE, readme: Path = README) -> Path:
-    readme.write_text(rewritten(readme.read_text(encoding="utf-8"), table(folder)), encoding="utf-8")
+    tables.write_whole(readme, rewritten(readme.read_text(encoding="utf-8"), table(folder)))
     return readme
 
 

@@ -10,9 +10,10 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import scipy.stats
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.cells import Cell, Grid, compare
-from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.comparable import apart, reason_apart
+from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
@@ -46,27 +47,36 @@ def limit_of(cell: Cell) -> float:
 
 
 def comparable(pair: Pair) -> bool:
-    """The solver answered, and CGAL did or was stopped at its limit: what it ran out of otherwise says nothing of its time."""
+    """The solver answered, and CGAL did or was stopped at its limit: what it ran out of otherwise says nothing of its time. And these times compare."""
     peer, own = pair
-    return not own.failures and peer.failures.keys() <= {"timeout"}
+    return not own.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
+
+
+def apart_of(pair: Pair) -> str:
+    return reason_apart(pair[0].origins | pair[1].origins)
+
+
+def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
+    """The times of CGAL and of the solver in each round that has both. The time limit stands for CGAL's time only if its row ended in a timeout."""
+    peer, own = pair
+    stopped = bool(peer.failures)
+    return {number: (limit_of(peer) if stopped else peer.times[number], seconds)
+            for number, seconds in own.times.items() if stopped or number in peer.times}
 
 
 def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
-    """The geometric mean over pairs, round by round: the unit of its interval is the round."""
-    rounds = set.intersection(*[set(own.times) for _, own in pairs]) if pairs else set()
-
-    def means(side: int) -> dict[int, float]:
-        return {number: float(scipy.stats.gmean([pair[side].times.get(number, limit_of(pair[0])) for pair in pairs]))
-                for number in rounds}
-
-    return ratio_by_round(means(0), means(1))
+    """The geometric mean over pairs, round by round, of the rounds that every pair has: the unit of its interval is the round."""
+    times = [times_by_round(pair) for pair in pairs]
+    rounds = set[int]().union(*times).intersection(*times)
+    means = {number: scipy.stats.gmean([of[number] for of in times], axis=0) for number in rounds}
+    return ratio_by_round({number: float(mean[0]) for number, mean in means.items()}, {number: float(mean[1]) for number, mean in means.items()})
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     title, aim = style.title(label), AIMS[label]
-    claim = f"{title} is {f'at least {aim} times as' if aim > 1 else 'as'} fast as CGAL in geometric mean"
+    among = f" over pairs of {LARGE[label]:,} triangles and more" if label in LARGE else ""
+    claim = claims.of("hausbench", "times_cgal" if aim > 1 else "as_fast_as_cgal", title=title, aim=aim, among=among, label=label)
     if label in LARGE:
-        claim += f" over pairs of {LARGE[label]:,} triangles and more"
         pairs = [pair for pair in pairs if size_of(pair[0]) >= LARGE[label]]
     answered = [pair for pair in pairs if comparable(pair)]
     mean = mean_ratio(answered)
@@ -80,6 +90,8 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
                           evidence=f"{verdict.evidence}, at the least: CGAL did not end on {stopped}")
     if lost:
         verdict = replace(verdict, outcome=OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
+    if reasons := [why for pair in pairs if (why := apart_of(pair))]:
+        verdict = replace(verdict, outcome=OPEN if mean.n else verdict.outcome, evidence=f"{verdict.evidence}; times {reasons[0]} on {len(reasons)} pairs")
     return verdict
 
 
@@ -93,16 +105,14 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
     aim = EVERYWHERE[label]
 
     def over_aim(pair: Pair) -> Estimate:
-        peer, own = pair
         if not comparable(pair):
-            return NO_DATA
-        stopped = bool(peer.failures)
-        times = {number: limit_of(peer) if stopped else peer.times[number] for number in own.times if stopped or number in peer.times}
-        found = ratio_by_round({number: seconds / aim for number, seconds in times.items()}, own.times)
-        return NO_DATA if stopped and not found.low > 1 else found
+            return apart(pair[0].origins | pair[1].origins) or NO_DATA
+        times = times_by_round(pair)
+        found = ratio_by_round({number: theirs / aim for number, (theirs, _) in times.items()}, {number: ours for number, (_, ours) in times.items()})
+        return NO_DATA if pair[0].failures and not found.low > 1 else found
 
     ratios = [over_aim(pair) for pair in pairs]
-    verdict = everywhere(f"{style.title(label)} is at least {aim} times as fast as CGAL on every pair", ratios)
+    verdict = everywhere(claims.of("hausbench", "times_cgal_everywhere", title=style.title(label), aim=aim, label=label), ratios)
     known = [aim * x.value for x in ratios if x.n]
     spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
     return replace(verdict, evidence=spread + verdict.evidence)
@@ -111,7 +121,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
 def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:
     """How many times as long another solver takes in geometric mean, as a note; none where no pair has both."""
     both = [(cells[scene, other], cells[scene, label]) for scene in scenes if {(scene, other), (scene, label)} <= cells.keys()]
-    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
+    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
     if not answered:
         return []
     return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} "
@@ -149,13 +159,13 @@ def make(results: Results) -> Report:
     table.rows.append(["geometric mean", "", "", "times",
                        *[tables.estimate(mean_ratio(answered[label])) if label in answered else "" for _, label in labels]])
     counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
+    table.verdicts = [*[judge(label, pairs[label]) for label in AIMS if label in pairs],
+                      *[judge_each(label, pairs[label]) for label in EVERYWHERE if label in pairs]]
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
         f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥).",
-        *[judge(label, pairs[label]).line() for label in AIMS if label in pairs],
-        *[judge_each(label, pairs[label]).line() for label in EVERYWHERE if label in pairs],
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
-        tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results), f"{machine_line(results)}."]
+        tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
     return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
 
 

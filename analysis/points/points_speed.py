@@ -10,7 +10,8 @@ import numpy as np
 import scipy.stats
 
 from analysis.shared import style, tables
-from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.comparable import apart, origin
+from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
@@ -27,6 +28,7 @@ class Cell:
         self.row, self.status = row, cases.status[row]
         self.reported = not math.isnan(cases.reported_seconds[row])  # a program outside, by its own clock
         self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
+        self.wall, self.origin = results.total_by_round(row, "wall"), origin(results, row)
         self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
         peak = int(cases.peak_bytes[row])
         self.mebibytes = peak / 2**20 if peak >= 0 and self.status == "ok" else math.nan
@@ -42,9 +44,12 @@ def title_of(solver: str, label: str) -> str:
 
 
 def ratio(other: Cell, ours: Cell) -> Estimate:
-    """How many times as long the other takes; paired by round where both have rounds."""
-    paired = ratio_by_round(other.rounds, ours.rounds)
-    return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(ours.rounds.values()))
+    """How many times as long the other takes; paired by round where both have rounds. A program that reports its own time reports wall time."""
+    if lacking := apart([one.origin._replace(clock="wall") if other.reported else one.origin for one in (other, ours)]):
+        return lacking
+    own = ours.wall if other.reported else ours.rounds
+    paired = ratio_by_round(other.rounds, own)
+    return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(own.values()))
 
 
 def make(results: Results) -> Report:
@@ -88,8 +93,8 @@ def make(results: Results) -> Report:
         f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of "
         f"{len(scenes)} workloads. Solvers that did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are "
         "left out of it: they took longer.",
-        tables.coverage_note(cell.time for cell in cells.values()) + " " + clock_note(results)
-        + " SciPy: by its own clock, without starting Python and reading files; its memory is "
+        tables.coverage_note(cell.time for cell in cells.values())
+        + " SciPy: by its own clock, without starting Python and reading files, and beside it ours counts by wall time; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
     return Report(lambda: draw(scenes, labels, cells), table, records)

@@ -7,9 +7,9 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, style, tables
+from analysis.shared import claims, scales, style, tables
 from analysis.shared.notes import machine_line, scene_notes
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
@@ -60,13 +60,13 @@ def verdicts(results: Results) -> list[Verdict]:
     for scene in results.scenes:
         rows = certified(results, scene)
         bad = [row for row in rows if problem(results, row)]
-        found.append(all_of(f"{scene}: the bounds of every certified solver hold", len(bad), len(rows), len(rows), "rows"))
+        found.append(all_of(claims.of("hausbench", "bounds_hold", scene), len(bad), len(rows), len(rows), "rows"))
     return [*found, reached(results)]
 
 
 def reached(results: Results) -> Verdict:
     """Of the rows of sacht with a max_factor of their own: whether only the coarser tolerance is reached."""
-    cases, claim = results.cases, "with too few pieces allowed, Sacht ends at 1e-5 and not at 1e-8"
+    cases, claim = results.cases, claims.of("sacht2024", "too_few_pieces")
     status = {float(cases.tolerance[row]): cases.status[row] for row in results.rows(scene=PIECES, solver="sacht")
               if cases.label[row] != "sacht"}
     if not {1e-5, 1e-8} <= status.keys():
@@ -89,7 +89,8 @@ def make(results: Results) -> Report:
                      for _, label in labels]
             table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", f"[{tables.number(low, 4)}, {tables.number(high, 4)}]",
                                *cells])
-    table.notes = [*[verdict.line() for verdict in verdicts(results)], *scene_notes(results),
+    table.verdicts = verdicts(results)
+    table.notes = [*scene_notes(results),
                    "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', "
                    "'budget spent': stopped, and the bounds are those until then. h / dA: proven by all certified solvers together. The "
                    "lower bounds were checked by code that shares nothing with the solvers.",
@@ -99,7 +100,7 @@ def make(results: Results) -> Report:
          "lower": cases.lower[row], "upper": cases.upper[row], "diagonal": cases.source_diagonal[row], "exact": cases.exact[row],
          "problem": problem(results, row), "lower_check": results.check_of(row),
          "subdivisions": int(cases.counters["subdivisions"][row])} for row in range(len(cases))]
-    return Report(lambda: draw(results, scenes, labels), table, records)
+    return Report(lambda: draw(results, scenes, labels), table, records, clock=NO_TIMES)
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:

@@ -10,7 +10,7 @@ from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import shapes, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, scene_notes
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
 
 
@@ -55,7 +55,7 @@ def make(results: Results) -> Report:
                    "diagonals nor distances.",
                    "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
                    *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
-    return Report(lambda: draw(results, papers), table, records)
+    return Report(lambda: draw(results, papers), table, records, clock=NO_TIMES)
 
 
 def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:

@@ -7,9 +7,10 @@ from typing import Final
 
 from analysis.shared import style, tables
 from analysis.shared.cells import MEASURES
+from analysis.shared.comparable import Origin, apart, origins
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few, why
 
 ENDED: Final = ("ok", "floor")  # a row that ended by itself
 STOPPED: Final = ("timeout", "budget")
@@ -23,6 +24,7 @@ class Row:
     times: dict[int, float]
     limit: float  # seconds by the same clock until it was stopped; 0 where it was not, or where that is not known
     work: dict[str, float]  # by MEASURES, until the end or the limit
+    origins: frozenset[Origin] = frozenset()  # of its times; empty: they are not ours
 
     @property
     def ended(self) -> bool:
@@ -45,7 +47,7 @@ def row_of(results: Results, row: int) -> Row:
     times = results.total_by_round(row)
     # A solver that was killed says nothing of its time; the limit itself is wall time, of which it may have had less.
     stopped = min(times.values(), default=0.0) if status in STOPPED else 0.0
-    return Row(status, times if status in ENDED else {}, stopped, work)
+    return Row(status, times if status in ENDED else {}, stopped, work, origins(results, [row]))
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,8 @@ def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
     """Of times. Against a limit stands the upper end of the other's interval, which errs on the safe side."""
     if slow is None or fast is None:
         return Bounded()
+    if lacking := apart(slow.origins | fast.origins):
+        return Bounded(lacking)
     if slow.ended and fast.ended:
         return Bounded(ratio_by_round(slow.times, fast.times))
     if slow.limit and fast.ended and fast.time.n:
@@ -105,4 +109,4 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
     if ratio.at_most < float("inf"):
         return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
                        f"ratio below {tables.number(ratio.at_most)}, for the faster was stopped{against}")
-    return Verdict(claim, UNTESTED, "no ratio")
+    return Verdict(claim, UNTESTED, f"no ratio{why([x])}")

@@ -10,7 +10,8 @@ from typing import Any, Final
 from analysis.shared import beside_paper, style, tables
 from analysis.shared.cells import MEASURES, Grid, count_text, in_time_and_work
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import clock_note, clock_title, machine_line, scene_notes
+from analysis.shared.notes import clock_title, machine_line, scene_notes
+from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, above_one
@@ -34,6 +35,11 @@ class Pairs(Grid):
     def less_on(self, claim: str, slow: str, fast: str, scene: str) -> Verdict:
         """A claim about one pair of meshes."""
         return in_time_and_work(lambda what: above_one(claim, self.ratio(scene, slow, fast, what)))
+
+    def average(self, claim: str, slow: str, fast: str, bar: float = 1.0, scenes: Sequence[str] | None = None) -> Verdict:
+        """A claim that `fast` is `bar` times as fast on average over these pairs; in time, and in counted work."""
+        among = self.scenes if scenes is None else scenes
+        return in_time_and_work(lambda what: on_average(claim, [self.ratio(scene, slow, fast, what) for scene in among], bar))
 
     def distance(self, scene: str) -> float:
         return self.results.share(self.first(scene))
@@ -66,9 +72,9 @@ def make(spec: Spec, results: Results) -> Report:
     for scene in pairs.scenes:
         table.rules.add(len(table.rows))
         table.rows += rows_of(pairs, spec.ratios, scene, scale)
-    table.notes = [*[verdict.line() for verdict in spec.verdicts(pairs)], *spec.notes, *scene_notes(results),
-                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. "
-                   + clock_note(results),
+    table.verdicts = spec.verdicts(pairs)
+    table.notes = [*spec.notes, *scene_notes(results),
+                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not.",
                    "Ratios are paired by round. Distances, bounds and nodes are counted by the solvers, and the same on every machine; CGAL "
                    "counts nothing.",
                    f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",

@@ -12,7 +12,8 @@ import numpy as np
 import scipy.stats
 
 from analysis.shared import scales, style, tables
-from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.comparable import origins, reason_apart
+from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import CONFIDENCE
@@ -93,9 +94,15 @@ class Curve:
     structures: tuple[float, ...]  # bytes that the structures hold
     lost: tuple[tuple[float, str], ...]  # size and status of the rows without an answer
 
+    times_compare: bool = True  # else no exponent is made of them
+
     @property
     def title(self) -> str:
         return style.title(self.solver, self.label)
+
+    def growth_of(self, seconds: Sequence[float], least: float = LEAST_SECONDS) -> Growth:
+        """Of times, one for each size."""
+        return growth(self.sizes, seconds, least) if self.times_compare else Growth((), ())
 
     def last(self, values: Sequence[float]) -> float:
         """An element, at the largest size that was answered."""
@@ -115,7 +122,8 @@ def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
         tuple(float(np.median(seconds)) if len(seconds) else math.nan for seconds in first),
         tuple(float(cases.peak_bytes[row]) if cases.peak_bytes[row] > 0 else math.nan for row in there),
         tuple(float(cases.prepare_bytes[row]) if cases.prepare_bytes[row] > 0 else math.nan for row in there),
-        tuple((elements(results, row), str(cases.status[row])) for row in rows if cases.status[row] != ANSWERS))
+        tuple((elements(results, row), str(cases.status[row])) for row in rows if cases.status[row] != ANSWERS),
+        not reason_apart(origins(results, there)))
 
 
 def elements(results: Results, row: int) -> float:
@@ -154,7 +162,7 @@ def make_growth(results: Results, what: str, rival: str, remark: str = "") -> Re
         table.rules.add(len(table.rows))
         beside = next((one for one in own if one.label == rival), None)
         for one in own:
-            grown = [growth(one.sizes, one.prepare, LEAST_SECONDS), growth(one.sizes, one.solve, LEAST_SECONDS),
+            grown = [one.growth_of(one.prepare), one.growth_of(one.solve),
                      growth(one.sizes, one.peak, LEAST_BYTES)]
             table.rows.append([
                 one.regime, one.title, answered(one),
@@ -171,7 +179,7 @@ def make_growth(results: Results, what: str, rival: str, remark: str = "") -> Re
         f"{LEAST_BYTES // 2**20} MiB; {LEAST_SIZES} sizes "
         "at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
         f"{style.title(rival)} / this: at the largest size that both answered.",
-        *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]), clock_note(results),
+        *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]),
         f"{machine_line(results)}."]
     return Report(lambda: draw(by_regime, what), table, records, style.letters_key(status for one in found for _, status in one.lost))
 

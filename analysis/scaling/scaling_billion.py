@@ -20,7 +20,7 @@ import numpy as np
 
 from analysis.scaling.growth import LEAST_BYTES, Curve, Growth, Interval, curves, growth, has_marks, notes, short, tick
 from analysis.shared import style, tables
-from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 
@@ -89,7 +89,7 @@ def distances(results: Results, one: Curve) -> Growth:
 
 
 def cost(one: Curve) -> Growth:
-    return growth(one.sizes, [a + b for a, b in zip(one.prepare, one.solve)], LEAST_SECONDS)
+    return one.growth_of([a + b for a, b in zip(one.prepare, one.solve)], LEAST_SECONDS)
 
 
 def memory_of(one: Curve) -> Growth:
@@ -155,7 +155,7 @@ def make(results: Results) -> Report:
         f"The files hold {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the "
         f"tasks): {tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
         "A process numbers points with 32 bits: 2.1G in each set at most.",
-        *[f"{regime}: {note}." for regime, note in notes(results).items()], clock_note(results), f"{machine_line(results)}."]
+        *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
     table.notes = [note for note in table.notes if note]
     return Report(lambda: draw([one for one in found if one.label == DRAWN], memory), table, records)
 

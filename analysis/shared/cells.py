@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from analysis.shared import style, tables
+from analysis.shared.comparable import apart, origins
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_counts, ratio_of_medians
 from analysis.shared.verdicts import Verdict, everywhere
@@ -43,6 +44,7 @@ class Cell:
                               "more than their seed: give each variant a label of its own in the experiment")
         self.results, self.cases, self.rows = results, rows, len(rows)
         self.seeded = takes_seed(results, first)
+        self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
         # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
         ok = not self.failures
@@ -104,9 +106,11 @@ class Cell:
 
 
 def compare(slow: Cell, fast: Cell) -> Estimate:
-    """The ratio of times: paired by round, or by seed where both have several; of times measured apart otherwise."""
+    """The ratio of times: paired by round, or by seed where both have several; of times measured apart otherwise. No data if they do not compare."""
     if slow.failures or fast.failures:
         return NO_DATA
+    if lacking := apart(slow.origins | fast.origins):
+        return lacking
     if (slow.rows > 1) == (fast.rows > 1) and slow.times.keys() & fast.times.keys():
         return ratio_by_round(slow.times, fast.times)
     return ratio_of_medians(list(slow.times.values()), list(fast.times.values()))

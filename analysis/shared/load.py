@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import tomllib
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,6 +17,7 @@ from analysis.shared.results import ResultError, Results
 
 SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parents[2] / "results" / "reference"
+SEAL_BEGIN, SEAL_LENGTH = b"\nsha256 ", 73  # the last line of a file: this, 64 digits and a newline
 
 Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Fields, Ledger)
 
@@ -65,6 +67,22 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
     return np.array([value] * count, dtype=dtype).reshape(count, *np.shape(value))
 
 
+def _has_broken_seal(path: Path) -> bool:
+    """The file ends with a SHA-256 that does not fit the bytes before it. A file that another program changed has none."""
+    with path.open("rb") as file:
+        left = path.stat().st_size - SEAL_LENGTH
+        file.seek(max(0, left))
+        seal = file.read(SEAL_LENGTH + 1)
+        if left < 0 or not seal.startswith(SEAL_BEGIN):
+            return False
+        digest = hashlib.sha256()
+        file.seek(0)
+        while left > 0 and (part := file.read(min(left, 2**20))):
+            digest.update(part)
+            left -= len(part)
+    return seal != SEAL_BEGIN + digest.hexdigest().encode() + b"\n"
+
+
 def _attribute(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.decode()
@@ -98,13 +116,15 @@ def _of_profile(results: Results, profile: str) -> Results:
 
 def load(path: Path, profile: str = "") -> Results:
     """Opens a result file read-only and reads it whole; of its rows it keeps those of one profile: that of the latest run, unless
-    one is named. Throws ResultError for a missing or foreign file, or one of a newer schema.
+    one is named. Throws ResultError for a missing, damaged or foreign file, or one of a newer schema.
     """
     stem = path.stem
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
     again = f"delete it and measure again with 'make {stem}'"
     try:
+        if _has_broken_seal(path):
+            raise ResultError(f"{path}: damaged: its bytes do not have the SHA-256 that it ends with: take a copy that is whole, or {again}")
         with h5py.File(path, "r") as file:
             meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
             if int(meta["schema_version"]) > SCHEMA_VERSION:

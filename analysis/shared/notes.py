@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import Final
 
 import numpy as np
 
 from analysis.shared import style
-from analysis.shared.results import Results
+from analysis.shared.results import LEAST_SHARE, Results
+
+
+APART: Final = "their times do not compare with any"  # analysis/winners.py looks for it
 
 
 def unchecked_line(results: Results) -> str:
@@ -26,7 +30,7 @@ def unchecked_line(results: Results) -> str:
 def side_by_side_line(results: Results) -> str:
     """For a table or figure of rows that were run beside others: their times say little. Empty where there are none."""
     several = int((results.cases.side_by_side != 0).sum())
-    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times compare with none" if several else ""
+    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): {APART}." if several else ""
 
 
 def machine_line(results: Results) -> str:
@@ -43,10 +47,9 @@ def measured_on(results: Results) -> str:
     line = (f"{meta.get('cpu', 'unknown CPU')}, {meta.get('cores', '?')} cores, {gibibytes:.0f} GiB, "
             f"{meta.get('system', 'unknown system')}, {meta.get('compiler', 'unknown compiler')}, "
             f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
-    for column in ("machine", "build"):
-        count = len(set(getattr(results.cases, column)))
-        if count > 1:
-            line += f"; rows of {count} {column}s are mixed"
+    for what, column in (("machine", results.cases.machine), ("build", results.programs)):
+        if (count := len(set(column))) > 1:
+            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s do not compare"
     return line
 
 
@@ -83,7 +86,7 @@ def clock_title(results: Results) -> str:
 def clock_note(results: Results) -> str:
     found = clocks(results)
     cpu = "process CPU time, children included"
-    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work or a time "
-            "was read off a trace" if len(found) > 1 else
+    what = (f"Times are {cpu}, but wall time for {', '.join(found['wall'])}, where several threads work, a time "
+            f"was read off a trace, or an outside program used the CPU for less than {100 * LEAST_SHARE:.0f} % of its wall time" if len(found) > 1 else
             "Times are wall time" if "wall" in found else f"Times are {cpu}")
     return f"{what}; preparing is wall time."

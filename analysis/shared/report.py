@@ -7,13 +7,16 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import style, tables
-from analysis.shared.notes import side_by_side_line, unchecked_line
+from analysis.shared import claims, style, tables
+from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.results import Results
+
+
+NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
 
 
 @dataclass(frozen=True)
@@ -22,16 +25,28 @@ class Report:
     table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
+    clock: str = ""  # a sentence on the clock of the table's times, if they are not those of the rows; or NO_TIMES
+
+    def printed(self, results: Results) -> tables.Table | None:
+        """The table with the notes that every table has: its clock, and whether rows were run beside others."""
+        if self.table is None:
+            return None
+        notes = [self.clock or clock_note(results)] if self.clock != NO_TIMES else []
+        return replace(self.table, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "") -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
+        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
         stem = stem or results.stem
         beside = side_by_side_line(results)
-        if self.table is None:
+        table = self.printed(results)
+        if table is None:
             return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside)
-        footnote = ". ".join(filter(None, [self.key, unchecked_line(results), beside]))
-        noted = replace(self.table, notes=[*self.table.notes, beside]) if beside else self.table
-        return tables.save(noted, self.records, out, stem) + save_figure(self.draw(), out, stem, self.table.caption, footnote)
+        footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))
+        paths = tables.save(table, self.records, out, stem)
+        if table.verdicts:
+            found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
+            paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
+        return paths + save_figure(self.draw(), out, stem, table.caption, footnote)
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from analysis.shared.columns import Answers, Cases, Fields, Floats, Ints, Ledger, Models, Preparation, Repeats, Texts, Trace
 from analysis.shared.statistics import by_round
+
+
+LEAST_SHARE: Final = 0.2  # of its wall time, that an outside program must spend as CPU time to be timed by it
 
 
 class ResultError(Exception):
@@ -22,6 +26,14 @@ class ResultError(Exception):
 class Interval(NamedTuple):
     lower: float
     upper: float
+
+
+def _hash_of(*texts: str) -> str:
+    """SHA-256 of texts, each after its length, as Sha256 in datasets/hash.h takes it."""
+    digest = hashlib.sha256()
+    for text in texts:
+        digest.update(len(text.encode()).to_bytes(8, "little") + text.encode())
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True)
@@ -64,6 +76,13 @@ class Results:
         return np.array([f"{label}({variant})" if variant else label
                          for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
 
+    @cached_property
+    def programs(self) -> Texts:
+        """The build of the program that ran each row. Column `build` of a plug-in's solver is a hash of that and of the plug-in."""
+        program = str(self.meta.get("build", ""))
+        with_plugin = {_hash_of(program, str(plugin["sha256"])) for plugin in json.loads(self.meta.get("plugins") or "[]")}
+        return np.array([program if build in with_plugin else build for build in self.cases.build], dtype=object)
+
     def options(self, case: int) -> dict[str, Any]:
         options: dict[str, Any] = json.loads(self.cases.options[case] or "{}")
         return options
@@ -99,12 +118,15 @@ class Results:
 
     def clock_of(self, case: int) -> str:
         """Which time stands for this case: "cpu" of the process, children included, where one thread works at a time,
-        else "wall". "wall" also where nothing was timed: the row was read off the trace of a finer tolerance.
+        else "wall". "wall" also where nothing was timed: the row was read off the trace of a finer tolerance. And for an outside program whose CPU
+        time is less than LEAST_SHARE of its wall time: it waits for another process, a GPU or a disk, whose time is not in it.
         """
         order, begin = self._answers_by_case
-        seconds = np.concatenate([self.answers.cpu_seconds[order[begin[case]:begin[case + 1]]],
-                                  self.repeats.cpu_seconds[self.repeats_of(case)]])
-        return "cpu" if self.cases.clock[case] == "cpu" and len(seconds) and not np.isnan(seconds).any() else "wall"
+        cpu, wall = (np.concatenate([answers[order[begin[case]:begin[case + 1]]], repeats[self.repeats_of(case)]])
+                     for answers, repeats in ((self.answers.cpu_seconds, self.repeats.cpu_seconds), (self.answers.wall_seconds, self.repeats.wall_seconds)))
+        if self.cases.clock[case] != "cpu" or not len(cpu) or np.isnan(cpu).any():
+            return "wall"
+        return "wall" if self.cases.solver[case] == "external" and cpu.sum() < LEAST_SHARE * wall.sum() else "cpu"
 
     def first_by_round(self, case: int, clock: str = "") -> dict[int, float]:
         """Time of the first answer of each process, by the clock of the case or the one named. Files of older programs have

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +38,7 @@ class Estimate:
     p_above: float = 1.0
     p_below: float = 1.0
     p_least: float = 1.0
+    reason: str = ""  # why there are no data
 
     @property
     def has_interval(self) -> bool:
@@ -50,6 +51,10 @@ class Estimate:
 
 
 NO_DATA = Estimate(math.nan, math.nan, math.nan, 0, 0.0)
+
+
+def no_data(reason: str) -> Estimate:
+    return replace(NO_DATA, reason=reason)
 
 
 def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]:

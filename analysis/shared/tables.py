@@ -8,8 +8,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from analysis.shared.statistics import CONFIDENCE, Estimate
+
+if TYPE_CHECKING:
+    from analysis.shared.verdicts import Verdict
 
 NOTHING = "—"  # this number was not measured, or is unknown
 Record = dict[str, object]
@@ -22,14 +26,19 @@ _TEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#
 
 @dataclass
 class Table:
-    """A printed table: texts only. `rules` are the rows before which a thin line is drawn."""
+    """A printed table: texts, and verdicts, which are printed before the notes. `rules` are the rows before which a thin line is drawn."""
 
     caption: str
     header: Sequence[str]
     rows: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    verdicts: Sequence[Verdict] = ()
     left: int = 1  # the number of columns with texts, aligned left; the others hold numbers
     rules: set[int] = field(default_factory=set)
+
+    def lines_below(self) -> list[str]:
+        """What stands below it, a line each."""
+        return [*[verdict.line() for verdict in self.verdicts], *self.notes]
 
 
 def number(x: float, digits: int = 3) -> str:
@@ -101,7 +110,7 @@ def markdown(table: Table) -> str:
 
     marks = ["---" if i < table.left else "---:" for i in range(len(table.header))]
     parts = [f"**{table.caption}**", "", line(table.header), "|" + "|".join(marks) + "|", *map(line, table.rows), ""]
-    return "\n".join(parts + [f"- {note}" for note in table.notes]) + "\n"
+    return "\n".join(parts + [f"- {line}" for line in table.lines_below()]) + "\n"
 
 
 def latex(table: Table, stem: str) -> str:
@@ -118,8 +127,8 @@ def latex(table: Table, stem: str) -> str:
         cells = ["{" + cell + "}" if cell.startswith("[") else cell for cell in map(tex_escape, row)]
         lines.append(" & ".join(cells) + r" \\")
     lines += [r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
-    if table.notes:
-        notes = r" \\ ".join(map(tex_escape, table.notes))
+    if below := table.lines_below():
+        notes = r" \\ ".join(map(tex_escape, below))
         lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {notes}}}"]
     return "\n".join(lines + [r"\end{table*}", ""])
 
@@ -137,6 +146,17 @@ def comma_separated(records: Sequence[Record]) -> str:
     return text.getvalue()
 
 
+def write_whole(path: Path, text: str) -> None:
+    """Writes the file under another name first, so that a reader sees the old text or the new one."""
+    unfinished = path.with_name(path.name + ".unfinished")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(path)
+    except OSError:
+        unfinished.unlink(missing_ok=True)
+        raise
+
+
 def save(table: Table, records: Sequence[Record], out: Path, stem: str) -> list[Path]:
     """Writes <out>/tables/<stem>.csv, .md and .tex."""
     folder = out / "tables"
@@ -145,6 +165,6 @@ def save(table: Table, records: Sequence[Record], out: Path, stem: str) -> list[
     paths = []
     for suffix, text in texts.items():
         path = folder / f"{stem}.{suffix}"
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
         paths.append(path)
     return paths

@@ -8,7 +8,7 @@ well: counts are the same on every machine, and a present machine does not make 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -16,7 +16,7 @@ import numpy as np
 import scipy.stats
 
 from analysis.shared import tables
-from analysis.shared.statistics import Estimate, median, simes
+from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"
@@ -58,16 +58,22 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     """
     known = [x for x in ratios if x.n]
     if not known:
-        return Verdict(claim, UNTESTED, "no ratios")
+        return Verdict(claim, UNTESTED, f"no ratios{why(ratios)}")
     above = sum(x.separated and x.low > 1 for x in known)
     below = sum(x.separated and x.high < 1 for x in known)
     outcome = HOLDS if above == len(ratios) else FAILS if simes(x.p_below for x in known) <= ERROR else OPEN
     least, most = min(x.value for x in known), max(x.value for x in known)
     rest, lost = len(known) - above - below, len(ratios) - len(known)
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
-        + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}"] * bool(lost) \
+        + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}{why(ratios)}"] * bool(lost) \
         + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
     return Verdict(claim, outcome, ", ".join(part for part in parts if part))
+
+
+def why(ratios: Iterable[Estimate]) -> str:
+    """The reasons why some of them have no data, in brackets; empty if none is known."""
+    reasons = dict.fromkeys(x.reason for x in ratios if not x.n and x.reason)
+    return f" ({', '.join(reasons)})" if reasons else ""
 
 
 def power_of(ratios: Sequence[Estimate], what: str) -> str:
@@ -80,10 +86,37 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
             f"n = {n} refutes it only where at least {needed} of {of} {what} are below 1")
 
 
+def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
+    """A claim that more than half of the ratios are above 1.
+
+    "At least k of n are above 1" is tested by what is left after the k - 1 clearest ones: if fewer than k are truly above 1, one of those left
+    is not, at least. They are joined by Simes' test (a partial conjunction, Benjamini and Heller 2008). It does not hold where at least
+    half are below 1, by the same test. A ratio that is not known counts for neither.
+    """
+    n, known = len(ratios), [x.value for x in ratios if x.n]
+    if not known:
+        return Verdict(claim, UNTESTED, f"no {what}{why(ratios)}")
+    above, below = sorted(x.p_above for x in ratios), sorted(x.p_below for x in ratios)
+    outcome = HOLDS if simes(above[n // 2:]) <= ERROR else FAILS if simes(below[(n + 1) // 2 - 1:]) <= ERROR else OPEN
+    clear = [sum(chance <= ERROR / 2 for chance in chances) for chances in (above, below)]
+    return Verdict(claim, outcome, f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
+                   f"ratio {tables.number(min(known))} to {tables.number(max(known))}")
+
+
+def least_of(ratios: Sequence[Estimate]) -> Estimate:
+    """The least of some ratios, such as of all rivals to one solver: above 1 where all of them are, below 1 where one of them is (Bonferroni)."""
+    if not ratios or not all(x.n for x in ratios):
+        return NO_DATA
+    least = min(ratios, key=lambda x: x.value)
+    missed = sum(1 - x.coverage for x in ratios)
+    return Estimate(least.value, min(x.low for x in ratios), min(x.high for x in ratios), min(x.n for x in ratios), max(0.0, 1 - missed),
+                    max(x.p_above for x in ratios), min(1.0, len(ratios) * min(x.p_below for x in ratios)), max(x.p_least for x in ratios))
+
+
 def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     """A claim that one ratio is above 1."""
     if not ratio.n:
-        return Verdict(claim, UNTESTED, "no ratio")
+        return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
     return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}")
 
@@ -174,7 +207,7 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
     """
     known = [x for x in ratios if x.n]
     if not known:
-        return Verdict(claim, UNTESTED, what)
+        return Verdict(claim, UNTESTED, what + why(ratios))
     outcome = (HOLDS if all(x.n and x.separated and x.low > 1 for x in ratios) else
                FAILS if rival.n and rival.separated and rival.high < 1 else OPEN)
     return Verdict(claim, outcome, what + few(known))

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 
-from analysis.shared import style, tables, verdicts
+from analysis.shared import claims, style, tables, verdicts
 from analysis.shared.cells import takes_seed
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -31,7 +31,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
     """Of one solver over the families of a claim. Counts are exact, so one ratio above MOST refutes the claim. So does a
     case without an answer, if the case of ratio 1 has one.
     """
-    text = f"{claim} of {title} at every ratio up to 1e12 is at most {MOST:g} times that of ratio 1"
+    text = claims.of("hausbench", "no_cliff", work=claim, title=title, most=MOST)
     known = {family: rows for (family, _), rows in curves.items() if rows[0].ratio == 1 and not math.isnan(rows[0].work)}
     unknown = [f"{FAMILIES[family].title} has no work at ratio 1" for family, _ in curves if family not in known]
     unknown += [f"{FAMILIES[family].title} ends at ratio {power(rows[-1].ratio)}" for family, rows in known.items()
@@ -87,7 +87,7 @@ def make(results: Results) -> Report:
             if rows := curves.get((key, label)):
                 table.rows.append([family.title, titles[label], *table_cells(rows)])
                 records += [record(results, key, row, rows) for row in rows]
-    table.notes += [one.line() for one in verdicts_of(curves, titles)]
+    table.verdicts = verdicts_of(curves, titles)
     answers = {label: [row.work for (_, name), rows in curves.items() if name == label for row in rows
                        if row.status in ANSWERED] for _, label in labels}
     silent = [titles[label] for label, work in answers.items() if work and all(map(math.isnan, work))]

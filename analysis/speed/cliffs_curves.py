@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from analysis.shared.comparable import Origin, origin, reason_apart
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import median
 
@@ -53,6 +54,7 @@ class Row:
     work: float
     seconds: float
     status: str
+    origin: Origin = Origin(False, "", "", "")  # of its time
 
 
 Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
@@ -84,14 +86,14 @@ def collect(results: Results) -> Curves:
         work = sum(int(cases.counters[name][case]) for name in COUNTED if name in cases.counters) if answered else 0
         curves.setdefault((family, cases.label[case]), []).append(Row(
             case, ratio, float(work) if work else math.nan,
-            median(results.total_seconds(case)).value if answered else math.nan, status))
+            median(results.total_seconds(case)).value if answered else math.nan, status, origin(results, case)))
     return {key: sorted(rows, key=lambda row: row.ratio) for key, rows in curves.items()}
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Work or seconds of each row, divided by those of the first."""
+    """Work or seconds of each row, divided by those of the first; NaN for times that do not compare."""
     values = [float(getattr(row, what)) for row in rows]
-    return [value / values[0] for value in values]
+    return [math.nan if what == "seconds" and reason_apart([row.origin, rows[0].origin]) else value / values[0] for row, value in zip(rows, values)]
 
 
 def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis import pareto
 from analysis.shared import scales, style, tables
-from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
@@ -39,9 +39,9 @@ def make(results: Results) -> Report:
                 table.rows.append([panel_title(results, panel, panels), style.title(solver, label),
                                    *finest(results, rows, times)])
     ours = pareto.cells(results, OURS)
-    front = [pareto.judge(ours, style.title(OURS)).line()] if ours else []
-    table.notes = left_out(results, panels, labels) + unknown(results, panels) + front + [
-        tables.coverage_note(times.values()) + " " + clock_note(results) + " Gap: upper less lower bound. Error: the farthest that the lower "
+    table.verdicts = [pareto.judge(ours, style.title(OURS))] if ours else []
+    table.notes = left_out(results, panels, labels) + unknown(results, panels) + [
+        tables.coverage_note(times.values()) + "" + " Gap: upper less lower bound. Error: the farthest that the lower "
         "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
         "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
     records = [record(results, case, times.get(case)) for case in range(len(cases))]

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from analysis.shared import tables
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.stability import stability_panels
 from analysis.stability.stability_families import Answer, Family, Suite, look, severity_text
@@ -33,7 +33,7 @@ def make(results: Results) -> Report:
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
-    return Report(lambda: draw(suite, choose(families, ill)), table, records)
+    return Report(lambda: draw(suite, choose(families, ill)), table, records, clock=NO_TIMES)
 
 
 def has_exact(suite: Suite, family: Family) -> bool:

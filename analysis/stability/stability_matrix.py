@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from analysis.shared import tables
+from analysis.shared import claims, tables
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, never
 from analysis.stability import stability_picture
@@ -25,7 +25,7 @@ NAMED: Final = 12  # at most so many places are named where a claim fails
 
 def make(results: Results) -> Report:
     suite = Suite(results)
-    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers])
+    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers], clock=NO_TIMES)
 
 
 # --- claims -------------------------------------------------------------------------------------------------------------------------
@@ -54,7 +54,7 @@ def claim_certified(suite: Suite) -> Verdict:
     # The tolerances of a scene are one trial, for they share their arithmetic; so are scenes of the same shapes.
     cases = suite.results.cases
     trials = len({(answer.label, cases.identity[answer.row] if len(cases.identity[answer.row]) else cases.scene[answer.row]) for answer in asked})
-    found = never("no certified solver is wrong, refuses legal input, crashes or hangs", len(ill), len(asked), "answers", independent=trials)
+    found = never(claims.of("hausbench", "stability"), len(ill), len(asked), "answers", independent=trials)
     if not ill:
         return found
     which = named([f"{place(suite, answer)}: {answer.outcome.words}" for answer in ill])
@@ -63,8 +63,7 @@ def claim_certified(suite: Suite) -> Verdict:
 
 def claim_tight(suite: Suite) -> Verdict:
     """A count of all cells that there are, and no test."""
-    claim = (f"at least {100 * SHARE:.0f} % of the cells of certified solvers whose gap can be met are right and tight "
-             f"({' and '.join(WITHOUT_TOLERANCE)}, whose bounds have a width of their own, aside)")
+    claim = claims.of("hausbench", "tight", percent=100 * SHARE, aside=" and ".join(WITHOUT_TOLERANCE))
     among = [answer for answer in suite.answers if answer.certified and answer.legal and answer.can_be_met and was_run(answer)
              and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE]
     if not among:
@@ -102,7 +101,7 @@ def claims_can_fail(suite: Suite) -> list[Verdict]:
         wrong = [answer for answer in asked if answer.outcome == Outcome.WRONG]
         where = named([place(suite, answer).removeprefix(f"{label} on ") for answer in wrong])
         evidence = f"{len(wrong)} of {len(asked)} answers{': ' * bool(wrong)}{where}" if asked else "no answers"
-        found.append(Verdict(f"the suite can fail: {label} is wrong somewhere", HOLDS if wrong else FAILS if asked else UNTESTED, evidence))
+        found.append(Verdict(claims.of("hausbench", "suite_can_fail", label=label), HOLDS if wrong else FAILS if asked else UNTESTED, evidence))
     return found
 
 
@@ -135,9 +134,9 @@ def table_of(suite: Suite) -> tables.Table:
             ends = [severity_text(x) for x in (family.severities[0], family.severities[-1])] if family.has_severities else [tables.NOTHING]
             table.rows.append([family.title, " to ".join(dict.fromkeys(ends)), str(len(family.steps)),
                                *[cell(family, label) for _, label in labels]])
-    claims = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
+    table.verdicts = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
     unknown = sum(answer.can_be_met is None and was_run(answer) for answer in suite.answers)
-    table.notes = [one.line() for one in claims] + [
+    table.notes = [
         "Tight: an answer within its tolerance whose bounds hold. Loose: the bounds hold and the solver ended by itself, but the gap is above "
         "the tolerance, or the upper bound is infinite. Stopped: at its budget, its time limit or the precision of doubles, with bounds that hold. "
         "Refused: an error and no bounds; 'refused it' where that is right, because the input is not legal. Wrong: bounds that leave out the "

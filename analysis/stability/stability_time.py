@@ -29,12 +29,13 @@ def make(results: Results) -> Report:
         for pair in suite.labels_of(family.kind):
             if own := [answer for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]:
                 table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
-    table.notes = ["Of the finest tolerance. Time: wall time of the first answer, structures built before it. Work: distances, bounds, nodes of "
+    table.notes = ["Of the finest tolerance. Time: of the first answer, structures built before it. Work: distances, bounds, nodes of "
                    "trees and polynomial bounds together; peers count nothing. Out of time: at the limit, with bounds or without.",
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
-    return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records)
+    return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records,
+                  clock="Times are wall time.")
 
 
 def ran_out_of_time(suite: Suite, answer: Answer) -> bool:

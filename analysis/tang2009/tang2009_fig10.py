@@ -7,13 +7,13 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import scales, style, tables
+from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Grid, in_time_and_work
-from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.notes import clock_title, clock_word, machine_line
+from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate
-from analysis.shared.verdicts import Verdict, everywhere
+from analysis.shared.verdicts import Verdict
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
 MOST: Final = 0.03  # of the longest side: where the paper's models overlap
@@ -27,21 +27,15 @@ class Pairs(Grid):
         return self.results.middle(row) / float(self.results.cases.source_longest[row])
 
 
-def scaled(ratio: Estimate, factor: float) -> Estimate:
-    """For a claim that a ratio is above `factor`: above 1 once it is divided. Its chances were against 1, so they are not kept."""
-    if not ratio.n:
-        return ratio
-    low, high = ratio.low / factor, ratio.high / factor
-    below = ratio.n and ratio.has_interval and high < 1
-    return Estimate(ratio.value / factor, low, high, ratio.n, ratio.coverage, 1.0, (1 - ratio.coverage) / 2 if below else 1.0, ratio.p_least)
-
-
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """Of pairs nearer than the paper's 3 % alone. A ratio is divided by ten: above 1, the claim is true of the pair."""
+    """On average over the pairs nearer than the paper's 3 %."""
     scenes = [scene for scene in pairs.scenes if pairs.distance(scene) < MOST]
-    claim = "Tang's algorithm takes less than a tenth of Guthe's time where the models overlap (H below 3 % of the longest side; ratios are divided by ten)"
-    return [in_time_and_work(lambda what: everywhere(claim, [scaled(pairs.ratio(scene, "guthe", "tang", what), TIMES) for scene in scenes])),
-            pairs.less("Tang's algorithm takes less time than Guthe's there", "guthe", "tang", scenes)]
+
+    def judge(name: str, times: float) -> Verdict:
+        claim = claims.of("tang2009", name)
+        return in_time_and_work(lambda what: on_average(claim, [pairs.ratio(scene, "guthe", "tang", what) for scene in scenes], times))
+
+    return [judge("tenth", TIMES), judge("outperforms", 1)]
 
 
 def make(results: Results) -> Report:
@@ -63,10 +57,9 @@ def make(results: Results) -> Report:
         records += [{"scene": scene, "label": label, "distance_of_longest": pairs.distance(scene), "status": cell.status(),
                      **tables.seconds(cell.time), "peak_bytes": cell.peak, **cell.counters}
                     for (_, label), cell in zip(pairs.labels, own) if cell]
-    table.notes = [*[verdict.line() for verdict in verdicts(pairs)],
-                   "The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe's program used an octree; here both search BVHs, with the same kernels.",
-                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round. "
-                   + clock_note(results), "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
+    table.verdicts = verdicts(pairs)
+    table.notes = ["The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe's program used an octree; here both search BVHs, with the same kernels.",
+                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round.", "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
     return Report(lambda: draw(pairs, clock_word(results)), table, records)
 
 

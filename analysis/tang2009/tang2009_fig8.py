@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 
 from analysis.shared import style, tables
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_pictures
 
@@ -31,7 +31,7 @@ def make(results: Results) -> Report:
                             "longest": float(cases.source_longest[row]), "direction": str(cases.witness_direction[row])})
     table.notes = ["A is moved by 1.1 of its longest sides along x. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's longest side.",
                    "; ".join(f"{cases.scene[row]}: {cases.scene_note[row]}" for row in shown) + ".", f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(results, shown), table, records)
+    return Report(lambda: draw(results, shown), table, records, clock=NO_TIMES)
 
 
 def draw(results: Results, shown: list[int]) -> Any:

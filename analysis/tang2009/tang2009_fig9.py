@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import style, tables
-from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.notes import clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.tang2009 import tang_motion
@@ -39,9 +39,9 @@ def make(results: Results) -> Report:
                             "distance_of_longest": float(tang.distance[i]), **{stage.replace(" ", "_"): float(tang.stage(stage)[i]) for stage in STAGES},
                             "seconds": float(tang.per_pose[i]) if len(tang.per_pose) else float("nan"), "rounds": len(tang.by_round),
                             **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
-    table.notes = [tang_motion.rising(found, "tang").line(),
-                   "Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, medians over "
-                   f"{max(len(motion.runs['tang'].by_round) for motion in found)} rounds. Finding the lists of Lemma 3 counts as culling on B. " + clock_note(results),
+    table.verdicts = [tang_motion.rising(found, "tang")]
+    table.notes = ["Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, medians over "
+                   f"{max(len(motion.runs['tang'].by_round) for motion in found)} rounds. Finding the lists of Lemma 3 counts as culling on B.",
                    "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(found, clock_word(results)), table, records)

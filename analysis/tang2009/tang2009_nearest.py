@@ -8,17 +8,18 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import scales, style, tables
+from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES
 from analysis.shared.load import load
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact
 from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.tang2009 import tang2009_similarity
 from analysis.tang2009.tang2009_similarity import SUFFIX
 
+RESULTS_OF: Final = "tang2009_nearest", "tang2009_similarity"
 WORK: Final = "distances, bounds and nodes"
 
 
@@ -80,7 +81,7 @@ class Search:
 def matrix_beside(results: Results) -> tuple[Results | None, str]:
     """The matrix, from the same folder and profile; else why there is none."""
     try:
-        return load(results.path.parent / "tang2009_similarity.h5", str(results.meta.get("profile", ""))), ""
+        return load(results.path.parent / f"{RESULTS_OF[1]}.h5", str(results.meta.get("profile", ""))), ""
     except ResultError as problem:
         return None, str(problem)
 
@@ -106,11 +107,11 @@ def searches(results: Results, matrix: Results | None, label: str) -> list[Searc
     return list(found.values())
 
 
-def verdicts(title: str, found: Sequence[Search]) -> list[Verdict]:
+def verdicts(title: str, label: str, found: Sequence[Search]) -> list[Verdict]:
     told = [one.same for one in found if one.same is not None]
-    claim = f"{title}: searching for the nearest shape takes less counted work than the full matrix"
+    same, claim = (claims.of("hausbench", name, title, label=label) for name in ("nearest_found", "nearest_work"))
     work = everywhere(claim, [one.saving(WORK) for one in found], "shapes")
-    return [all_of(f"{title}: the search finds the shape that the full matrix has nearest", sum(not same for same in told), len(told), len(found), "shapes"),
+    return [all_of(same, sum(not same for same in told), len(told), len(found), "shapes"),
             work.with_counts({what: everywhere(claim, [one.saving(what) for one in found], "shapes") for what in MEASURES if what != WORK})]
 
 
@@ -135,9 +136,10 @@ def make(results: Results) -> Report:
     matrix, missing = matrix_beside(results)
     table = tables.Table("The nearest of all shapes, found by a search: each target's cutoff is the least upper bound before it. Counted work against the full matrix.",
                          ["", "shape", "nearest", "H, %", "as in the matrix", "cut off", *[cell for what in MEASURES for cell in (f"{what}, matrix", "search", "ratio")]], left=3)
-    records, every = list[tables.Record](), dict[str, list[Search]]()
+    records, every, judged = list[tables.Record](), dict[str, list[Search]](), list[Verdict]()
     for solver, label in style.order(zip(results.cases.solver, results.cases.label)):
         found = every[style.title(solver, label)] = searches(results, matrix, label)
+        judged += verdicts(style.title(solver, label), label, found)
         table.rules.add(len(table.rows))
         for i, one in enumerate(found):
             table.rows.append([style.title(solver, label) if i == 0 else "", one.name, *cells_of(one)])
@@ -150,11 +152,11 @@ def make(results: Results) -> Report:
         table.rows.append(["", "all shapes", *[tables.NOTHING] * 2, f"{sum(one.same is True for one in found)} of {len(found)}",
                            f"{sum(one.found.cut_off() for one in found)} of {sum(len(one.found.rows) for one in found)}",
                            *[cell for whole, part in sums for cell in (f"{whole:,}", f"{part:,}", tables.number(whole / part if part else float("nan")))]])
-    table.notes = [*[verdict.line() for title, found in every.items() for verdict in verdicts(title, found)],
-                   "Cut off: the lower bound is above the least upper bound so far. The matrix counts without its diagonal; so does the search. Shapes with an answer "
+    table.verdicts = judged
+    table.notes = ["Cut off: the lower bound is above the least upper bound so far. The matrix counts without its diagonal; so does the search. Shapes with an answer "
                    "missing in either have no ratio, and do not count in the sums. The first target of each shape has no cutoff.",
                    *([f"No matrix to compare with: {missing}."] if missing else []), f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(every), table, records)
+    return Report(lambda: draw(every), table, records, clock=NO_TIMES)
 
 
 def draw(every: dict[str, list[Search]]) -> Any:

@@ -12,10 +12,10 @@ import scipy.cluster.hierarchy as hierarchy
 import scipy.spatial.distance
 import scipy.stats
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
@@ -75,11 +75,11 @@ def verdicts(matrix: Matrix) -> list[Verdict]:
     pairs = [(i, j) for i in range(n) for j in range(i)]
     known = [(i, j) for i, j in pairs if np.isfinite([matrix.upper[i, j], matrix.upper[j, i]]).all()]
     apart = sum(matrix.lower[i, j] > matrix.upper[j, i] or matrix.lower[j, i] > matrix.upper[i, j] for i, j in known)
-    found = [all_of("The intervals of H(A, B) and of H(B, A), two runs of their own, have a number in common", apart, len(known), len(pairs), "pairs")]
+    found = [all_of(claims.of("hausbench", "orders_agree"), apart, len(known), len(pairs), "pairs")]
     low, high = np.fmin(matrix.lower, matrix.lower.T), np.fmax(matrix.upper, matrix.upper.T)
     triples = [(i, j, k) for i, j in pairs for k in range(n) if k not in (i, j)]
     seen = [(i, j, k) for i, j, k in triples if np.isfinite([low[i, j], high[i, k], high[k, j]]).all()]
-    found.append(all_of("The triangle inequality holds, as far as the intervals tell", sum(bool(low[i, j] > high[i, k] + high[k, j]) for i, j, k in seen),
+    found.append(all_of(claims.of("hausbench", "triangle_inequality"), sum(bool(low[i, j] > high[i, k] + high[k, j]) for i, j, k in seen),
                         len(seen), len(triples), "triples"))
     return [*found, retrieval(matrix)]
 
@@ -87,7 +87,7 @@ def verdicts(matrix: Matrix) -> list[Verdict]:
 def retrieval(matrix: Matrix) -> Verdict:
     """Whether the nearest other shape is of the same family. Shapes of one family depend on each other, so families are the trials: one counts if more than
     half of its members find another one of it. A sign test of 'more families than not'."""
-    claim = "The nearest other shape is one of the same family, for most families"
+    claim = claims.of("hausbench", "same_family")
     if not matrix.complete or len(matrix.names) < 3:
         return Verdict(claim, UNTESTED, "distances are missing")
     kinds = [family(name) for name in matrix.names]
@@ -114,11 +114,11 @@ def make(results: Results) -> Report:
         cells = [cell for j in others[:3] for cell in (matrix.names[j], tables.number(100 * middle[i, j]))]
         table.rows.append([name, family(name), *cells, *[tables.NOTHING] * (6 - len(cells)), "yes" if family(matrix.names[others[0]]) == family(name) else "no"])
         records += [{"source": name, "target": matrix.names[j], "lower": float(matrix.lower[i, j]), "upper": float(matrix.upper[i, j])} for j in range(len(matrix.names))]
-    table.notes = [*[verdict.line() for verdict in verdicts(matrix)],
-                   f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
+    table.verdicts = verdicts(matrix)
+    table.notes = [f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
                    "shapes are not turned to fit each other, so that two of one family that stand differently are far apart.",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(matrix), table, records)
+    return Report(lambda: draw(matrix), table, records, clock=NO_TIMES)
 
 
 def draw(matrix: Matrix) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 from analysis.shared import scales, style, tables
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import clock_note, clock_title, clock_word, machine_line
+from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
@@ -51,14 +51,14 @@ def make(results: Results) -> Report:
         if paper := papers.get(motion.scene):
             table.rows.append(["", "paper", tables.NOTHING, tables.NOTHING, *[f"{paper[key]:.6g}" for key in ("average", "least", "most", "cull_on_source", "cull_on_target")],
                                tables.NOTHING, tables.NOTHING])
-    table.notes = [*[verdict.line() for verdict in verdicts(found)],
-                   "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
+    table.verdicts = verdicts(found)
+    table.notes = ["The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    "A starts three of its longest sides away. Tolerance 1e-4 of A's longest side: the paper gives 1e-4 without a unit, so that choice is ours. "
                    "Structures are built once, before; a motion of B, as the second direction has it, is undone by one of A.",
                    "Culled on A: the share of A's triangles that are settled before culling on B; culled on B: the share of B's triangles that one of A that is left is not "
                    "measured against. Both are means over poses and directions. Deepest: subdivisions one in another. Queries: closest points looked for at a pose.",
                    "The mean over the poses is one number a round (a fresh process that answers all poses), with its interval over rounds from six on; "
-                   "least and most are of the poses' medians. Warm: from what the pose before has left. " + clock_note(results),
+                   "least and most are of the poses' medians. Warm: from what the pose before has left.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
     return Report(lambda: draw(found, clock_word(results)), table, records)
 

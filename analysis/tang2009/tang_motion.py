@@ -13,16 +13,17 @@ from typing import Final
 
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.columns import Floats
+from analysis.shared.comparable import Origin, origins, reason_apart
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, rising_by_run
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, most_of, rising_by_run
 
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
-AIM_OF_CULLING: Final = 0.97
+AIM_OF_CULLING: Final = 0.99
 AIM_OF_DEPTH: Final = 10
 AIM_OF_WARM: Final = 0.67
 
@@ -32,6 +33,10 @@ class Run:
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
         self.results, self.rows = results, sorted(rows, key=lambda row: int(results.cases.pose_index[row]))
+
+    @cached_property
+    def origins(self) -> frozenset[Origin]:
+        return origins(self.results, self.rows)
 
     @property
     def complete(self) -> bool:
@@ -124,37 +129,49 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
 
 
 def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
-    """The paper's rates, of each pair the mean over poses and directions."""
+    """The paper's rate, of each pair the mean over poses and directions. The ratio is what may be left to what is left."""
     verdicts = []
     for side in ("A", "B"):
-        lost = [1 - motion.runs[label].mean_told(f"culled on {side}") for motion in found if label in motion.runs]
-        verdict = each(f"Culling leaves out 97 % of {side} or more", lost, 1 - AIM_OF_CULLING, "pairs", 100)
-        verdicts.append(Verdict(verdict.claim, verdict.outcome, f"{verdict.evidence}; percent that is left"))
+        left = [1 - motion.runs[label].mean_told(f"culled on {side}") for motion in found if label in motion.runs]
+        verdict = most_of(claims.of("tang2009", "culling", side=side), [below(share, 1 - AIM_OF_CULLING) for share in left])
+        known = [100 * share for share in left if math.isfinite(share)]
+        spread = f"; left: {tables.number(min(known))} to {tables.number(max(known))} %" if known else ""
+        verdicts.append(Verdict(verdict.claim, verdict.outcome, verdict.evidence + spread))
     return verdicts
 
 
+def below(value: float, bar: float) -> Estimate:
+    """For a claim that an exact number is below a bar: above 1 where it is. NaN is no data."""
+    return exact(math.inf if value == 0 else bar / value)
+
+
 def depth(found: Sequence[Motion], label: str) -> Verdict:
-    """The paper: 'the maximum number of Voronoi subdivision is typically less than ten'."""
+    """Of each pair the share of poses at which it is ten times or more, which is less than half where that is typical. Counts are exact."""
     deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
-    deep = [float((np.nan_to_num(one, nan=math.inf) >= AIM_OF_DEPTH).mean()) for one in deepest]
-    claim = "A triangle is subdivided fewer than ten times, one in another, at 95 % of the poses of each pair"
-    verdict = each(claim, deep, 0.05, "pairs", 100)
-    known = np.concatenate(deepest) if deepest else np.empty(0)
+    deep = [float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan for one in deepest]
+    verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])
+    shares, known = [100 * share for share in deep if math.isfinite(share)], np.concatenate(deepest) if deepest else np.empty(0)
+    spread = f"; ten times or more at {tables.number(min(shares))} to {tables.number(max(shares))} % of the poses" if shares else ""
     most = f"; at most {tables.number(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
-    return Verdict(claim, verdict.outcome, f"percent of poses where it is more often: {verdict.evidence}{most}")
+    return Verdict(verdict.claim, verdict.outcome, f"{verdict.evidence}{spread}{most}")
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:
     """Time and work against how near the models are, each pair a run of its own: how they compare says nothing of other poses."""
     runs = [motion.runs[label] for motion in found if label in motion.runs and motion.runs[label].complete]
-    claim = "The nearer the models, the more time it takes"
-    return in_time_and_work(lambda what: rising_by_run(claim, [
-        ((-run.distance).tolist(), (run.counted(MEASURES[what]) if what else run.per_pose).tolist()) for run in runs]))
+    claim = claims.of("tang2009", "nearer")
+
+    def judge(what: str) -> Verdict:
+        if not what and (why := next((why for run in runs if (why := reason_apart(run.origins))), "")):
+            return Verdict(claim, UNTESTED, f"times {why}")
+        return rising_by_run(claim, [((-run.distance).tolist(), (run.counted(MEASURES[what]) if what else run.per_pose).tolist()) for run in runs])
+
+    return in_time_and_work(judge)
 
 
 def warm_pays(found: Sequence[Motion], cold: str, warm: str) -> Verdict:
     title = style.title(cold)
     ratios = [motion.work_ratio(warm, cold, QUERIES) for motion in found]
     known = [ratio.value for ratio in ratios if ratio.n]
-    claim = f"{title}, warm, looks for at most 0.67 as many closest points as cold, at half of the poses"
+    claim = claims.of("hausbench", "warm", title=title, label=cold)
     return each(claim, known if len(known) == len(ratios) else [], AIM_OF_WARM, "pairs")

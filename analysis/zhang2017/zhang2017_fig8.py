@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from analysis.shared import claims
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
@@ -12,9 +13,9 @@ BEST = [5.0, 6.0]  # "the high efficiency is obtained when depth is increased to
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
     deepest = max(sweep.values, default=0.0)
-    return [*[sweep.least(f"{scene} points: NOHD is fastest at depth 5 or 6", scene, BEST) for scene in sweep.scenes],
-            sweep.everywhere("a greater depth than 6 makes NOHD slower", deepest, 6.0),
-            sweep.everywhere("a smaller depth than 5 makes NOHD slower", 1.0, 5.0)]
+    return [*[sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST) for scene in sweep.scenes],
+            sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0),
+            sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0)]
 
 
 SPEC = zhang_sweep.Spec(

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from analysis.shared import claims
 from analysis.shared.cells import Cell
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -21,10 +22,9 @@ def text_of(value: float) -> str:
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
-    found = [sweep.least(f"{scene} points: OHD is fastest at lambda = 1/80", scene, [BEST]) for scene in sweep.scenes]
-    for claim, value in (("a much larger lambda makes OHD slower", max(sweep.values, default=math.nan)),
-                         ("a much smaller lambda makes OHD slower", min(sweep.values, default=math.nan))):
-        found.append(sweep.everywhere(f"{claim} ({text_of(value)} against 1/80)", value, BEST))
+    found = [sweep.least(claims.of("zhang2017", "lambda_best", f"{scene} points"), scene, [BEST]) for scene in sweep.scenes]
+    for claim, value in (("lambda_larger", max(sweep.values, default=math.nan)), ("lambda_smaller", min(sweep.values, default=math.nan))):
+        found.append(sweep.everywhere(claims.of("zhang2017", claim, value=text_of(value)), value, BEST))
     return found
 
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, style, tables
+from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import Cell
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
@@ -60,7 +60,7 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     needs more than INC if the limit is above INC's peak: INC ended below the same limit, on the same points. What any other
     failure would have needed is not known, so the claim cannot hold.
     """
-    claim = f"{workload}: INC needs more memory than any other solver"
+    claim = claims.of("hausbench", "inc_memory", workload)
     known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
     if not known:
         return Verdict(claim, UNTESTED, "no memory known of INC")
@@ -126,13 +126,13 @@ def make(results: Results) -> Report:
         table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
     notes = {scene.partition(", ")[0]: str(note)
              for scene, note in zip(results.cases.scene, results.cases.scene_note)}
-    table.notes = [*[verdict(workload, [s for s in spots if s.workload == workload]).line() for workload in workloads],
-                   "Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
+    table.verdicts = [verdict(workload, [s for s in spots if s.workload == workload]) for workload in workloads]
+    table.notes = ["Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
                    "of 4 KiB, and 0 where what loading left free was enough: below 1 MiB (grey) it says little. The "
                    "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
                    "no memory: the claim is what INC's queue for every entry of its heap suggests.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(spots, workloads, labels), table, records)
+    return Report(lambda: draw(spots, workloads, labels), table, records, clock=NO_TIMES)
 
 
 def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:

@@ -9,10 +9,10 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, shapes, style, tables
+from analysis.shared import claims, scales, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
-from analysis.shared.report import Report
+from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
@@ -97,16 +97,15 @@ def make(results: Results) -> Report:
                             "counted": step.counted.value, "counted_low": step.counted.low,
                             "counted_high": step.counted.high,
                             "expected": step.expected, "by_point": step.by_point, "c": step.c})
-    claims = [verdict for scene in scenes for verdict in verdicts([step for step in steps if step.scene == scene])]
-    table.notes = [*[verdict.line() for verdict in claims],
-                   f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} "
+    table.verdicts = [verdict for scene in scenes for verdict in verdicts([step for step in steps if step.scene == scene])]
+    table.notes = [f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} "
                    "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
                    "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
                    "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
                    f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the points are "
                    "not in datasets/cache.",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(steps, scenes), table, records)
+    return Report(lambda: draw(steps, scenes), table, records, clock=NO_TIMES)
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:
@@ -118,9 +117,9 @@ def verdicts(steps: list[Step]) -> list[Verdict]:
     def runs(of: list[Step], x: list[float]) -> list[tuple[list[float], list[float]]]:
         return [(x, [step.by_seed[seed] for step in of]) for seed in seeds]
 
-    return [rising_by_run(f"{scene}: the smaller h(A, B), the more inner steps", runs(steps, [-s.distance for s in steps])),
-            rising_by_run(f"{scene}: the inner steps grow with 1/mean p (Eq. 7)", runs(known, [s.expected for s in known])),
-            constant(f"{scene}: c of Eq. 7 is a constant",
+    return [rising_by_run(claims.of("zhang2017", "steps_by_distance", scene), runs(steps, [-s.distance for s in steps])),
+            rising_by_run(claims.of("zhang2017", "steps_by_expectation", scene), runs(known, [s.expected for s in known])),
+            constant(claims.of("zhang2017", "steps_constant", scene),
                      [[step.expected / step.by_seed[seed] for seed in seeds] for step in known], CONSTANT)]
 
 

@@ -14,7 +14,7 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
 
 SPEC = zhang_pairs.Spec(
     "NOHD with and without early breaking, on normal clouds that lie apart (Table 1 of Zhang et al. 2017).",
-    "nohd_without_early_break", "nohd", "early breaking", "early breaking makes NOHD faster", ("scan",), extra,
+    "nohd_without_early_break", "nohd", "early breaking", "early_breaking", ("scan",), extra,
     ["The paper does not say how far apart its clouds are; here ten standard deviations."])
 
 

@@ -10,14 +10,16 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import scales, style, tables
+from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work, in_time_and_work
+from analysis.shared.comparable import reason_apart
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
-from analysis.shared.verdicts import Verdict, everywhere, rising
+from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class Spec:
     without: str  # labels of the two variants
     with_it: str
     part: str  # what the one has and the other has not
-    gains: str  # the paper's claim
+    gains: str  # id of the paper's claim
     others: tuple[str, ...]  # more labels: a column each
     extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]]  # header, text, number for the CSV
     notes: list[str] = field(default_factory=list)
@@ -90,14 +92,13 @@ def make(spec: Spec, results: Results) -> Report:
                             "ratio_low": pair.ratio.low, "ratio_high": pair.ratio.high,
                             **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
                             **{header: value for header, _, value in extra}, **cell.counters})
-    verdicts = verdicts_of(spec, pairs)
-    table.notes = [*[verdict.line() for verdict in verdicts],
-                   f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. Distances, bounds and nodes are counted "
+    table.verdicts = verdicts_of(spec, pairs)
+    table.notes = [f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. Distances, bounds and nodes are counted "
                    "by the solver, and the same on every machine; of a solver with a seed they are of its seeds, and one "
                    "seed is one draw.", what_it_saves(spec, pairs),
                    tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
                    + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
-                   clock_note(results), *spec.notes,
+                   *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
     return Report(lambda: draw(spec, pairs, papers, shown, clock_word(results)), table, records)
 
@@ -114,12 +115,15 @@ def unit_of(pairs: list[Pair]) -> str:
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
-    gains = in_time_and_work(lambda what: everywhere(spec.gains, [pair.counted[what] if what else pair.ratio for pair in pairs]))
-    claim = "time increases with the numbers of points"
+    gained = claims.of("zhang2017", spec.gains)
+    gains = in_time_and_work(lambda what: on_average(gained, [pair.counted[what] if what else pair.ratio for pair in pairs]))
+    claim = claims.of("zhang2017", "time_by_size")
     timed = [pair for pair in pairs if pair.time(spec.with_it).n]
     sizes = [float(pair.n + pair.m) for pair in timed]
     cells = [pair.cells[spec.with_it] for pair in timed]
-    return [gains, in_time_and_work(lambda what: rising(claim, sizes, [cell.cost(what) for cell in cells]))]
+    why = reason_apart(one for cell in cells for one in cell.origins)
+    return [gains, in_time_and_work(lambda what: Verdict(claim, UNTESTED, f"times {why}") if why and not what else
+                                    rising(claim, sizes, [cell.cost(what) for cell in cells]))]
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:

@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 
 from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
-from analysis.shared.notes import clock_note, clock_word, machine_line
+from analysis.shared.comparable import apart
+from analysis.shared.notes import clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
@@ -65,6 +66,13 @@ class Sweep:
         pair = self.cells[scene, slow], self.cells[scene, fast]
         return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
 
+    def times_the_least(self, scene: str, value: float) -> float:
+        """The time as a multiple of the least of its scene; NaN where they do not compare."""
+        best = self.best(scene)
+        if math.isnan(best) or apart(self.cells[scene, value].origins | self.cells[scene, best].origins):
+            return math.nan
+        return self.time(scene, value).value / self.time(scene, best).value
+
     def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
         """A claim that one value is slower than another on every pair; in time, and in counted work."""
         return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]))
@@ -99,16 +107,15 @@ def make(spec: Spec, results: Results) -> Report:
                 continue
             more = [cell.count(names) for names in MEASURES.values()]
             more += [column(results, cell) if not cell.failures else math.nan for _, column in spec.columns]
-            least = sweep.time(scene, best).value if not math.isnan(best) else math.nan
             table.rows.append([scene, spec.text_of(value), tables.number(cell.prepare * 1000), cell.text(1000),
-                               tables.number(cell.time.value / least) + (" (least)" if value == best else ""),
+                               tables.number(sweep.times_the_least(scene, value)) + (" (least)" if value == best else ""),
                                *map(tables.number, more)])
             records.append({"scene": scene, spec.parameter: value, "status": cell.status(), **tables.seconds(cell.time),
                             "prepare_seconds": cell.prepare,
                             "peak_bytes": cell.peak, **cell.counters})
-    table.notes = [*[verdict.line() for verdict in spec.verdicts(sweep)],
-                   tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
-                   + " " + clock_note(results),
+    table.verdicts = spec.verdicts(sweep)
+    table.notes = [tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
+                   + "",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(sweep), table, records)
 
@@ -121,16 +128,16 @@ def draw(sweep: Sweep) -> Any:
     lost = []
     for i, scene in enumerate(sweep.scenes):
         colour, marker = PAIR_LOOKS[i % len(PAIR_LOOKS)]
-        looks, best = style.Look(scene, colour, marker), sweep.best(scene)
-        for ax, unit in zip(axes, (1.0, sweep.time(scene, best).value if not math.isnan(best) else 1.0)):
+        looks = style.Look(scene, colour, marker)
+        for ax in axes:
             timed = sweep.timed(scene)
-            ax.plot([place[v] for v in timed], [sweep.time(scene, v).value / unit for v in timed], color=colour,
-                    linewidth=0.8)
+            height = {v: sweep.time(scene, v).value if ax is axes[0] else sweep.times_the_least(scene, v) for v in timed}
+            ax.plot([place[v] for v in timed], list(height.values()), color=colour, linewidth=0.8)
             for value in timed:
                 t = sweep.time(scene, value)
                 if ax is axes[0]:
                     style.interval(ax, t, place[value], upright=True, color=colour, linewidth=1.2)
-                ax.plot(place[value], t.value / unit, **style.filled_marker(looks))
+                ax.plot(place[value], height[value], **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]
     for ax, label in zip(axes, (f"{clock_word(sweep.results)} to prepare and solve (s)", "time / least time of the pair")):

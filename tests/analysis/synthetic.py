@@ -124,6 +124,8 @@ class ResultFile:
                     values = [row.get(column, example) for row in rows]
                     group[column] = _array(values, example)
             file["fields/values"] = np.array(self.field_values, dtype=np.float64)
+        data = path.read_bytes()
+        path.write_bytes(data + b"\nsha256 " + hashlib.sha256(data).hexdigest().encode() + b"\n")
         return path
 
 

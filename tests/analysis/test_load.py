@@ -11,7 +11,7 @@ import synthetic
 from synthetic import ResultFile, spread
 
 from analysis import schema
-from analysis.shared import load, notes, solvers
+from analysis.shared import load, notes, solvers, style
 from analysis.shared.results import ResultError, Results
 
 
@@ -98,6 +98,18 @@ def test_each_round_gives_one_number(tmp_path: Path) -> None:
     assert results.prepare_by_round(0) == {0: 0.5, 1: 0.25} and results.prepare_by_round(1) == {}
     assert results.total_by_round(0) == pytest.approx({0: 2.3, 1: 7.45})
     assert results.total_seconds(1).tolist() == [20.0]  # several threads: wall time
+
+
+def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> None:
+    file = ResultFile("waits", wall=1.0, cpu=0.15)
+    for solver in ("external", "naive"):
+        file.case(solver, "x", [1.0, 2.0], lower=1.0, upper=1.0)
+    file.answers[1]["cpu_seconds"] = 0.5  # a single round does not decide
+    results = load.load(file.write(tmp_path))
+    assert [results.clock_of(case) for case in range(2)] == ["wall", "cpu"]
+    assert results.first_by_round(0) == {0: 1.0, 1: 2.0} and results.first_by_round(1) == pytest.approx({0: 0.15, 1: 0.3})
+    assert "wall time for external, where" in notes.clock_note(results).replace(style.title("external"), "external")
+    assert "used the CPU for less than 20 % of its wall time" in notes.clock_note(results)
 
 
 def test_clock(tmp_path: Path) -> None:
@@ -326,3 +338,38 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
     assert list(load.load(path, "quick").cases.label) == ["naive", "scan"]
     with pytest.raises(ResultError, match="no cases"):
         load.load(path, "none")
+
+
+def every_dataset(path: Path) -> dict[str, int]:
+    """Where the bytes of each dataset with fixed places in the file begin, by name."""
+    found: dict[str, int] = {}
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: found.update({name: item.id.get_offset()})
+                        if isinstance(item, h5py.Dataset) and item.id.get_offset() is not None else None)
+    return found
+
+
+def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
+    file = ResultFile("flipped", ledger=[{"kind": "not_run"}], fields=[{"name": "distance", "end": 1}], field_values=[0.5])
+    file.case("naive", "x", [1.0, 2.0], [(0.0, 0.0, 1.0)], lower=0.25, upper=0.25, prepare_seconds=0.5)
+    path = file.write(tmp_path)
+    places, whole = every_dataset(path), path.read_bytes()
+    assert len(places) > 100 and load.load(path).cases.upper[0] == 0.25
+    for name, at in places.items():
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1:])
+        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* 'make flipped'"):
+            load.load(path)
+            pytest.fail(f"{name} was read")
+    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # a digit of the seal
+    with pytest.raises(ResultError, match="damaged"):
+        load.load(path)
+
+
+def test_a_file_without_a_seal_is_read(tmp_path: Path) -> None:
+    """HDF5 cuts the seal off where another program changes the file."""
+    file = ResultFile("changed")
+    file.case("naive", "x", [1.0], lower=0.25, upper=0.25)
+    path = file.write(tmp_path)
+    with h5py.File(path, "a") as opened:
+        opened["cases/upper"][0] = 0.5
+    assert load.load(path).cases.upper[0] == 0.5

@@ -89,6 +89,17 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
     assert "Here: not separated" in line and "no answer on 1 that CGAL answered" in line and "over 2 pairs" in line
 
 
+@pytest.mark.parametrize("of", ["zheng", "cgal"])
+def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
+    """CGAL answers in the first rounds, and the run was stopped or more rounds were asked of one solver: its limit of 5 s stands for none of them."""
+    file = peers(rounds=14)
+    few = {row for row, case in enumerate(file.cases) if case["solver"] == of and case["status"] == "ok"}
+    file.answers = [answer for answer in file.answers if answer["case"] not in few or answer["round"] < 6]
+    _, rows, text = make(file)
+    assert rows["geometric mean"][0][4].startswith("17.") and rows["geometric mean"][0][3].startswith("3.4")
+    assert "Here it holds (17." in claim(text, "Sacht")
+
+
 @pytest.mark.parametrize("seconds,rounds,mean,each", [(0.001, 6, "it holds", "it holds"), (0.010, 6, "it does not hold", "it holds"),
                                                       (0.050, 6, "it does not hold", "it does not hold"),
                                                       (0.0025, 6, ": not separated", "it holds"), (0.020, 6, "it does not hold", ": not separated"),

@@ -15,7 +15,8 @@ from synthetic import ResultFile, without_bounds
 from analysis.sacht2024 import sacht2024_fig10, sacht2024_fig2
 from analysis.shared import over_pairs
 from analysis.shared.load import load
-from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, share_near, shared_wins, wins_more
+from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, on_average, share_near, shared_wins, wins_more
+from analysis.shared.statistics import NO_DATA, exact
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 
@@ -44,6 +45,21 @@ def test_means() -> None:
 def test_mean_at_least(ratios: Sequence[float], outcome: str) -> None:
     for mean in (geometric_mean, arithmetic_mean):
         assert mean_at_least("x", mean(ratios), 16, "mean").outcome == outcome
+
+
+def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
+    """How often a verdict is reached on lognormal ratios whose mean is exactly what is claimed."""
+    rng = np.random.default_rng(pairs)
+    bar = math.exp(deviation**2 / 2) if mean is arithmetic_mean else 1.0
+    return sum(mean_at_least("x", mean(np.exp(deviation * rng.standard_normal(pairs))), bar, "mean").outcome != OPEN for _ in range(trials))
+
+
+@pytest.mark.parametrize("mean", [arithmetic_mean, geometric_mean])
+def test_mean_at_least_errs_as_seldom_as_it_promises(mean: Any) -> None:
+    """Sums of 1,500 verdicts, of which 5 % may err: more than 101 have a chance of 0.1 %."""
+    found = {(pairs, deviation): errors(mean, pairs, deviation) for pairs in (5, 10, 30) for deviation in (0.8, 1.5)}
+    assert sum(found.values()) <= 101, found
+    assert max(found.values()) <= 25, found  # of 250
 
 
 @pytest.mark.parametrize(("count", "of", "outcome"), [(750, 1000, HOLDS), (500, 1000, FAILS), (990, 1000, FAILS), (7, 10, OPEN),
@@ -202,3 +218,16 @@ def test_fig2_draws_no_bound_for_a_pair_that_was_not_stopped_by_the_clock(tmp_pa
     assert found.over("zheng") == 2
     hollow = [line for line in sacht2024_fig2.draw(found).axes[0].lines if line.get_marker() == "^"]
     assert [list(line.get_xdata()) for line in hollow] == [[700]] and list(hollow[0].get_ydata()) == [pytest.approx(180 / 0.01)]
+
+
+@pytest.mark.parametrize(("ratios", "bar", "outcome"), [
+    ([2.0, 3.0, 0.9, 4.0, 5.0, 2.0], 1.0, HOLDS),  # one below 1 does not refute an average
+    ([0.5, 0.3, 1.1, 0.2, 0.4, 0.5], 1.0, FAILS), ([0.5, 2.0, 0.5, 2.0], 1.0, OPEN), ([1.0, 1.0, 1.0], 1.0, OPEN),
+    ([20.0, 30.0, 25.0, 15.0], 10.0, HOLDS), ([2.0, 3.0, 2.5, 2.0], 4.38, FAILS), ([2.0], 1.0, OPEN), ([], 1.0, UNTESTED)])
+def test_on_average(ratios: list[float], bar: float, outcome: str) -> None:
+    assert on_average("x", [exact(x) for x in ratios], bar).outcome == outcome
+
+
+def test_on_average_is_open_where_a_pair_has_no_ratio() -> None:
+    verdict = on_average("x", [exact(2.0), exact(3.0), exact(2.5), NO_DATA])
+    assert verdict.outcome == OPEN and verdict.evidence.endswith("over 3 pairs, no ratio for 1")

@@ -62,19 +62,22 @@ def test_table2_cells(make: Make) -> None:
     assert paper[:2] == ["paper", "19,826 / 178,802"] and paper[header.index("Sacht 2024")] == "410"
     assert paper[header.index("Zheng 2022 / Sacht 2024")] == "2.24"
     assert "hand, noisy" in rows and "paper" not in [cells[0] for cells in rows["hand, noisy"]]
-    # The derived pairs are judged on their own: sacht is as slow as kang there.
-    assert claim(text, "nearer than 0.1 %, Sacht takes less time than Kang").startswith(": not separated (above 1 for 0 of 2 pairs")
-    assert claim(text, "nearer than 0.1 %, Sacht takes less time than Zheng").startswith(" it holds (above 1 for 2 of 2")
+    # The derived pairs are judged on their own, and not of the paper's table, in which its method is the fastest.
+    assert claim(text, "nearer than 0.1 %, Kang takes less time than Zheng on average").startswith(" it holds (geometric mean 1.50")
+    assert "nearer than 0.1 %, Sacht" not in text
     assert "crown: stands in for crown." in text and "Test CPU" in text and "MacBook Air M2" in text
     record = next(r for r in records if (r["scene"], r["label"]) == ("crown", "kang"))
     assert float(record["paper_seconds"]) == 0.554 and float(record["distance_of_diagonal"]) == 0.004
 
 
-@pytest.mark.parametrize("tang,outcome", [(None, ": not tested (no ratios)"), (6.0, " it holds ("), (1.5, " it does not hold ("),
-                                          (TIE, " it does not hold (")])
-def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str) -> None:
+@pytest.mark.parametrize("tang,outcome,quoted", [(None, ": not tested (", ": not tested ("), (6.0, " it holds (", " it does not hold ("),
+                                                 (30.0, " it holds (", " it holds ("), (1.5, " it does not hold (", " it does not hold ("),
+                                                 (TIE, " it does not hold (", " it does not hold (")])
+def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quoted: str) -> None:
+    """Tang over Zheng is a third of `tang`."""
     _, rows, text = make(synthetic_sacht.table2(tang=tang))
-    assert claim(text, "Zheng takes less time than Tang").startswith(outcome)
+    assert claim(text, "Zheng takes less time than Tang on average").startswith(outcome)
+    assert claim(text, "Zheng is 4.38 times as fast as Tang on average").startswith(quoted)
     assert ("Tang 2009" in rows["pair"][0]) == (tang is not None)
 
 
@@ -82,8 +85,8 @@ def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str) -> 
 def test_table3_compares_the_pairs_far_apart(make: Make, sacht: float, kang: float, outcome: str) -> None:
     _, _, text = make(synthetic_sacht.table3(sacht=sacht, kang=kang))
     assert claim(text, "far apart, Zheng takes less time than Kang").startswith(outcome)
-    found = claim(text, "but for (Ramesses, Bust)")
-    assert found.startswith(outcome) and "of 3 pairs" in found
+    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")  # three of four are enough
+    assert found.startswith(outcome) and "of 4 pairs" in found
 
 
 @pytest.mark.parametrize("lost,outcome", [(4.0, " it holds (ratio 2.00 [2.00, 2.00])"), (1.0, " it does not hold (ratio 0.500"),
@@ -133,7 +136,7 @@ def test_fig14_where_sacht_is_slower(make: Make, ratio: Ratio, fast: float, outc
 @pytest.mark.parametrize("seconds,outcome", [(500.0, " it holds ("), (0.1, " it does not hold ("), (144.0, ": not separated (")])
 def test_fig15_against_three_minutes(make: Make, seconds: float, outcome: str) -> None:
     _, rows, text = make(synthetic_sacht.fig15(seconds=seconds))
-    assert claim(text, "more than three minutes").startswith(outcome)
+    assert claim(text, "Sacht takes more than three minutes").startswith(outcome)
     paper = rows["paper"]
     assert paper[0][1:4] == ["1e-06", "8.7054e-08", "1.08705e-06"] and paper[1][4] == "> 180000"
 
@@ -148,14 +151,11 @@ def test_fig15_at_two_tolerances(make: Make, fine: Ratio, outcome: str, counted:
     assert rows["fandisk"][2][4] == "> 1500" and rows["fandisk"][6][4] == "timeout" and rows["fandisk"][4][6] == "77"
 
 
-@pytest.mark.parametrize("kang,outcome", [(2.0, " it holds ("), (0.5, " it does not hold ("), (TIE, ": not separated (")])
-def test_fig15_between_solvers(make: Make, kang: Ratio, outcome: str) -> None:
-    _, _, text = make(synthetic_sacht.fig15(kang=kang))
-    assert claim(text, "less time than Kang").startswith(outcome)
-    # Stopped after 1.5 s, while sacht took at most 0.15 s.
-    assert claim(text, "less time than Zheng").startswith(" it holds (ratio above 10.0, for the slower was stopped)")
-    _, _, text = make(synthetic_sacht.fig15(kang=kang, stopped=0.1))
-    assert claim(text, "less time than Zheng").startswith(": not separated (ratio above 0.667")
+@pytest.mark.parametrize("stopped,outcome", [(1.5, ": not separated (ratio above 0.00833, for the slower was stopped"),
+                                             (540.0, " it holds (ratio above 3.00, for the slower was stopped")])
+def test_fig15_of_a_solver_that_was_stopped(make: Make, stopped: float, outcome: str) -> None:
+    _, _, text = make(synthetic_sacht.fig15(stopped=stopped))
+    assert claim(text, "Zheng takes more than three minutes").startswith(outcome)
 
 
 def test_a_ratio_to_a_stopped_solver_is_known_from_one_side() -> None:
@@ -226,15 +226,19 @@ def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
                                              ((0, 2, 2, 3, 3, 4, 4), "it does not hold (not so for 1 of 5", "it holds (not so for 0 of 3"),
                                              ((0, 0, 1, 2, 3, 3, 3, 4), "it holds (not so for 0 of 5", "it does not hold (not so for 2 of 3")])
 def test_fig11_counts_the_last_bounds(last: tuple[int, ...], used: str, least: str) -> None:
-    shown = sacht2024_fig11.Shown("wuson", 0, np.array(last))
+    shown = sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))
     lines = [verdict.line() for verdict in sacht2024_fig11.verdicts([shown])]
     assert used in lines[0] and least in lines[1]
 
 
-@pytest.mark.parametrize("height,last,outcome", [(0.05, 4, "holds"), (0.05, 3, "does not hold"), (0.2, 4, "not tested")])
-def test_fig11_looks_at_thin_triangles(height: float, last: int, outcome: str) -> None:
-    shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]]))
-    assert sacht2024_fig11.thin(sacht2024_fig11.Shown("x", 0, np.array([last])), shape).outcome == outcome
+@pytest.mark.parametrize("height,away,last,outcome", [
+    (0.05, 0.2, (4,), "holds"), (0.05, 0.2, (3,), "does not hold"), (0.05, 0.2, (3, 4), "not separated"), (0.2, 0.9, (4,), "not tested"),
+    (0.05, 0.05, (3,), "not tested"),  # nearer to B than it is high: it does not disappear
+    (0.05, math.nan, (4,), "not tested")])
+def test_fig11_looks_at_thin_triangles_that_disappear(height: float, away: float, last: tuple[int, ...], outcome: str) -> None:
+    shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]] * len(last)))
+    far = np.array([1.0, 1.0, away]) if math.isfinite(away) else np.empty(0)
+    assert sacht2024_fig11.thin(sacht2024_fig11.Shown("x", 0, np.array(last), far), shape).outcome == outcome
 
 
 def test_fig11_prints_shares(make: Make, tetrahedra: None) -> None:

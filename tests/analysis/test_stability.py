@@ -280,7 +280,7 @@ def test_three_stems_come_from_one_file(tmp_path: Path, monkeypatch: pytest.Monk
     arguments = ["--results", str(tmp_path), "--out", str(tmp_path / "out")]
     assert main(["stability_matrix", *arguments]) == 0
     three = {f"{stem}.{suffix}" for stem in ("stability_matrix", "stability_error", "stability_time")
-             for suffix in ("csv", "md", "tex", "pdf", "png")}
+             for suffix in ("csv", "md", "tex", "pdf", "png")} | {"stability_matrix.verdicts.json"}
     assert {Path(line).name for line in capsys.readouterr().out.splitlines()} == three
     assert main(["stability_error", *arguments]) == 0
     assert {Path(line).stem for line in capsys.readouterr().out.splitlines()} == {"stability_error"}

@@ -50,11 +50,11 @@ def test_table3_cells(make: Make) -> None:
     assert each[2] == "2000"  # 2 s for 1M
     assert paper[:6] == ["paper", "10,754 / 10,754", "47.282", "3.107", "0.226", "0.225"]
     assert paper[header.index("NAIVEHDD / EARLYBREAK") - 1:] == ["—", "209", "210", "13.8", "1.00"]
-    assert "Claim: the framework takes less time than INC. Here: not separated (above 1 for 4 of 4 pairs, no ratio for 2" in text
+    assert "Claim: the framework takes less time than INC on average. Here: not separated (geometric mean" in text and "over 4 pairs, no ratio for 2)" in text
     claim = next(line for line in text.splitlines() if "less time than NAIVEHDD" in line)
-    assert "Counted in distances it is not separated (above 1 for 5 of 5" in claim and "bounds and nodes it is not separated" in claim
+    assert "Counted in distances it is not separated (geometric mean 10.0" in claim and "over 5 pairs, no ratio for 1" in claim and "bounds and nodes it is not separated" in claim
     claim = next(line for line in text.splitlines() if "less time than INC" in line)
-    assert "Counted in distances it does not hold (above 1 for 0 of 4" in claim
+    assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two pairs are not known
     assert "In the paper a pair of points costs NAIVEHDD 409 to 538 ns, here 600 to 5000 ns." in text
     assert "NAIVEHDD computes 10 times the distances of the framework, does 5.0 times its distances, bounds" in text
     assert "INC computes 0.50 times the distances of the framework, does 5.2 times its" in text
@@ -220,7 +220,10 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
                            "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     written = [Path(line) for line in done.stdout.splitlines()]
-    assert [output.suffix for output in written] == [".csv", ".md", ".tex", ".pdf", ".png"]
+    suffixes = [output.suffix for output in written]
+    assert [suffix for suffix in suffixes if suffix != ".json"] == [".csv", ".md", ".tex", ".pdf", ".png"]
+    text = written[1].read_text(encoding="utf-8")
+    assert suffixes.count(".json") == ("- Claim: " in text)  # the verdicts, of a stem that has some
     assert all(output.stat().st_size for output in written)
     assert path.read_bytes() == before
 

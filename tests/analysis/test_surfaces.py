@@ -39,10 +39,11 @@ def test_example_joins_both_directions(tmp_path: Path) -> None:
     assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     first, second = records(tmp_path, file.stem)
     assert (float(first["lower"]), float(first["upper"])) == (0.73, 0.90)
+    assert first["paper_seconds"] == ""  # a number that may have been misread
     assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
     assert float(first["distance_seconds"]) == pytest.approx(3.6) and second["box_distances"] == "10"
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
-    assert "| 1000 |" in text and "789694" in text and "0.81295637135" in text
+    assert "| 1000 |" in text and "789694? (all)" in text and "no ratio of times is made" in text and "times less" not in text and "0.81295637135" in text
 
 
 def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:

@@ -54,3 +54,18 @@ def test_forms(tmp_path: Path) -> None:
                      r"$\times$",                     r"\toprule", r"\label{tab:stem}"):
         assert expected in tex
     assert "—" not in tex and "×" not in tex
+
+
+def test_a_table_is_whole_or_the_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "t.md"
+    tables.write_whole(path, "old")
+
+    def half(self: Path, text: str, encoding: str) -> None:
+        with self.open("w", encoding=encoding) as out:
+            out.write(text[:1])
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(OSError, match="full"):
+        tables.write_whole(path, "new")
+    assert path.read_text() == "old" and [file.name for file in tmp_path.iterdir()] == ["t.md"]

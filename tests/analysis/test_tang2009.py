@@ -14,6 +14,7 @@ from synthetic import ResultFile
 from synthetic_tang import motion
 
 from analysis.shared import load
+from analysis.shared.stems import ANALYSIS, also_reads, drawn_with, results_of
 from analysis.tang2009 import tang_pictures
 
 PAIRS = tuple(f"pair {i}" for i in range(6))
@@ -55,11 +56,11 @@ def test_table2_where_a_pose_failed(make: Make) -> None:
     assert claim(text, "Tang 2009, warm").startswith(": not tested") or claim(text, "Tang 2009, warm").startswith(": not separated")
 
 
-@pytest.mark.parametrize(("left", "a", "b"), [(0.01, "holds", "holds"), (0.02, "holds", "does not hold"), (0.04, "does not hold", "does not hold")])
+@pytest.mark.parametrize(("left", "a", "b"), [(0.004, "holds", "holds"), (0.007, "holds", "does not hold"), (0.02, "does not hold", "does not hold")])
 def test_culling(make: Make, left: float, a: str, b: str) -> None:
     _, _, text = make(motion("tang2009_table2", PAIRS, ALL, left=left))
-    assert claim(text, "97 % of A").startswith(f" it {a}")
-    assert claim(text, "97 % of B").startswith(f" it {b}")
+    assert claim(text, "99 % of A").startswith(f" it {a}")
+    assert claim(text, "99 % of B").startswith(f" it {b}")
 
 
 def test_culling_that_nobody_tells(make: Make) -> None:
@@ -67,12 +68,12 @@ def test_culling_that_nobody_tells(make: Make) -> None:
     for case in file.cases:
         case["extras"] = "{}"
     _, _, text = make(file)
-    assert claim(text, "97 % of A").startswith(": not tested")
+    assert claim(text, "99 % of A").startswith(": not tested")
 
 
-@pytest.mark.parametrize(("poses", "outcome"), [((), " it holds"), ((3,), " it holds"), ((3, 4), " it does not hold")])
-def test_depth_is_typical(make: Make, poses: tuple[int, ...], outcome: str) -> None:
-    """One of 21 poses is less than 5 %."""
+@pytest.mark.parametrize(("poses", "outcome"), [(range(10), " it holds"), (range(12), " it does not hold")])
+def test_depth_is_typical(make: Make, poses: range, outcome: str) -> None:
+    """At fewer than half of 21 poses it is deeper."""
     file = motion("tang2009_table2", PAIRS, ALL)
     for case in file.cases:
         if case["label"] == "tang" and case["pose_index"] in poses:
@@ -112,12 +113,12 @@ def test_fig9_stages(make: Make) -> None:
 
 @pytest.mark.parametrize(("tang", "rounds", "tenth", "less"), [
     (0.005, 7, " it holds", " it holds"), (0.02, 7, " it does not hold", " it holds"), (0.2, 7, " it does not hold", " it does not hold"),
-    (0.01, 7, ": not separated", " it holds"), (0.005, 3, ": not separated", ": not separated")])
+    (0.005, 3, " it holds", " it holds")])
 def test_fig10_an_order_of_magnitude(make: Make, tang: float, rounds: int, tenth: str, less: str) -> None:
     _, rows, text = make(synthetic_tang.fig10(tang, rounds=rounds))
     assert claim(text, "less than a tenth").startswith(tenth)
-    assert claim(text, "takes less time than Guthe's there").startswith(less)
-    assert "on 2" in text or "of 2 pairs" in claim(text, "less than a tenth")  # the pair that is apart is not counted
+    assert claim(text, "takes less time than Guthe's on average there").startswith(less)
+    assert "over 2 pairs" in claim(text, "less than a tenth")  # the pair that is apart is not counted
     assert rows["near"][0][1] == "2.00"
 
 
@@ -138,7 +139,7 @@ def test_ablation_claims(make: Make, midpoint: float, outcome: str) -> None:
     assert claim(text, "Voronoi subdivision").startswith(outcome)
     word = {" it holds": "it holds", " it does not hold": "it does not hold", ": not separated": "it is not separated"}[outcome]
     assert f"Counted in subdivisions {word}" in claim(text, "Voronoi subdivision")
-    assert claim(text, "three corners").startswith(" it does not hold")
+    assert claim(text, "three corners").startswith(": not separated")  # twice as fast on one pair, half as fast on the other
     assert rows["Puma1/Puma2"][0][:6] == ["Tang 2009", "0.001", "2.50", "250", "2,500", "2"]
     warm = [row for row in rows[""] if row[0] == "tang, warm"]
     assert all(row[2:] == ["—"] * 8 for row in warm) and len(warm) == 2
@@ -240,6 +241,14 @@ def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path)
     _, rows, text = make(synthetic_tang.nearest())
     assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
     assert next(row for row in rows[""] if row[0] == "king")[1:4] == ["queen", "1.05", "—"]
+
+
+def test_the_makefile_measures_first_whatever_a_script_reads_beside_its_own_results() -> None:
+    makefile = (ANALYSIS.parent / "Makefile").read_text(encoding="utf-8")
+    reading = {file.stem: also_reads(file.stem) for file in ANALYSIS.rglob("*.py") if also_reads(file.stem)}
+    assert reading == {"tang2009_nearest": ["tang2009_similarity"]}
+    for stem, others in reading.items():
+        assert f"\n{stem}: {' '.join(others)}\n" in makefile and results_of(stem) == stem and drawn_with(stem) == [stem]
 
 
 def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> None:

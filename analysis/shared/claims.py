@@ -1,0 +1,109 @@
+"""Claims, from analysis/claims/<paper>.toml, and their verdicts as data.
+
+A table in such a file is one claim: `claim` (the words that tables print, perhaps with {blanks}), `stem` (or a list of them) that judges it,
+`judged_as` (average, every pair, most, never, ...), and the sentence of the paper, `quote`, with its `section`. Claims of our own are in
+hausbench.toml and have neither. `solver` is the row of README's table that shows the claim; without one README only counts it.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from analysis.shared import tables
+from analysis.shared.verdicts import Verdict
+
+FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
+OWN: Final = "hausbench"
+KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "solver"})
+SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
+Record = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A table of a claims file."""
+
+    paper: str
+    id: str
+    stems: tuple[str, ...]
+    text: str
+    section: str
+    quote: str
+    judged_as: str
+    solver: str
+
+
+class Claim(str):
+    """The words of a claim, with what they were made from. `place` is what alone it is said of here, such as a scene."""
+
+    entry: Entry
+    place: str
+    solver: str
+
+
+@cache
+def entries(paper: str) -> dict[str, Entry]:
+    """The claims of a paper, by id. Raises ValueError for a missing or unknown key, with the file and the claim."""
+    path = FOLDER / f"{paper}.toml"
+    with path.open("rb") as file:
+        return {name: _entry(path, name, table) for name, table in tomllib.load(file).items()}
+
+
+def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
+    needed = {"claim", "stem", "judged_as"} | (set() if path.stem == OWN else {"quote", "section"})
+    if missing := sorted(needed - table.keys()):
+        raise ValueError(f"{path}: claim '{name}' has no '{missing[0]}': add it")
+    if unknown := sorted(table.keys() - KEYS):
+        raise ValueError(f"{path}: claim '{name}' has the unknown key '{unknown[0]}': remove it")
+    stems = table["stem"] if isinstance(table["stem"], list) else [table["stem"]]
+    return Entry(path.stem, name, tuple(map(str, stems)), str(table["claim"]), str(table.get("section", "")), str(table.get("quote", "")),
+                 str(table["judged_as"]), str(table.get("solver", "")))
+
+
+def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
+    """The claim, its blanks filled in. Raises KeyError if the paper's file has no such claim, or a blank is left."""
+    entry = entries(paper)[name]
+    text = entry.text.format(**blanks)
+    claim = Claim(f"{place}: {text}" if place else text)
+    claim.entry, claim.place, claim.solver = entry, place, entry.solver.format(**blanks)
+    return claim
+
+
+def record(verdict: Verdict, stem: str, profile: str) -> Record:
+    """One verdict as it stands in a file. Raises TypeError if its claim was typed and not taken from a claims file."""
+    claim = verdict.claim
+    if not isinstance(claim, Claim):
+        raise TypeError(f"'{claim}' is not a claim of analysis/claims: take it from there with claims.of()")
+    if stem not in claim.entry.stems:
+        raise ValueError(f"{stem} judges the claim {claim.entry.paper}/{claim.entry.id}: add it to its `stem`")
+    return {"paper": claim.entry.paper, "id": claim.entry.id, "stem": stem, "claim": claim.removeprefix(f"{claim.place}: "), "place": claim.place,
+            "solver": claim.solver, "section": claim.entry.section, "quote": claim.entry.quote, "judged_as": claim.entry.judged_as,
+            "outcome": verdict.outcome, "evidence": verdict.evidence,
+            "counted": {what: {"outcome": one.outcome, "evidence": one.evidence} for what, one in verdict.counted.items()}, "profile": profile}
+
+
+def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record]:
+    return [record(verdict, stem, profile) for verdict in verdicts]
+
+
+def save(found: Sequence[Record], path: Path) -> Path:
+    """Writes a list of verdicts, one a line."""
+    lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in found)
+    tables.write_whole(path, f"[\n{lines}\n]\n" if found else "[]\n")
+    return path
+
+
+def read(path: Path) -> list[Record]:
+    """The verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
+    if not path.exists():
+        return []
+    found = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        raise ValueError(f"{path}: is not a list of verdicts: write it again with 'python3 -m analysis'")
+    return found

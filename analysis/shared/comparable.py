@@ -1,0 +1,45 @@
+"""Which times compare: those of rows that were run one at a time, by one build on one machine, and are timed by one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from analysis.shared.results import Results
+from analysis.shared.statistics import Estimate, no_data
+
+
+class Origin(NamedTuple):
+    """Everything about a row that decides whether its times compare with those of another row."""
+
+    beside: bool  # --jobs or a cluster may have run other cases at the same time
+    machine: str
+    build: str  # of the program; see Results.programs
+    clock: str  # "cpu", "wall"; empty: the row has no times
+
+
+def origin(results: Results, row: int, clock: str = "") -> Origin:
+    """`clock` replaces the clock of the row, for times that were taken by another one."""
+    cases = results.cases
+    return Origin(bool(cases.side_by_side[row]), str(cases.machine[row]), str(results.programs[row]),
+                  clock or (results.clock_of(row) if results.first_by_round(row) else ""))
+
+
+def origins(results: Results, rows: Iterable[int]) -> frozenset[Origin]:
+    return frozenset(origin(results, row) for row in rows)
+
+
+def reason_apart(found: Iterable[Origin]) -> str:
+    """Why the times of these rows do not compare; empty if they do."""
+    known = set(found)
+    clocks = {one.clock for one in known} - {""}
+    return ("run beside others" if any(one.beside for one in known) else
+            "of different machines" if len({one.machine for one in known}) > 1 else
+            "of different builds" if len({one.build for one in known}) > 1 else
+            "by different clocks" if len(clocks) > 1 else "")
+
+
+def apart(found: Iterable[Origin]) -> Estimate | None:
+    """In place of a ratio of these times: no data, and why. None if they compare."""
+    why = reason_apart(found)
+    return no_data(f"times {why}") if why else None

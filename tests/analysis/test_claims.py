@@ -1,0 +1,81 @@
+"""Claims are read from their files and nowhere else, and their verdicts are data that whoever shows claims reads."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import synthetic_zhang
+
+from analysis.__main__ import main
+from analysis.shared import claims, stems
+from analysis.shared.verdicts import HOLDS, Verdict
+
+PAPERS = sorted(path.stem for path in claims.FOLDER.glob("*.toml"))
+EVERY = [entry for paper in PAPERS for entry in claims.entries(paper).values()]
+
+
+def test_every_paper_has_a_file() -> None:
+    assert PAPERS == ["hausbench", "sacht2024", "tang2009", "zhang2017"]
+
+
+@pytest.mark.parametrize("entry", EVERY, ids=lambda entry: f"{entry.paper}-{entry.id}")
+def test_a_claim_is_asked_for_and_quotes_its_sentence(entry: claims.Entry) -> None:
+    """By a script of analysis that names its id; a claim of a paper has the sentence, one or two, and the section."""
+    assert entry.stems and all(stems.module_of(stem) for stem in entry.stems)
+    prefix = entry.id.rpartition("_")[0]  # framework_inc and its like are put together from parts
+    scripts = [path.read_text(encoding="utf-8") for path in stems.ANALYSIS.rglob("*.py")]
+    assert any(f'"{entry.id}"' in text or prefix and f'f"{prefix}_{{' in text for text in scripts)
+    assert entry.judged_as
+    if entry.paper == claims.OWN:
+        assert not entry.quote and not entry.section
+    else:
+        assert entry.section and 10 < len(entry.quote) < 320
+
+
+def test_blanks_are_filled_in_and_the_place_stands_first() -> None:
+    claim = claims.of("zhang2017", "peak", "torus", solver="EARLYBREAK")
+    assert claim == "torus: the time of EARLYBREAK peaks where the models overlap most" and claim.place == "torus"
+    assert claims.of("hausbench", "warm", title="cover (ours)", label="cover").solver == "cover"
+    with pytest.raises(KeyError):
+        claims.of("zhang2017", "peak", "torus")
+    with pytest.raises(KeyError):
+        claims.of("zhang2017", "no such claim")
+
+
+def test_a_claims_file_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(claims, "FOLDER", tmp_path)
+    whole = 'claim = "a"\nstem = "s"\njudged_as = "never"\n'
+    for name, text, problem in (("p1", whole, "no 'quote'"), ("p2", whole + 'quote = "q"\nsection = "1"\nquot = 2\n', "unknown key 'quot'")):
+        (tmp_path / f"{name}.toml").write_text(f"[c]\n{text}", encoding="utf-8")
+        with pytest.raises(ValueError, match=problem):
+            claims.entries(name)
+
+
+def test_a_typed_claim_has_no_record() -> None:
+    with pytest.raises(TypeError, match="claims.of"):
+        claims.record(Verdict("typed", HOLDS, "x"), "zhang2017_fig8", "quick")
+    with pytest.raises(ValueError, match="add it to its `stem`"):
+        claims.record(Verdict(claims.of("zhang2017", "depth_greater"), HOLDS, "x"), "zhang2017_fig9", "quick")
+
+
+def test_verdicts_stand_beside_the_table(tmp_path: Path) -> None:
+    file = synthetic_zhang.fig10()
+    file.write(tmp_path)
+    assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    found = claims.read(tmp_path / "tables" / f"{file.stem}.verdicts.json")
+    text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+    assert len(found) == text.count("- Claim: ") > 3
+    for one in found:
+        assert f"- Claim: {one['place']}: {one['claim']}. Here" in text and f"{one['outcome']} ({one['evidence']})" in text
+        assert one["paper"] == "zhang2017" and one["stem"] == file.stem and one["profile"] == "quick"
+        assert one["quote"] and one["section"] in ("5", "6.4") and one["judged_as"]
+    assert any(one["counted"] for one in found)
+
+
+def test_a_damaged_file_of_verdicts_is_refused(tmp_path: Path) -> None:
+    assert claims.read(tmp_path / "none.json") == []
+    (tmp_path / "x.json").write_text(json.dumps({"not": "a list"}), encoding="utf-8")
+    with pytest.raises(ValueError, match="not a list of verdicts"):
+        claims.read(tmp_path / "x.json")
