@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -166,6 +168,38 @@ template <class T> void expect_tiny_triangles_are_within_the_error() {
 
 TEST(TriangleFrames, FloatHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<float>(); }
 TEST(TriangleFrames, DoubleHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<double>(); }
+
+// A segment or a point, and a point on its line: nothing is beside that line, so that only the place along it tells inside from outside.
+template <class T> void expect_within_the_error_beyond_the_ends_of_a_segment() {
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = [&](double x) -> Vec3 { return x * Vec3::Unit(axis); };
+        for (const auto& [a, b, c] :
+             {std::array{0.0, 1.0, 0.25}, {1.0, 0.0, 1.0}, {-0.5, 0.25, 0.5}, {0.5, 0.5, 0.5}}) {
+            CornerRows corners;
+            for (std::size_t i = 0; i < frames_width; ++i) corners.set(i, {at(a), at(b), at(c)});
+            TriangleFrames<T> frames;
+            make_frames(corners, frames);
+            for (int eighths = -24; eighths <= 24; ++eighths) {
+                const Vec3 point = at(eighths / 8.0);
+                const T p[3] = {static_cast<T>(point[0]), static_cast<T>(point[1]), static_cast<T>(point[2])};
+                T squared[frames_width];
+                squared_distances(frames, p, squared);
+                const double distance =
+                    std::max({std::min({a, b, c}) - eighths / 8.0, 0.0, eighths / 8.0 - std::max({a, b, c})});
+                for (const T s : squared)
+                    EXPECT_NEAR(std::sqrt(s), distance, frame_error<T> * frame_roundoff<T> * 4)
+                        << axis << ", " << eighths;
+            }
+        }
+    }
+}
+
+TEST(TriangleFrames, FloatHoldsBeyondTheEndsOfASegment) {
+    expect_within_the_error_beyond_the_ends_of_a_segment<float>();
+}
+TEST(TriangleFrames, DoubleHoldsBeyondTheEndsOfASegment) {
+    expect_within_the_error_beyond_the_ends_of_a_segment<double>();
+}
 
 // Which corner the longest edge begins at, and which way round the triangle is, is all the same.
 TEST(TriangleFrames, TakeCornersInAnyOrder) {
