@@ -255,6 +255,30 @@ TEST(Scan, StopsWithBoundsThatHold) {
     }
 }
 
+// Far from B many candidates are poor ones, so what is farthest is often among the points that the budget leaves undecided.
+TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
+    const SolverEntry& entry = find_solver("scan");
+    int stopped_short = 0;
+    for (int scene = 0; scene < 20; ++scene) {
+        Random random(400 + static_cast<std::uint64_t>(scene));
+        const Pair pair{"", stacked(cloud(random, 4000, 0.9), sphere(random, 500) * 1.9), cloud(random, 3000)};
+        const Result whole = answer("naive", pair, Pose{});
+        const Session session(entry, Options("scan", entry.info.parameters, {}),
+                              Scene{PointSet{pair.a}, PointSet{pair.b}}, {});
+        for (const std::uint64_t budget : {1, 9, 20}) {
+            Query query;
+            query.tolerance.value = 1e-9;
+            query.budget = budget;
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            EXPECT_LE(result.bounds.lower, whole.bounds.lower) << scene << ", " << budget;
+            EXPECT_GE(result.bounds.upper, whole.bounds.upper) << scene << ", " << budget;
+            stopped_short += result.status == Status::budget && result.bounds.lower < whole.bounds.lower;
+        }
+    }
+    EXPECT_GE(stopped_short, 10);
+}
+
 // Sizes that are many blocks of A and of B.
 TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     Random random(43);
