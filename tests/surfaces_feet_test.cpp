@@ -1,6 +1,7 @@
 // The lemmas behind surface_feet.h and surface_mesh.h, against exact rational arithmetic and known distances.
 #include "kernel/taylor_model.h"
 #include "random.h"
+#include "surfaces/proven_feet.h"
 #include "surfaces/surface_beside.h"
 #include "surfaces/surface_feet.h"
 #include "surfaces/surface_mesh.h"
@@ -248,6 +249,25 @@ TEST(TriangleDistance, IsNoLessThanTheExactOne) {
         sharp += most < 1e-14 * magnitude;
     }
     EXPECT_GT(sharp, 1900);
+}
+
+// The point of B that a foot stands for may lie as far beyond it as its error says, here a quarter.
+TEST(ProvenFeet, AFootIsAsFarAsItsErrorAllows) {
+    AlgebraicSurface a{"z", Points(2, 3)}, b{"z - 5/4", Points(2, 3)};
+    a.box << -1, -1, -1, 1, 1, 1;
+    b.box << -1, -1, 0, 1, 1, 2;
+    const UpwardRounding upward;
+    const Deadline never(std::numeric_limits<double>::infinity());
+    Counters counters;
+    ProvenFeet feet(SurfaceTree(b), never, counters);
+    const std::int32_t foot = feet.add({Vec3(0, 0, 1), 0.25});
+    SurfaceTree tree(a);
+    EXPECT_GE(feet.at_most(tree[0], foot), Vec3(1, 1, 1.25).norm() - 0.01);  // of a corner of A
+    // A small piece around the origin, which is 5/4 away.
+    AlgebraicSurface patch = a;
+    patch.box *= 0x1p-20;
+    EXPECT_GE(feet.at_most(SurfaceTree(patch)[0], foot), 1.25);
+    EXPECT_LE(feet.at_most(SurfaceTree(patch)[0], foot), 1.25 + 1e-5);
 }
 
 }  // namespace

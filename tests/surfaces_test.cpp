@@ -145,6 +145,29 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
     }
 }
 
+// A patch of a plane as the zeros of a cube, written out: its values near the plane are mostly rounding, so that a point is proven to lie on it
+// only to within about 1e-5, and may be as far from it.
+TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
+    AlgebraicSurface plane = surface("z");
+    plane.box << -0x1p-10, -0x1p-10, -0.25, 0x1p-10, 0x1p-10, 0.25;
+    for (int eighths = 3; eighths <= 13; ++eighths) {
+        const std::string c = std::to_string(eighths) + "/8";
+        const double h = eighths / 8.0;
+        AlgebraicSurface rough = surface("z^3 - 3*(" + c + ")*z^2 + 3*(" + c + ")^2*z - (" + c + ")^3");
+        for (const double half : {0x1p-8, 0x1p-10, 0x1p-13}) {
+            rough.box << -0x1p-10, -0x1p-10, h - half, 0x1p-10, 0x1p-10, h + half;
+            Query query;
+            query.tolerance = {Tolerance::Of::absolute, 1e-9};
+            query.budget = 4;
+            Trace trace;
+            const Result result = session_of("surface_enclosure", rough, plane).solve(query, trace);
+            EXPECT_LE(result.bounds.lower, h) << h << ", " << half;
+            EXPECT_GE(result.bounds.lower, h - 2 * half) << h << ", " << half;
+            EXPECT_GE(result.bounds.upper, h) << h << ", " << half;
+        }
+    }
+}
+
 // Where the distance is constant over A, or has a curve of maxima: boxes need not shrink to the root of the tolerance.
 TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     const auto s = [](const std::string& text) { return surface(text); };
@@ -252,6 +275,35 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
         EXPECT_EQ(result.status, Status::stalled);
         EXPECT_NE(result.note.find("change of sign"), std::string::npos) << result.note;
     }
+}
+
+// A coarse mesh of B lies inside the ball. A is a patch of a plane so small that its mesh is as good as exact: what is measured to the
+// mesh of B is too much by about as much as that is off.
+TEST(MeshBridge, TheMeshOfBMayBeFartherThanB) {
+    const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1");
+    for (const auto& [x, y] : {std::pair{0.125, 0.25}, {0.375, 0.0}, {-0.25, 0.5}}) {
+        AlgebraicSurface patch = surface("z - 3/2");
+        patch.box << x - 0x1p-12, y - 0x1p-12, 1.25, x + 0x1p-12, y + 0x1p-12, 1.75;
+        double h = 0;
+        for (const double at_x : {patch.box(0, 0), patch.box(1, 0)})
+            for (const double at_y : {patch.box(0, 1), patch.box(1, 1)})
+                h = std::max(h, (Vec3(at_x, at_y, 1.5) - Vec3(0.125, 0.2, 1.0 / 6)).norm() - 1);
+        const Result result = solve("surface_meshes", patch, ball, 1e-4, {{"cells", std::int64_t(8)}});
+        EXPECT_LE(result.bounds.lower, h + 1e-12) << x << ", " << y;
+        EXPECT_GE(result.bounds.upper, h - 1e-12) << x << ", " << y;
+        EXPECT_GT(std::get<double>(result.reported.at("mesh_lower")), h) << x << ", " << y;
+    }
+}
+
+// The same of A: its farthest point lies outside of its mesh.
+TEST(MeshBridge, AMayReachFartherThanItsMesh) {
+    const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1"),
+                           plane = surface("z + 2 - 1/16");
+    const double h = 1.0 + 1.0 / 6 + 2 - 1.0 / 16;
+    const Result result = solve("surface_meshes", ball, plane, 1e-4, {{"cells", std::int64_t(8)}});
+    EXPECT_LE(result.bounds.lower, h + 1e-12);
+    EXPECT_GE(result.bounds.upper, h - 1e-12);
+    EXPECT_LT(std::get<double>(result.reported.at("mesh_upper")), h);
 }
 
 TEST(MeshBridge, DeviatesByTheSquareOfACell) {
