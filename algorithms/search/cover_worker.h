@@ -35,6 +35,9 @@ public:
     // Settles the triangles of a cluster, or leaves some undecided.
     void cover(const Cluster& cluster);
 
+    // The same of up to CoverBatch::most_pieces pieces near a landmark. For tests; more than one are whole triangles.
+    void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
+
     // Settles a piece in double precision. Always ends.
     void decide(const CoverPiece& piece);
 
@@ -70,7 +73,6 @@ private:
     std::array<CoverPiece, 2> halve(const CoverPiece& piece);
     bool is_open(CoverPiece& half);
 
-    void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool decide_whole(const CoverPiece& piece);
