@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <span>
 #include <utility>
@@ -138,6 +139,32 @@ TEST(GroupBoxes, HoldAllTheirTriangles) {
         }
     }
 }
+
+// A triangle whose longest edge goes across the place of the cube from -2 to 2, and a small triangle of B beyond each corner.
+struct AcrossThePlace {
+    Triangle a;
+    TriangleMesh b;
+
+    explicit AcrossThePlace(std::uint64_t seed) {
+        Random random(seed);
+        for (int i = 0; i < 4; ++i) random.bits();
+        const auto end = [&](Vec3& corner, std::initializer_list<int> signs) {
+            Index k = 0;
+            for (const int sign : signs) corner[k++] = sign * random.real(1.8, 2);
+        };
+        end(a.a, {-1, -1, -1});
+        end(a.b, {1, 1, 1});
+        end(a.c, {1, -1});
+        a.c[2] = random.real(-1, 1);
+        const double away[3] = {random.real(0, 0.5), random.real(0, 0.5), random.real(0, 0.5)};
+        Points vertices(9, 3);
+        for (Index v = 0; v < 9; ++v) {
+            const Vec3 moved = (v < 3 ? a.a : v < 6 ? a.b : a.c) * (1 + away[v / 3]);
+            vertices.row(v) = moved + random.vector(0.01);
+        }
+        b = soup(vertices);
+    }
+};
 
 // --- pieces of a level ----------------------------------------------------------------------------------------------
 //
@@ -367,6 +394,18 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a, 10);
 }
 
+// The worst of 20000 scenes: after many cuts the farthest point is more than 3uM off A, more than moving it back from its place makes.
+TEST(CoverWorker, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
+    for (const std::uint64_t seed : {107216, 117211, 118560}) {
+        const AcrossThePlace scene(seed);
+        Alone alone(scene.a, scene.b, 1e-9, 2);
+        alone.worker().decide(alone.piece(0));
+        const Farthest farthest = alone.worker().finish().farthest;
+        EXPECT_TRUE(alone.is_near(farthest.point.point, farthest.level)) << seed;
+        EXPECT_FALSE(alone.is_near(farthest.point.point, 1)) << seed;
+    }
+}
+
 // --- covers ---------------------------------------------------------------------------------------------------------
 
 LocalUnits unit_place() {
@@ -404,6 +443,7 @@ public:
         EXPECT_TRUE(is_at_least(slack * u, squared)) << slack << ", but off by " << exact::root(squared) / u << " u";
         ++asked;
         off += squared > 0;
+        farthest_off = std::max(farthest_off, static_cast<double>(exact::root(squared)) / u);
         Counters counters;
         const Vec3 global(units_.unit * point[0], units_.unit * point[1], units_.unit * point[2]);
         const ClosestPoint nearest = closest_by_scan(mesh_, global, {}, counters);
@@ -415,6 +455,7 @@ public:
     bool go_on() override { return ++work < 2000; }
 
     double lower = 0;
+    double farthest_off = 0;  // in units of u
     int asked = 0, off = 0, work = 0;
 
 private:
@@ -456,6 +497,20 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
     }
     EXPECT_GE(asked, 1000);
     EXPECT_GE(off, 500);
+}
+
+// The worst of 30000 scenes: one cut, near the end of a long edge, puts a corner more than 2u off the plane of the piece.
+TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
+    const LocalUnits place = unit_place();
+    for (const std::uint64_t seed : {107891, 112503, 117661, 120264, 125699}) {
+        const AcrossThePlace scene(seed);
+        const CoverPolygon<double> polygon = polygon_of(scene.a, place);
+        CheckingHost host(scene.b, place, polygon, 1e-9);
+        OffsetCover<double> cover = cover_of(scene.b, place);
+        cover.set_threshold(host.threshold());
+        EXPECT_TRUE(cover_surely(cover, polygon, host, scene.b).covered);
+        EXPECT_GT(host.farthest_off, 2) << seed;
+    }
 }
 
 // One triangle of B that is far larger than the place: its frame errs by parts of its own size.
