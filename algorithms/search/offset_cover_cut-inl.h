@@ -16,9 +16,6 @@ namespace {
 // The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
 // the quotient by u: sqrt(3) 16 < 28.
 constexpr double slack_of_mean = 28;
-// Who checks a certificate takes the mean of the exact corners: that is so far from ours, and as far as the corners are off. Its distances to B
-// and to the corners are off by as much each.
-constexpr double difference_of_means = 2 * slack_of_mean;
 
 // No point of the polygon is farther from a triangle than its centre is, plus its radius.
 template <class T> void Engine<T>::find_centre() {
@@ -47,19 +44,13 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    const double bound =
-        distance() + radius_ + (difference_of_means + 2 * static_cast<double>(slack_)) * frame_roundoff<T>;
     // Too small to be cut: rounding is as large.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
-    if (bound <= c_.threshold || (exact && tiny)) {
-        const double by_corners = at_most(largest_square(k), k);
-        if (by_corners <= bound) {
-            covered_by(k, by_corners);
-        } else {
-            upper_ = std::max(upper_, bound);
-            if (c_.proof) c_.proof->centre(all_.frames->triangle[k]);
-        }
+    // The centre only tells whether its triangle, which the host may have just found, is near all of the polygon. What is proven is the bound by the
+    // corners: in exact arithmetic it is never larger than the distance of the centre and the radius.
+    if (distance() + radius_ <= c_.threshold || (exact && tiny)) {
+        covered_by(k, at_most(largest_square(k), k));
         return Centre::covered;
     }
     if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
