@@ -1,5 +1,7 @@
 #include "check/exact_roots.h"
 
+#include "geometry.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
