@@ -1,5 +1,5 @@
-// What threshold cover adds to its bounds for rounding and for halved pieces: each term has a scene here whose interval is wrong without it,
-// or, where other terms hide it in a whole search, a part of the search that breaks its own contract. Judged by exact numbers.
+// Tests of the terms that threshold cover adds to its bounds for rounding and for halved pieces. Without its term, a test finds a wrong interval,
+// or, if other terms hide the fault in a whole search, a part of the search that breaks its contract. Exact numbers decide.
 #include "exact.h"
 #include "kernel/rounding.h"
 #include "registry.h"
@@ -32,7 +32,7 @@ Rational squared_to_triangle(const exact::RVec3& p, const Triangle& t) {
     return exact::squared_distance_to_triangle(p, exact::vector(t.a), exact::vector(t.b), exact::vector(t.c));
 }
 
-// Of a point to all of a mesh, whose coordinates are at most 1 or so unless it is one triangle.
+// Returns the exact squared distance of a point to a mesh. Coordinates are at most about 1, or the mesh is one triangle.
 Rational squared_to_mesh(const Vec3& p, const TriangleMesh& mesh) {
     Counters counters;
     const double seems = closest_by_scan(mesh, p, {}, counters).squared_distance;
@@ -61,7 +61,7 @@ Result answer(const TriangleMesh& a, const TriangleMesh& b, double tolerance) {
 
 // --- whole searches -------------------------------------------------------------------------------------------------
 
-// So many triangles of B are near that neighbours get a landmark of their own. One of them reaches much farther than the others.
+// Many triangles of B are near, so neighbouring triangles of A share a landmark. One of these reaches much farther than the others.
 TEST(Cover, APieceThatReachesFarIsNotSettledByItsNeighbours) {
     TriangleMesh b = sheet(20, 0);
     b.vertices *= 1.0 / 19;
@@ -79,7 +79,7 @@ TEST(Cover, APieceThatReachesFarIsNotSettledByItsNeighbours) {
     }
 }
 
-// A is a point, twice in another place, so that what is known of it is the computed distance of one corner alone.
+// A is a single point, so its upper bound comes from one computed distance.
 TEST(Cover, TheRoundingOfAMeasuredDistanceIsCounted) {
     Random random(51);
     int below = 0;  // computed distances that are smaller than the exact ones
@@ -94,7 +94,7 @@ TEST(Cover, TheRoundingOfAMeasuredDistanceIsCounted) {
     EXPECT_GE(below, 20);
 }
 
-// The same in two places over many triangles of B, for the distance that neighbours have in common.
+// A is two points above many triangles of B: four triangles each, which share the computed distance of one corner.
 TEST(Cover, TheRoundingOfASharedDistanceIsCounted) {
     Random random(57);
     TriangleMesh b = sheet(18, 0, 0.3);
@@ -140,7 +140,7 @@ TEST(GroupBoxes, HoldAllTheirTriangles) {
     }
 }
 
-// A triangle whose longest edge goes across the place of the cube from -2 to 2, and a small triangle of B beyond each corner.
+// A triangle of A whose longest edge goes across the cube from -2 to 2, and a small triangle of B beyond each of its corners.
 struct AcrossThePlace {
     Triangle a;
     TriangleMesh b;
@@ -168,10 +168,10 @@ struct AcrossThePlace {
 
 // --- pieces of a level ----------------------------------------------------------------------------------------------
 //
-// A corner of a piece of level k may be 2kuM off the point of A that it stands for (kernel/rounding.h). A piece that a search makes is hardly ever
-// off by half as much, so these are made by hand.
+// A corner of a piece of level k may be 2kuM off the point of A that it stands for (kernel/rounding.h). The pieces that a search makes are rarely
+// off by half of that, so these tests make pieces by hand.
 
-// A worker with one triangle of A and an M that is far larger than what lies near it.
+// A worker with one triangle of A. M may be given larger than all coordinates, as if something were far away.
 class Alone {
 public:
     Alone(const Triangle& a, TriangleMesh b, double tolerance, double magnitude = 0)
@@ -197,10 +197,10 @@ public:
     CoverWorker& worker() { return worker_; }
     const TriangleMesh& b() const { return b_; }
     double magnitude() const { return magnitude_; }
-    // How far a corner of this level may be off.
+    // Returns how far a corner of this level may be off.
     double off(int level) const { return 2 * level * u * magnitude_; }
 
-    // Whether no more than that lies between a point and the triangle of A.
+    // Checks that a point is no farther than that from the triangle of A.
     bool is_near(const Vec3& point, int level) const { return is_at_least(off(level), squared_to_mesh(point, a_)); }
 
 private:
@@ -227,17 +227,17 @@ Triangle at_height(double z, double shift) {
 constexpr int high_level = 20;
 constexpr double far_away = 0x1p40, um = u * far_away;
 
-// Where the lower bound is 1, tau is so many uM above it.
+// Returns the tolerance for which tau is `above` uM above the lower bound.
 constexpr double tolerance_of(double above) { return above * um / 0.9; }
 
-// As if a point at distance 1 had been measured.
+// A lower bound of 1.
 Farthest at_one() {
     Farthest farthest;
     farthest.point.squared = 1;
     return farthest;
 }
 
-// Of the ways to a bound, the one by the distances of all corners to one triangle. The corner that is measured is off as well.
+// The bound by the distances of all corners to one triangle. The measured corner is off by its level as well.
 TEST(CoverWorker, ABoundByCornersHoldsForTheExactPiece) {
     Alone alone(at_height(1, -3), two_halves(), 0.1, far_away);
     alone.worker().decide(alone.piece(high_level));
@@ -266,7 +266,7 @@ TEST(CoverWorker, ACoverInSinglePrecisionHoldsForTheExactPiece) {
     EXPECT_LE(outcome.settled, 1 + 71 * um);
 }
 
-// What is covered is so with all widening counted.
+// The upper bound of a covered piece, with all widening, is at most tau.
 TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     constexpr double tau = 1 + 0.9 * 0.1;
     for (const int level : {0, high_level}) {
@@ -285,8 +285,8 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     }
 }
 
-// No tolerance: the threshold has to be above the lower bound by what tells distances apart, or nothing is near enough to cover anything, and
-// what is left gets a bound by one triangle of B, here more than 1.4.
+// The tolerance is 0. If the threshold is not above the lower bound by the errors of the frames, no triangle covers anything, and the piece gets
+// its bound by one triangle of B, here more than 1.4.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     for (const int level : {0, high_level}) {
         Alone alone(at_height(1, 0), two_halves(), 0);
@@ -295,7 +295,7 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     }
 }
 
-// The same far from the origin, where the lower bound itself errs by parts of M: B leans, so that closest points are rounded.
+// The same far from the origin, where the lower bound itself errs by parts of M. B is turned, so that closest points are rounded.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
     Random random(58);
     for (int i = 0; i < 20; ++i) {
@@ -313,7 +313,7 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
     }
 }
 
-// So many triangles of B are near that the piece is halved, and the corner that is farthest is measured then.
+// Many triangles of B are near, so the piece is halved, and its farthest corner is measured as a corner of a half.
 TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
     TriangleMesh b = sheet(30, 0);
     b.vertices.leftCols(2) *= 2.0 / 29;
@@ -325,7 +325,7 @@ TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, 5);
 }
 
-// A point inside a piece, above a gap of B, is off by what the piece is and by its own rounding.
+// The farthest point is inside a piece, above a gap of B. It is off by as much as the piece, and by its own rounding.
 TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     TriangleMesh b = two_halves();
     for (Index v = 0; v < b.vertices.rows(); ++v) b.vertices(v, 0) += v < 3 ? -0.75 : 0.75;
@@ -336,8 +336,8 @@ TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, high_level + 1);
 }
 
-// A bowl with many triangles under one triangle of A, whose longest edge is farthest from it in the middle: it is halved, and the midpoint, as
-// rounded, is the farthest point.
+// B is a bowl with many triangles under one triangle of A, so this is halved. The midpoint of its longest edge, which is rounded, is the farthest
+// point.
 TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     Random random(53);
     int off_a = 0, off_a_undecided = 0;
@@ -350,7 +350,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
         const Triangle t{Vec3(-0.9, 0, 0) + random.vector(0.05), Vec3(0.9, 0, 0) + random.vector(0.05),
                          Vec3(0.3, 0.6, 0) + random.vector(0.05)};
         Alone alone(t, bowl, 1e-12);
-        Farthest begin;  // so that all of the bowl is near
+        Farthest begin;  // all of the bowl is near
         begin.point = {t.a, 0.25, 0};
         begin.source = 0;
         alone.begin(begin);
@@ -374,7 +374,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a_undecided, 5);
 }
 
-// Far from the origin, points inside a piece are rounded as they are moved back from its place.
+// Points inside a piece are rounded when they are moved back from its place, most of all far from the origin.
 TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     Random random(54);
     int off_a = 0;
@@ -394,7 +394,7 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a, 10);
 }
 
-// The worst of 20000 scenes: after many cuts the farthest point is more than 3uM off A, more than moving it back from its place makes.
+// The worst of 20000 scenes: after many cuts the farthest point is more than 3uM off A. Moving it back from its place explains less than 2uM.
 TEST(CoverWorker, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
     for (const std::uint64_t seed : {107216, 117211, 118560}) {
         const AcrossThePlace scene(seed);
@@ -426,10 +426,10 @@ CoverPolygon<double> polygon_of(const Triangle& t, const LocalUnits& place, floa
     return polygon;
 }
 
-// Tries all triangles of B. Holds each point that it is asked for against the exact piece: it must be within its slack, in units of u.
+// Measures points by trying all triangles of B, and checks that each is within its slack of the exact piece.
 class CheckingHost final : public CoverHost {
 public:
-    // The exact corners are off those of the piece by their slack, along the last axis.
+    // The exact corners are those of the piece, moved along z by their slack.
     CheckingHost(const TriangleMesh& mesh, const LocalUnits& units, const CoverPolygon<double>& piece, double tolerance)
         : mesh_(mesh), units_(units), tolerance_(tolerance) {
         for (std::size_t i = 0; i < 3; ++i)
@@ -483,7 +483,7 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
         Triangle t{random.vector(), random.vector(), random.vector()};
         if (i % 2 == 0) t = {{end(), end(), end()}, {end(), end(), end()}, {end(), end(), end()}};  // long edges
         TriangleMesh mesh = triangle_soup(random, 2 + random.below(12), 0.6);
-        if (i % 4 == 1) {  // only corners are near B, so that the first cut is at the centre
+        if (i % 4 == 1) {  // only corners are near B, so the centre is measured first
             const auto beside = [&](const Vec3& corner) -> Vec3 { return corner + random.vector(0.01); };
             mesh = soup(
                 rows({t.a, beside(t.a), beside(t.a), t.b, beside(t.b), beside(t.b), t.c, beside(t.c), beside(t.c)}));
@@ -513,7 +513,7 @@ TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
     }
 }
 
-// One triangle of B that is far larger than the place: its frame errs by parts of its own size.
+// B is one triangle that is far larger than the place. Its frame errs by parts of its own size.
 TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     Random random(56);
     const LocalUnits place = unit_place();
@@ -539,8 +539,22 @@ TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     EXPECT_GE(below, 10);
 }
 
-// Corners that are off by as much as is allowed already: a cut makes corners that are off by more, so none is made. Two triangles of B cover the
-// piece, or it takes one after the other.
+// The corners have the most slack, and the exact corners are farther from B by that much.
+TEST(OffsetCover, TheMostSlackIsInItsError) {
+    const LocalUnits place = unit_place();
+    const TriangleMesh mesh = soup(rows({{-3, -3, 0}, {3, -3, 0}, {0, 3, 0}}));
+    const CoverPolygon<double> polygon = polygon_of(at_height(1, 0), place, OffsetCover<double>::most_slack);
+    CheckingHost host(mesh, place, polygon, 8);
+    OffsetCover<double> cover = cover_of(mesh, place);
+    cover.set_threshold(host.threshold());
+    const CoverResult result = cover_surely(cover, polygon, host, mesh);
+    ASSERT_TRUE(result.covered);
+    EXPECT_GE(result.upper, 1 * place.inverse + u * OffsetCover<double>::most_slack);
+    EXPECT_LE(result.upper, 1 * place.inverse + 1e-10);
+}
+
+// The corners have the most slack already. A cut would make corners with more, so the piece is not cut. Without slack, two triangles of B cover it
+// together, or three one after the other.
 TEST(OffsetCover, NoCutGoesBeyondTheMostSlack) {
     const TriangleMesh three = soup(rows({{-20, 0, 0},
                                           {-0.3, -10, 0},

@@ -169,7 +169,7 @@ template <class T> void expect_tiny_triangles_are_within_the_error() {
 TEST(TriangleFrames, FloatHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<float>(); }
 TEST(TriangleFrames, DoubleHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<double>(); }
 
-// A segment or a point, and a point on its line: nothing is beside that line, so that only the place along it tells inside from outside.
+// A point on the line of a segment or of a triangle that is a point. It is beside no edge, so only its place along the line tells inside from outside.
 template <class T> void expect_within_the_error_beyond_the_ends_of_a_segment() {
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = [&](double x) -> Vec3 { return x * Vec3::Unit(axis); };

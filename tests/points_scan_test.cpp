@@ -255,7 +255,7 @@ TEST(Scan, StopsWithBoundsThatHold) {
     }
 }
 
-// Far from B many candidates are poor ones, so what is farthest is often among the points that the budget leaves undecided.
+// Candidates are poor far from B, so the farthest point is often among those that the budget leaves undecided.
 TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
     const SolverEntry& entry = find_solver("scan");
     int stopped_short = 0;

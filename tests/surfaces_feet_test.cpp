@@ -251,7 +251,7 @@ TEST(TriangleDistance, IsNoLessThanTheExactOne) {
     EXPECT_GT(sharp, 1900);
 }
 
-// The point of B that a foot stands for may lie as far beyond it as its error says, here a quarter.
+// The point of B that a foot stands for may be 0.25 farther than the foot, as its error says.
 TEST(ProvenFeet, AFootIsAsFarAsItsErrorAllows) {
     AlgebraicSurface a{"z", Points(2, 3)}, b{"z - 5/4", Points(2, 3)};
     a.box << -1, -1, -1, 1, 1, 1;

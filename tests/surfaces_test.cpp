@@ -145,8 +145,8 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
     }
 }
 
-// A patch of a plane as the zeros of a cube, written out: its values near the plane are mostly rounding, so that a point is proven to lie on it
-// only to within about 1e-5, and may be as far from it.
+// A patch of a plane, as the zeros of a cube that is written out. Its values near the plane are mostly rounding, so points are proven to lie on it
+// only to within about 1e-5, and are that far off it.
 TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
     AlgebraicSurface plane = surface("z");
     plane.box << -0x1p-10, -0x1p-10, -0.25, 0x1p-10, 0x1p-10, 0.25;
@@ -277,8 +277,8 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
     }
 }
 
-// A coarse mesh of B lies inside the ball. A is a patch of a plane so small that its mesh is as good as exact: what is measured to the
-// mesh of B is too much by about as much as that is off.
+// A coarse mesh of the ball B lies inside it. A is a small patch of a plane, whose mesh is nearly exact. So the distance to the mesh of B is larger
+// than the distance to B.
 TEST(MeshBridge, TheMeshOfBMayBeFartherThanB) {
     const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1");
     for (const auto& [x, y] : {std::pair{0.125, 0.25}, {0.375, 0.0}, {-0.25, 0.5}}) {
@@ -295,7 +295,7 @@ TEST(MeshBridge, TheMeshOfBMayBeFartherThanB) {
     }
 }
 
-// The same of A: its farthest point lies outside of its mesh.
+// The farthest point of the ball A lies outside its mesh.
 TEST(MeshBridge, AMayReachFartherThanItsMesh) {
     const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1"),
                            plane = surface("z + 2 - 1/16");

@@ -151,7 +151,11 @@ void CoverWorker::count() {
     add(exact_);
 }
 
-// What a cover may show of a piece of this level for its upper bound, once widened, to be no more than tau.
+// Returns how far from B a cover may show a piece of this level to be, so that its upper bound, once widened, is no more than tau.
+//
+// Covers are widened as measured distances are (surface_sum_at_most): by 8uM, and by 2uM for each level. They need only what the level stands for. The
+// bound of a cover counts all its own roundings, and moving A and B to the place is one of these (search/offset_cover.h). The 8uM stay
+// because they are below every tolerance that can be met, and without them the last bits of all answers would change.
 double CoverWorker::covered_within(int level) const {
     return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }

@@ -35,7 +35,7 @@ public:
     // Settles the triangles of a cluster, or leaves some undecided.
     void cover(const Cluster& cluster);
 
-    // The same of up to CoverBatch::most_pieces pieces near a landmark. For tests; more than one are whole triangles.
+    // Does the same for up to CoverBatch::most_pieces pieces near a landmark; several pieces must be whole triangles. Public for tests.
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
 
     // Settles a piece in double precision. Always ends.

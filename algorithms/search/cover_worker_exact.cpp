@@ -19,7 +19,8 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     Vec3 global;
     for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
     // Within u slack of the piece's corners as moved to the place, which took 2u, in units of the place; rounding the sum takes less than
-    // 2uM. A level stands for 2uM.
+    // 2uM. A level stands for 2uM. No input is known that needs the level of the sum: its rounding is at most sqrt(3) uM, and the slack is
+    // rounded up to whole levels. So no test can need it, but the proof does.
     const int own = level_ + 1 + static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude)));
     return measure(global, near, source_, own).triangle;
 }
