@@ -48,9 +48,10 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
     // The centre only tells whether its triangle, which the host may have just found, is near all of the polygon. What is proven is the bound by the
-    // corners: in exact arithmetic it is never larger than the distance of the centre and the radius.
-    if (distance() + radius_ <= c_.threshold || (exact && tiny)) {
-        covered_by(k, at_most(largest_square(k), k));
+    // corners: in exact arithmetic it is never larger than the distance of the centre and the radius, but as computed it may be.
+    const double by_corners = at_most(largest_square(k), k);
+    if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
+        covered_by(k, by_corners);
         return Centre::covered;
     }
     if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
