@@ -90,7 +90,7 @@ def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Rec
         counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
         rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
                       f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-        made = {each: importlib.import_module(module_of(each)).make(results).printed(results) for each in drawn_with(stem)}
+        made = {each: importlib.import_module(module_of(each)).make(results).printed(results, each) for each in drawn_with(stem)}
         texts[stem] = "\n\n".join(tables.markdown(table).strip("\n") for table in made.values())
         judged += [one for each, table in made.items() for one in claims.records(table.verdicts, each, whole)]
     still = [text for stem, text in texts.items() if stem not in stems]

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, sizes, style, tables
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.results import Results
 
@@ -27,18 +27,21 @@ class Report:
     key: str = ""  # of the letters in the figure; stands below it
     clock: str = ""  # a sentence on the clock of the table's times, if they are not those of the rows; or NO_TIMES
 
-    def printed(self, results: Results) -> tables.Table | None:
-        """The table with the notes that every table has: its clock, and whether rows were run beside others."""
+    def printed(self, results: Results, stem: str = "") -> tables.Table | None:
+        """The table with what every table has: notes on its clock and on rows that were run beside others, and verdicts only on claims that
+        results of these sizes test.
+        """
         if self.table is None:
             return None
+        judged = sizes.tested(self.table.verdicts, results, stem or results.stem)
         notes = [self.clock or clock_note(results)] if self.clock != NO_TIMES else []
-        return replace(self.table, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
+        return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "") -> list[Path]:
         """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
         stem = stem or results.stem
         beside = side_by_side_line(results)
-        table = self.printed(results)
+        table = self.printed(results, stem)
         if table is None:
             return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside)
         footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))

@@ -11,7 +11,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace hausbench {
@@ -170,7 +172,7 @@ private:
         least.fill(std::numeric_limits<double>::infinity());
         for (const Member& m : members_) {
             const Row& row = rows_[m.row];
-            const double upper = row.outcome.bounds.upper;
+            const double upper = row.is_reference ? row.outcome.proven_upper : row.outcome.bounds.upper;
             if (row.asked.certified == 1 && row.check.lower == Verdict::holds && upper >= best_[distance(m)])
                 least[distance(m)] = std::min(least[distance(m)], upper);
         }
@@ -252,6 +254,45 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
 }  // namespace
+
+namespace {
+
+// Two shapes in their poses, and the quantity.
+using Question = std::tuple<Placed, Placed, Quantity>;
+
+Question question_of(const Case& c) {
+    return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity};
+}
+
+void take_references(std::vector<Row>& rows, const std::vector<Row>& references) {
+    std::map<Question, Bounds> narrowest;
+    for (const Row& one : references) {
+        const Bounds& bounds = one.outcome.bounds;
+        const bool usable = one.outcome.status != RowStatus::unsound && bounds.lower <= bounds.upper;  // not NaN
+        if (!usable || one.asked.source_hash.empty() || one.asked.target_hash.empty() || !finite(one.asked.pose) ||
+            !finite(one.asked.target_pose))
+            continue;
+        const auto [at, fresh] = narrowest.emplace(question_of(one.asked), bounds);
+        if (bounds.gap() < at->second.gap()) at->second = bounds;
+    }
+    for (Row& row : rows) {
+        if (!finite(row.asked.pose) || !finite(row.asked.target_pose)) continue;
+        const auto at = narrowest.find(question_of(row.asked));
+        row.reference = at == narrowest.end() ? Bounds{unknown, unknown} : at->second;
+    }
+}
+
+}  // namespace
+
+void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
+                 const std::function<const Shape*(const std::string&)>& load, const Stop& stop, std::size_t checked) {
+    const auto mine = static_cast<std::ptrdiff_t>(rows.size());
+    std::move(references.begin(), references.end(), std::back_inserter(rows));
+    verify_rows(rows, load, stop, checked);
+    references.assign(std::make_move_iterator(rows.begin() + mine), std::make_move_iterator(rows.end()));
+    rows.resize(static_cast<std::size_t>(mine));
+    take_references(rows, references);
+}
 
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
                  std::size_t checked) {

@@ -12,6 +12,9 @@
 // Upper bound: not below a verified lower bound of the same shapes and poses by any solver. That can refute, not prove. A lower
 // bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
 //
+// Reference answers (plan/references.h) are held against the rows likewise: their lower bounds count once their witness is checked, their upper
+// bounds only if a certificate that was checked proves them.
+//
 // A penetration depth has a check of its own, see verify_penetration.h.
 //
 // A row that is not certified may be off by what rounding explains, 84 * 2^-53 of the largest |coordinate| (verify.cpp derives it);
@@ -54,5 +57,11 @@ private:
 // before them is of the same shapes in the same poses.
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
                  const Stop& stop = {}, std::size_t checked = std::numeric_limits<std::size_t>::max());
+
+// The same for the rows and the reference answers of a result together. Then gives each row the bounds of the narrowest reference of the same
+// distance (shapes, poses, quantity) that is not unsound; NaN if there is none.
+void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
+                 const std::function<const Shape*(const std::string&)>& load, const Stop& stop = {},
+                 std::size_t checked = std::numeric_limits<std::size_t>::max());
 
 }  // namespace hausbench

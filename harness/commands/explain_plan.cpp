@@ -95,6 +95,13 @@ std::string explain(const Plan& plan, const fs::path& results) {
         if (e.scenes[job.scene].search)
             text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
     }
+    if (plan.references) {
+        double seconds = 0;
+        for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
+        text += fmt::format("REFERENCE\n  {} answers, certified and not timed, at most {} s each: about {}\n",
+                            plan.references->cases.size(), e.reference_seconds, clock_text(seconds));
+        total += seconds;
+    }
     text += "LEFT OUT\n";
     for (const LedgerEntry& entry : plan.ledger) {
         if (entry.kind == "prepared_again") continue;  // said above

@@ -93,6 +93,7 @@ public:
         merged_.texts["started"] = std::min(merged_.texts["started"], next.texts.at("started"));
         merged_.texts["finished"] = std::max(merged_.texts["finished"], next.texts.at("finished"));
         for (const Row& row : next.rows) add(row);
+        add_references(next);
         for (const ModelRecord& model : next.models) {
             const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
             if (std::none_of(merged_.models.begin(), merged_.models.end(), same)) merged_.models.push_back(model);
@@ -121,6 +122,14 @@ private:
         if (found) return;
         here.push_back(merged_.rows.size());
         merged_.rows.push_back(row);
+    }
+
+    // Each shard has some of them. A row gets the bounds of its own when `verify` or the next run holds it against all of them.
+    void add_references(const ResultFile& next) {
+        std::set<std::string> known;
+        for (const Row& one : merged_.references) known.insert(one.asked.identity);
+        for (const Row& one : next.references)
+            if (known.insert(one.asked.identity).second) merged_.references.push_back(one);
     }
 
     void join(Row& mine, const Row& row) const {

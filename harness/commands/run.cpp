@@ -86,6 +86,7 @@ int run(RunArguments& arguments) {
     print(fmt::format("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),
                       expected ? fmt::format(" ({} of the unsound as expected)", expected) : "",
                       summary.kept ? fmt::format("; {} rows of earlier runs are kept", summary.kept) : ""));
+    print(describe_references(summary.result));
     for (const std::string& row : summary.unsound) say({"unsound: " + row});
     if (summary.interrupted) {
         fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");

@@ -26,6 +26,34 @@ std::string count_statuses(const std::vector<Row>& rows) {
     return to_string(counts);
 }
 
+std::string describe_references(const ResultFile& result) {
+    if (result.references.empty()) return "";
+    std::size_t closed = 0, proven = 0, held = 0, narrower = 0;
+    for (const Row& one : result.references) {
+        closed += one.outcome.status == RowStatus::ok;
+        proven += !std::isnan(one.outcome.proven_upper);
+    }
+    const Row* widest = nullptr;
+    for (const Row& row : result.rows) {
+        if (std::isnan(row.reference.lower) || std::isnan(row.outcome.bounds.lower)) continue;
+        ++held;
+        if (!(row.reference.gap() > row.outcome.bounds.gap()) ||
+            row.reference.gap() <= row.asked.resolved_tolerance().gap(row.reference.lower))
+            continue;
+        ++narrower;
+        if (!widest || row.reference.gap() > widest->reference.gap()) widest = &row;
+    }
+    std::string text = fmt::format(
+        "reference answers: {}, {} within their tolerance, {} upper bounds proven by a certificate; {} of {} rows are "
+        "held against one\n",
+        result.references.size(), closed, proven, held, result.rows.size());
+    if (widest)
+        text +=
+            fmt::format("  {} rows can be refuted only to within the width of their reference, at most {:.3g} ({})\n",
+                        narrower, widest->reference.gap(), name_of(widest->asked));
+    return text;
+}
+
 namespace {
 
 // The text with every number as one sign: reasons that differ in their numbers alone are one.

@@ -20,16 +20,19 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& mani
         const auto at = shapes.find(name);
         return at == shapes.end() ? nullptr : &at->second;
     };
-    verify_rows(result.rows, load);
+    verify_rows(result.rows, result.references, load);
     for (std::string& line : contradictions(result.rows, load)) missing.push_back(std::move(line));
     return missing;
 }
 
 bool any_unsound(const ResultFile& result) {
-    return std::any_of(result.rows.begin(), result.rows.end(), [](const Row& row) {
-        return row.check.lower == Verdict::unsound || row.check.upper == Verdict::unsound ||
-               row.check.fields == Verdict::unsound;
-    });
+    const auto any = [](const std::vector<Row>& rows) {
+        return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
+            return row.check.lower == Verdict::unsound || row.check.upper == Verdict::unsound ||
+                   row.check.fields == Verdict::unsound;
+        });
+    };
+    return any(result.rows) || any(result.references);
 }
 
 std::string describe_checks(const ResultFile& result) {
@@ -58,9 +61,12 @@ std::string describe_checks(const ResultFile& result) {
     if (!fields.empty())
         text += fmt::format("fields of cases: {} hold, {} unsound, {} not checked\n", fields[Verdict::holds],
                             fields[Verdict::unsound], fields[Verdict::not_checked]);
-    for (const Row& row : result.rows) {
-        if (!row.check.reason.empty())
-            text += fmt::format("unsound: {}: {}\n", name_of(row.asked), printable(row.check.reason));
+    text += describe_references(result);
+    for (const auto* rows : {&result.rows, &result.references}) {
+        for (const Row& row : *rows) {
+            if (!row.check.reason.empty())
+                text += fmt::format("unsound: {}: {}\n", name_of(row.asked), printable(row.check.reason));
+        }
     }
     return text;
 }

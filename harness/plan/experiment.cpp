@@ -55,9 +55,9 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
 }
 
 const std::vector<std::string> root_keys = {
-    "title",    "paper",   "tolerances", "of",      "floor", "cutoff", "budget", "repeats",
-    "rounds",   "trace",   "limits",     "profile", "model", "scene",  "solver", "expected_unsound",
-    "quantity", "threads", "fields",     "stages"};
+    "title",    "paper",   "tolerances", "of",      "floor",    "cutoff", "budget", "repeats",
+    "rounds",   "trace",   "limits",     "profile", "model",    "scene",  "solver", "expected_unsound",
+    "quantity", "threads", "fields",     "stages",  "reference"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
@@ -70,16 +70,17 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
     return expected;
 }
 
-Limits read_limits(const fs::path& file, const ExperimentTable& root) {
-    Limits limits;
+void read_limits(const fs::path& file, const ExperimentTable& root, Experiment& experiment) {
+    Limits& limits = experiment.limits;
     const toml::node* node = root.find("limits");
-    if (!node) return limits;
+    if (!node) return;
     if (!node->is_table()) root.fail(*node, "'limits' must be a table");
-    ExperimentTable reader(file, *node->as_table(), "[limits]", {"case_seconds", "prepare_seconds", "memory_mb"});
+    ExperimentTable reader(file, *node->as_table(), "[limits]",
+                           {"case_seconds", "prepare_seconds", "memory_mb", "reference_seconds"});
     limits.case_seconds = reader.limit("case_seconds", limits.case_seconds);
     limits.prepare_seconds = reader.limit("prepare_seconds", limits.prepare_seconds);
     limits.memory_bytes = std::int64_t(reader.limit("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
-    return limits;
+    experiment.reference_seconds = reader.limit("reference_seconds", experiment.reference_seconds);
 }
 
 toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
@@ -155,7 +156,8 @@ void read_top(const fs::path& file, const toml::table& table, const ExperimentTa
     experiment.trace = root.flag("trace", experiment.trace);
     experiment.fields = root.flag("fields", experiment.fields);
     experiment.stages = root.flag("stages", experiment.stages);
-    experiment.limits = read_limits(file, root);
+    experiment.reference = root.flag("reference", experiment.reference);
+    read_limits(file, root, experiment);
 }
 
 // Names of scenes, of matrices and of what `each` makes: in this profile, and in any.

@@ -53,12 +53,14 @@ struct Experiment {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
     std::int64_t budget = -1;                                            // see Query; -1: none
     Quantity quantity = Quantity::directed;
-    int threads = 1;      // that a solver may use, see Query
-    int repeats = 5;      // timed repeats a round
-    int rounds = 1;       // fresh processes; the order of solvers is turned round after each (ABBA)
-    bool trace = false;   // coarser tolerances are read off the trace of the finest where a solver traces
-    bool fields = false;  // values for each vertex and element of A, see Outcome::fields_sha256
-    bool stages = false;  // seconds by stage, from a run that is not timed, see Wanted::stages
+    int threads = 1;        // that a solver may use, see Query
+    int repeats = 5;        // timed repeats a round
+    int rounds = 1;         // fresh processes; the order of solvers is turned round after each (ABBA)
+    bool trace = false;     // coarser tolerances are read off the trace of the finest where a solver traces
+    bool fields = false;    // values for each vertex and element of A, see Outcome::fields_sha256
+    bool stages = false;    // seconds by stage, from a run that is not timed, see Wanted::stages
+    bool reference = true;  // one certified answer for each scene and pose to hold the others against, see references.h
+    double reference_seconds = 10;  // at most for each of these
     Limits limits;
     std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
 };

@@ -5,6 +5,7 @@
 #include "hash.h"
 #include "plan/command_files.h"
 #include "plan/matrix.h"
+#include "plan/references.h"
 #include "plan/scene_models.h"
 #include "plan/turns.h"
 #include "registry.h"
@@ -386,7 +387,11 @@ void Plan::read_off(std::size_t row, const FromTrace& from) {
 
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
     ModelFinder finder(catalogue, say);
-    return Planner(experiment).make(choice, catalogue, finder);
+    Plan plan = Planner(experiment).make(choice, catalogue, finder);
+    const Experiment references = references_of(plan);
+    if (!references.solvers.empty())
+        plan.references = std::make_shared<Plan>(Planner(references).make({}, catalogue, finder));
+    return plan;
 }
 
 AskedCases cases_as_recorded(const Experiment& experiment, const std::vector<ModelRecord>& models,

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -62,8 +63,9 @@ struct Plan {
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
-    double planted_slowdown = 0;  // adds this share of its CPU time to each repeat: `track` tests itself with it
-    bool whole = true;            // every scene and solver of the experiment's profile: --solver and --scene chose none
+    double planted_slowdown = 0;       // adds this share of its CPU time to each repeat: `track` tests itself with it
+    std::shared_ptr<Plan> references;  // the answers to hold these against, see references.h; null: there are none
+    bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
     Shard shard = {};
 
     void read_off(std::size_t row, const FromTrace& from);

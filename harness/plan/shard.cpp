@@ -35,6 +35,10 @@ void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards) 
         for (std::size_t row : plan.jobs[i].cases) plan.decided[row] = elsewhere;
     }
     plan.jobs = std::move(mine);
+    if (!plan.references) return;
+    std::vector<int> in_turn(plan.references->jobs.size());
+    for (std::size_t i = 0; i < in_turn.size(); ++i) in_turn[i] = int(i % std::size_t(shard.of)) + 1;
+    take_shard(*plan.references, shard, in_turn);
 }
 
 }  // namespace hausbench

@@ -51,6 +51,7 @@ template <class Row> using Columns = std::vector<Column<Row>>;
 const Columns<Case>& case_columns();
 const Columns<Outcome>& outcome_columns();  // without the counters, whose columns follow from counter_fields
 const Columns<Check>& check_columns();
+const Columns<Row>& row_columns();  // what follows from all of these and the reference answer
 const Columns<ModelRecord>& model_columns();
 // Several rows a case: in files with the number of the case, in a column `case` before them.
 const Columns<FirstAnswer>& answer_columns();

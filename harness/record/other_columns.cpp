@@ -1,5 +1,7 @@
 #include "record/column_of.h"
 
+#include <cmath>
+
 namespace hausbench {
 
 using namespace columns;
@@ -11,6 +13,34 @@ const Columns<Check>& check_columns() {
               "the harness's own check, not timed: `holds`, `unsound`, `no witness` (so not checked), `not checked`"),
         NAMED("upper_check", upper, "likewise"),
         NAMED("fields_check", fields, "likewise, on 100 vertices and 100 elements of A"),
+    };
+    return all;
+}
+
+namespace {
+
+double middle(const Bounds& bounds) { return bounds.lower + 0.5 * (bounds.upper - bounds.lower); }
+
+template <double (*value)(const Row&)> Column<Row>::Real derived() {
+    return {1, [](const Row& row, double* out) { *out = value(row); }, nullptr};
+}
+double lower_error(const Row& row) { return middle(row.reference) - row.outcome.bounds.lower; }
+double upper_error(const Row& row) { return row.outcome.bounds.upper - middle(row.reference); }
+double middle_error(const Row& row) { return std::abs(middle(row.outcome.bounds) - middle(row.reference)); }
+
+}  // namespace
+
+const Columns<Row>& row_columns() {
+    using Entry = Row;
+    static const Columns<Entry> all = {
+        NAMED("reference_lower", reference.lower,
+              "lower bound of the same distance by the reference answer (a row of `/references`); NaN: there is none"),
+        NAMED("reference_upper", reference.upper, "likewise, upper bound"),
+        {"lower_error",
+         "middle of the reference's interval less `lower`: the true error but for half the width of that interval",
+         derived<lower_error>()},
+        {"upper_error", "`upper` less that middle", derived<upper_error>()},
+        {"middle_error", "how far the middle of `lower` and `upper` is from that middle", derived<middle_error>()},
     };
     return all;
 }

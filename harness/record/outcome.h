@@ -73,7 +73,8 @@ struct Outcome {
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
     bool stages_asked = false;
     std::vector<TraceSample> trace;
-    std::string fields_sha256;  // of the file that holds them, beside the journal; see field_file.h
+    double proven_upper = unknown;  // by a certificate of this answer that was checked; NaN: there is none
+    std::string fields_sha256;      // of the file that holds them, beside the journal; see field_file.h
     bool from_trace = false;
     bool side_by_side =
         false;  // other work of the run may have been on the machine meanwhile: its times compare with none

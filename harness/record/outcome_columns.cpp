@@ -66,6 +66,10 @@ const Columns<Outcome>& outcome_columns() {
                "JSON object of further numbers that the solver reports, such as `alpha` of `adaptive`; each solver's "
                "file says what they mean"),
         COLUMN(facts, "JSON object of texts that the solver reports, such as `chosen` of `adaptive`"),
+        COLUMN(
+            proven_upper,
+            "upper bound that a certificate of this answer proves, which the harness checked; NaN: none was asked for, "
+            "as of all rows but references, or none was accepted (then `certificate` in `facts` says why)"),
         COLUMN(fields_sha256, "of the file that held the row's fields while it was run; empty: it has none"),
         COLUMN(build,
                "as in `/meta`; a resumed file may hold several; for a solver of a plug-in, a hash of the program and "

@@ -19,7 +19,7 @@ struct ResultFile {
     std::map<std::string, std::string> texts;      // attributes of /meta
     std::map<std::string, std::int64_t> integers;  // likewise
     std::vector<ModelRecord> models;
-    std::vector<Row> rows;
+    std::vector<Row> rows, references;
     std::vector<LedgerEntry> ledger;
 };
 

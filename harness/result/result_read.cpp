@@ -64,11 +64,25 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
     }
 }
 
+// The columns that rows and reference answers have.
+std::vector<Row> read_answers(const h5::File& file, const std::string& group) {
+    std::vector<Row> rows(file.read_texts(group + "/identity").size());
+    read_columns(file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
+    read_columns(file, group, outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; });
+    read_columns(file, group, check_columns(), rows, [](Row& r) -> Check& { return r.check; });
+    return rows;
+}
+
+std::vector<Row> read_references(const h5::File& file) {
+    if (!file.has("references")) return {};  // of an older program
+    std::vector<Row> rows = read_answers(file, "references");
+    for (Row& row : rows) row.is_reference = true;
+    return rows;
+}
+
 std::vector<Row> read_cases(const h5::File& file) {
-    std::vector<Row> rows(file.read_texts("cases/identity").size());
-    read_columns(file, "cases", case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
-    read_columns(file, "cases", outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; });
-    read_columns(file, "cases", check_columns(), rows, [](Row& r) -> Check& { return r.check; });
+    std::vector<Row> rows = read_answers(file, "cases");
+    read_columns(file, "cases", row_columns(), rows, std::identity{});
     for (const std::string& child : file.children("cases")) {
         constexpr std::string_view prefix = "counter_";
         if (!child.starts_with(prefix)) continue;
@@ -186,6 +200,7 @@ ResultFile read_trusting(const fs::path& file) {
     for (const char* name : meta_integers) result.integers[name] = in.integer_attribute("meta", name);
     result.models = read_group(in, "models", model_columns(), "name");
     result.rows = read_cases(in);
+    result.references = read_references(in);
     read_details(in, "answers", answer_columns(), result.rows, &Outcome::answers);
     read_details(in, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
     read_details(in, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
@@ -197,11 +212,13 @@ ResultFile read_trusting(const fs::path& file) {
     }
     std::unordered_map<std::string_view, std::string_view> hashes;
     for (const ModelRecord& model : result.models) hashes[model.name] = model.sha256;
-    for (Row& row : result.rows) {
-        if (row.asked.profile.empty()) row.asked.profile = result.texts["profile"];
-        for (auto [name, hash] : {std::pair(&row.asked.source, &row.asked.source_hash),
-                                  std::pair(&row.asked.target, &row.asked.target_hash)}) {
-            if (const auto at = hashes.find(*name); at != hashes.end()) *hash = at->second;
+    for (auto* rows : {&result.rows, &result.references}) {
+        for (Row& row : *rows) {
+            if (row.asked.profile.empty()) row.asked.profile = result.texts["profile"];
+            for (auto [name, hash] : {std::pair(&row.asked.source, &row.asked.source_hash),
+                                      std::pair(&row.asked.target, &row.asked.target_hash)}) {
+                if (const auto at = hashes.find(*name); at != hashes.end()) *hash = at->second;
+            }
         }
     }
     return result;

@@ -37,10 +37,16 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
     }
 }
 
+// The columns that rows and reference answers have.
+void write_answers(h5::File& file, const std::string& group, const std::vector<Row>& rows) {
+    write_columns(file, group, case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
+    write_columns(file, group, outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
+    write_columns(file, group, check_columns(), rows, [](const Row& r) -> const Check& { return r.check; });
+}
+
 void write_cases(h5::File& file, const std::vector<Row>& rows) {
-    write_columns(file, "cases", case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
-    write_columns(file, "cases", outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
-    write_columns(file, "cases", check_columns(), rows, [](const Row& r) -> const Check& { return r.check; });
+    write_answers(file, "cases", rows);
+    write_columns(file, "cases", row_columns(), rows, std::identity{});
     std::set<std::string> others;
     for (const Row& row : rows) {
         for (const auto& [name, count] : row.outcome.other_counters) others.insert(name);
@@ -119,6 +125,7 @@ void write_result(const fs::path& file, const ResultFile& result) {
         for (const auto& [name, value] : result.integers) out.attribute("meta", name, value);
         write_columns(out, "models", model_columns(), result.models, std::identity{});
         write_cases(out, result.rows);
+        write_answers(out, "references", result.references);
         write_details(out, "answers", answer_columns(), result.rows, &Outcome::answers);
         write_details(out, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
         write_details(out, "preparation", preparation_columns(), result.rows, &Outcome::preparation);

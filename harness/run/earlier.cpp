@@ -63,6 +63,7 @@ public:
             if (models_.contains(model.name) && !hashes_.contains(model.name))
                 result_.models.push_back(std::move(model));
         }
+        keep_references();
         for (LedgerEntry& entry : before_.ledger) {
             const bool mine = entry.profile == now_ && (plan_.whole || subjects_.contains(entry.subject));
             if (!mine && profiles_.contains(entry.profile)) result_.ledger.push_back(std::move(entry));
@@ -71,6 +72,17 @@ public:
     }
 
 private:
+    // The reference answers of earlier rows that stay.
+    void keep_references() {
+        using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose
+        const auto place_of = [](const Case& c) { return Place(c.scene, c.quantity, c.pose_index); };
+        std::set<Place> wanted;
+        for (const Row& row : result_.rows) wanted.insert(place_of(row.asked));
+        for (const Row& one : result_.references) wanted.erase(place_of(one.asked));
+        for (Row& one : before_.references)
+            if (wanted.contains(place_of(one.asked))) result_.references.push_back(std::move(one));
+    }
+
     static bool awaits(const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
     }

@@ -33,9 +33,12 @@ namespace {
 
 class Runner {
 public:
-    Runner(const Plan& plan, const RunOptions& options)
+    enum class Proofs { not_wanted, wanted };
+
+    Runner(const Plan& plan, const RunOptions& options, Proofs proofs = Proofs::not_wanted)
         : plan_(plan),
           options_(options),
+          proofs_(proofs),
           side_by_side_(options.jobs > 1 || options.cluster),
           finished_(plan, options.results, plan.experiment.stem + options.suffix, options.fresh,
                     {options.any_build, options.cluster, side_by_side_}),
@@ -46,8 +49,27 @@ public:
     RunSummary run() {
         const HoldInterrupts hold;
         refuse_newer_result(file());
+        sweep();
+        take_references();
+        return finish();
+    }
+
+    // Runs what is open, and returns the rows that have run; writes no result.
+    std::vector<Row> answers() {
+        if (!HoldInterrupts::came()) sweep();
+        std::vector<Row> rows;
+        for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
+            if (plan_.decided.contains(i) || !finished_.kept(i, 0)) continue;
+            rows.push_back(finished_.row(i));
+            rows.back().is_reference = true;
+        }
+        return rows;
+    }
+
+private:
+    void sweep() {
         for (const std::string& name : options_.collect) finished_.take_over(options_.results, name);
-        if (!options_.collect.empty()) return finish();
+        if (!options_.collect.empty()) return;
         const int rounds = plan_.experiment.rounds;
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
@@ -60,7 +82,7 @@ public:
 
         if (options_.jobs > 1) {
             run_several();
-            return finish();
+            return;
         }
         // Scene by scene, so that solvers that are compared run close in time; every other round in reverse (ABBA).
         std::map<std::size_t, std::vector<const Job*>> by_scene;
@@ -74,10 +96,24 @@ public:
                 std::reverse(jobs.begin(), jobs.end());
             }
         }
-        return finish();
     }
 
-private:
+    // The reference answers have a journal of their own. They come last, so that a sweep that is interrupted has its rows.
+    void take_references() {
+        if (!plan_.references) return;
+        RunOptions options = options_;
+        options.suffix += ".reference";
+        options.quiet = true;
+        for (std::string& name : options.collect) name += ".reference";
+        progress_.doing(fmt::format("{} reference answers", plan_.references->cases.size()));
+        const auto begin = std::chrono::steady_clock::now();
+        references_ = Runner(*plan_.references, options, Proofs::wanted).answers();
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity",
+                           fmt::format("the rows are held against them; this run took {:.1f} s for them", seconds),
+                           std::int64_t(references_.size()), -seconds});
+    }
+
     std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
 
     // Cases that are finished stay so: what a solver takes is not asked here. Those that a smaller machine refused are open again.
@@ -238,7 +274,7 @@ private:
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
                                    traced, marks, round == 0 ? finished_.fields_file(row) : std::filesystem::path(),
-                                   round == 0 && plan_.experiment.stages});
+                                   round == 0 && plan_.experiment.stages, proofs_ == Proofs::wanted});
             if (!searches(job)) continue;
             WorkOrder::Item& item = order.items.back();
             if (round > 0) {
@@ -280,11 +316,13 @@ private:
         const bool swept = !HoldInterrupts::came();
         HoldInterrupts::handled();  // the next Ctrl-C ends the reading or the checking, which can take long, too
         std::vector<std::size_t> places;
+        result.references = references_;
         keep_earlier_rows(result, summary.file, places);
         summary.kept = result.rows.size() - mine;
         progress_.doing("verifying");
-        verify(result.rows, mine);
+        verify(result.rows, mine, result.references);
         note_unsound(result.rows, summary);
+        note_unsound(result.references, summary);
         for (const Job& job : plan_.jobs) summary.open += finished_.open_cases(job);
         summary.interrupted = HoldInterrupts::came() || !swept;
         HoldInterrupts::handled();
@@ -296,10 +334,10 @@ private:
         return summary;
     }
 
-    void verify(std::vector<Row>& rows, std::size_t mine) const {
+    void verify(std::vector<Row>& rows, std::size_t mine, std::vector<Row>& references) const {
         std::map<std::string, Shape> shapes;
         verify_rows(
-            rows,
+            rows, references,
             [&](const std::string& name) -> const Shape* {
                 for (const ModelRow& model : plan_.models) {
                     if (model.info->name != name) continue;
@@ -365,7 +403,8 @@ private:
     }
 
     const Plan& plan_;
-    const RunOptions& options_;
+    const RunOptions options_;
+    const Proofs proofs_;
     const bool side_by_side_;
     std::mutex lock_;
     Finished finished_;
@@ -374,6 +413,7 @@ private:
     bool expected_ = false;        // parts_ know what they are expected to take
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
+    std::vector<Row> references_;
     std::set<std::string> noted_;
 };
 

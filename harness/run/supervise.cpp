@@ -156,6 +156,9 @@ private:
             expect(outcome.fields_sha256.empty());
             outcome.fields_sha256 = event.at("sha256").get<std::string>();
             for (const auto& [name, value] : event.at("stages").items()) outcome.extras[name] = number(value);
+        } else if (kind == "proof") {
+            outcome.proven_upper = number(event.at("proven"));
+            outcome.facts["certificate"] = event.at("certificate").get<std::string>();
         } else {
             expect(kind == "trace" && outcome.trace.empty());
             for (const json& s : event.at("samples"))

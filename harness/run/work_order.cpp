@@ -16,7 +16,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Tolerance, of, value)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Limits, case_seconds, prepare_seconds, memory_bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Pair, source_file, target_file, queries)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quantity, source_pose, target_pose,
-                                   tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, search)
+                                   tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, proof,
+                                   search)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
                                    leave, slowdown, items, plugins)
 

@@ -43,6 +43,7 @@ struct WorkOrder {
         std::vector<double> marks;
         std::filesystem::path fields = {};  // file to write them into; empty: not asked for
         bool stages = false;
+        bool proof = false;      // with a certificate of its answer, which the worker checks
         std::size_t search = 0;  // items of one search have one number, and stand together; 0: it is of none
 
         // Of a search whose answers so far have this least upper bound: what is farther away is of no interest. The cutoff stays above

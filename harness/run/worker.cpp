@@ -1,8 +1,9 @@
 // Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
-// timed), "repeat" for each timed repeat, "trace", "fields", "end". In a warm chain the worker first answers all poses.
+// timed), "repeat" for each timed repeat, "trace", "fields", "proof", "end". In a warm chain the worker first answers all poses.
 // Each repeat, the trace and the fields then take one pass over the chain each. It sends "end" for every case last.
 #include "run/worker.h"
 
+#include "check/certificate_file.h"
 #include "error.h"
 #include "hash.h"
 #include "plugin.h"
@@ -123,6 +124,7 @@ private:
         if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
         query.threads = item.threads;
         query.time_limit = order_.limits.case_seconds;
+        query.wanted.certificate = item.proof;
         return query;
     }
 
@@ -185,6 +187,7 @@ private:
             if (is_timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
             fields(item, nullptr);
+            if (item.proof) prove(item, first->result);
         }
         send({{"event", "end"}, {"row", item.row}});
     }
@@ -316,6 +319,39 @@ private:
         }
         const std::string sha256 = wanted ? write_fields(item.fields, all) : "";
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
+    }
+
+    // Checks the certificate of an answer, if it has one.
+    void prove(const WorkOrder::Item& item, const Result& result) {
+        const auto tell = [&](double proven, const std::string& certificate) {
+            send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
+        };
+        if (result.certificates.empty())
+            return tell(unknown, result.why_no_certificate.empty() ? "none: the solver writes none"
+                                                                   : "none: " + one_line(result.why_no_certificate));
+        const auto as_loaded = [](const PreparedShape& prepared) {
+            Shape shape = prepared.shape();
+            points_of(shape) = prepared.original();
+            return shape;
+        };
+        const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
+        CertificateFile content;
+        content.source = {"", content_hash(source), item.source_pose};
+        content.target = {"", content_hash(target), item.target_pose};
+        content.quantity = item.quantity;
+        content.solver = order_.solver;
+        content.bounds = result.bounds;
+        content.witness = result.witness;
+        content.certificates = result.certificates;
+        try {
+            const CertificateVerdict verdict = verify_certificate(content, source, target);
+            if (verdict.accepted)
+                tell(std::max(verdict.proven, result.bounds.upper), "accepted");
+            else
+                tell(unknown, "refused: " + one_line(verdict.refusal));
+        } catch (const std::exception& error) {
+            tell(unknown, "not checked: " + one_line(error.what()));
+        }
     }
 
     WorkOrder order_;

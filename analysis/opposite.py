@@ -1,0 +1,44 @@
+"""Names the verdicts of a run that are opposite to the kept ones: `python3 -m analysis.opposite [--out DIR]`; the last thing `make experiments` does.
+
+Reads DIR/tables/*.verdicts.json. A verdict is compared only if it was tested in this run (analysis/shared/sizes.py). Prints one line if there is none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.shared import claims
+from analysis.shared.load import REFERENCE
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED
+
+OPPOSITE: Final = {HOLDS: FAILS, FAILS: HOLDS, NOT_REFUTED: FAILS}
+
+
+def _key(one: claims.Record) -> tuple[str, ...]:
+    return tuple(str(one[name]) for name in ("paper", "id", "stem", "place", "claim"))
+
+
+def opposites(now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[str]:
+    """A line for each claim whose outcome now is the opposite of the kept one."""
+    before = {_key(one): str(one["outcome"]) for one in kept}
+    return [f"{one['stem']}: {one['place']}{': ' if one['place'] else ''}{one['claim']}: {one['outcome']} here ({one['evidence']}), "
+            f"{before[_key(one)]} in results/reference"
+            for one in now if OPPOSITE.get(str(one["outcome"])) == before.get(_key(one), "") != ""]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.opposite", description="Verdicts that are opposite to those in results/reference.")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (results)")
+    tables = parser.parse_args(arguments).out / "tables"
+    now, kept = ([one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)] for folder in (tables, REFERENCE))
+    lines = opposites(now, kept)
+    print(*lines or [f"no verdict is opposite to a kept one ({len(now)} verdicts, {len(kept)} kept)"], sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,61 @@
+"""Whether a result has the sizes at which a paper's claims are tested: those that its experiment asks for in profile `paper`."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any, Final
+
+from analysis.shared import claims
+from analysis.shared.load import REFERENCE
+from analysis.shared.results import Results
+from analysis.shared.verdicts import UNTESTED, Verdict
+
+PAPER: Final = "paper"
+# Keys of an experiment that change how often or how long something is measured, and not what.
+HOW: Final = frozenset({"title", "paper", "profile", "model", "scene", "solver", "rounds", "repeats", "limits", "trace", "fields", "stages", "reference",
+                        "expected_unsound"})
+
+
+def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
+    """Everything that the experiment asks for in a profile: its scenes, its solvers, and the other keys, each as a text."""
+    top = experiment | experiment.get("profile", {}).get(profile, {})
+    tables = [(kind, {key: value for key, value in table.items() if key not in ("profiles", "note")})
+              for kind in ("scene", "solver") for table in top.get(kind, []) if profile in table.get("profiles", [profile])]
+    keys = [(key, value) for key, value in top.items() if key not in HOW]
+    return {json.dumps(one, sort_keys=True, default=str) for one in [*tables, *keys]}
+
+
+def tests_claims(results: Results) -> bool:
+    """The profile of the result asks for everything that profile `paper` asks for. Also true if the result does not say what was asked."""
+    experiment = tomllib.loads(str(results.meta.get("experiment_toml", "")))
+    profile = str(results.meta.get("profile", ""))
+    return profile == PAPER or not experiment or _asked(experiment, PAPER) <= _asked(experiment, profile)
+
+
+def kept_outcome(claim: claims.Claim, stem: str) -> str:
+    """What came out at the paper's sizes, from the verdicts kept in results/reference; empty if that was not measured."""
+    for path in sorted(REFERENCE.glob(f"*{claims.SUFFIX}")):
+        for one in claims.read(path):
+            if (one["paper"], one["id"], one["stem"], one["place"]) == (claim.entry.paper, claim.entry.id, stem, claim.place) \
+                    and one["claim"] == claim.removeprefix(f"{claim.place}: "):
+                return str(one["outcome"])
+    return ""
+
+
+def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Verdict]:
+    """The verdicts; those of a paper's claims are `not tested` if the result has smaller sizes than the paper."""
+    if tests_claims(results):
+        return list(verdicts)
+    return [_untested(verdict, results, stem) for verdict in verdicts]
+
+
+def _untested(verdict: Verdict, results: Results, stem: str) -> Verdict:
+    claim = verdict.claim
+    if not isinstance(claim, claims.Claim) or claim.entry.paper == claims.OWN:
+        return verdict
+    kept = kept_outcome(claim, stem)
+    there = f"at the paper's sizes: {kept}, see results/reference" if kept else "it has not been measured at the paper's sizes"
+    return replace(verdict, outcome=UNTESTED, evidence=f"at these sizes, profile {results.meta.get('profile')}; {there}", counted={})

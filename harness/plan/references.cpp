@@ -1,0 +1,82 @@
+#include "plan/references.h"
+
+#include "registry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+
+namespace hausbench {
+
+namespace {
+
+constexpr double finer = 0.01;
+
+// Of the solver that answers for two shapes of these kinds; empty if none does.
+std::string solver_for(ShapeKind source, ShapeKind target) {
+    const bool surfaces = source == ShapeKind::surface && target == ShapeKind::surface;
+    if (!surfaces && (source == ShapeKind::surface || target == ShapeKind::surface)) return "";
+    const bool points = source == ShapeKind::points && target == ShapeKind::points;
+    const std::string name = surfaces ? "surface_enclosure" : points ? "scan" : "cover";
+    const auto& all = solvers();
+    const bool built =
+        std::any_of(all.begin(), all.end(), [&](const SolverEntry& entry) { return entry.info.name == name; });
+    return built ? name : "";
+}
+
+SolverPlan plan_of(const std::string& name, Quantity quantity, std::vector<std::string> scenes) {
+    SolverPlan solver;
+    solver.name = name;
+    solver.label = "reference";
+    solver.options = {ParameterMap{}};
+    solver.quantity = quantity;
+    solver.scenes = std::move(scenes);
+    return solver;
+}
+
+}  // namespace
+
+Experiment references_of(const Plan& plan) {
+    Experiment asked = plan.experiment;
+    asked.solvers.clear();
+    if (!asked.reference) return asked;
+    std::map<std::string, ShapeKind> kinds;
+    for (const ModelRow& model : plan.models) kinds[model.info->name] = model.resolved.kind;
+    std::map<std::string, double> finest;                                      // of a scene
+    std::map<std::pair<std::string, Quantity>, std::set<std::string>> scenes;  // by solver
+    std::set<std::string> searches;
+    for (const ScenePlan& scene : asked.scenes)
+        if (scene.search) searches.insert(scene.name);
+    for (const Case& one : plan.cases) {
+        const auto source = kinds.find(one.source), target = kinds.find(one.target);
+        if (source == kinds.end() || target == kinds.end()) continue;  // a model is missing
+        if (one.quantity == Quantity::penetration || searches.contains(one.scene)) continue;
+        const std::string solver = solver_for(source->second, target->second);
+        if (solver.empty()) continue;
+        scenes[{solver, one.quantity}].insert(one.scene);
+        const auto [at, fresh] = finest.emplace(one.scene, one.tolerance);
+        at->second = std::min(at->second, one.tolerance);
+    }
+    for (auto& [key, names] : scenes)
+        asked.solvers.push_back(plan_of(key.first, key.second, {names.begin(), names.end()}));
+    std::erase_if(asked.scenes, [&](const ScenePlan& scene) { return !finest.contains(scene.name); });
+    for (ScenePlan& scene : asked.scenes) {
+        const double tolerance = finer * finest.at(scene.name);
+        scene.tolerances = {tolerance > 0 ? tolerance : finest.at(scene.name)};
+    }
+    asked.floor = 0;
+    asked.cutoff = std::numeric_limits<double>::infinity();
+    asked.budget = -1;
+    asked.repeats = 0;
+    asked.rounds = 1;
+    asked.trace = asked.fields = asked.stages = false;
+    asked.limits.case_seconds = asked.reference_seconds;
+    asked.expected_unsound.clear();
+    return asked;
+}
+
+}  // namespace hausbench
