@@ -194,7 +194,7 @@ endef
 
 experiments: build
 	$(call walk,$(WALKED),$(call fetch_for,$(WALKED)))
-	@$(PYTHON) -m analysis.opposite
+	@[ ! -f analysis/opposite.py ] || $(PYTHON) -m analysis.opposite
 
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
 

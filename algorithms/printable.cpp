@@ -31,8 +31,10 @@ Character first_character(std::string_view text) {
 
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x2028 || c == 0x2029; }
 
-bool sets_direction(char32_t c) {
-    return c == 0x61c || c == 0x200e || c == 0x200f || (c >= 0x202a && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+// Sets the direction of writing, or takes no room: two names that differ in such characters alone look the same.
+bool is_hidden(char32_t c) {
+    return c == 0x61c || (c >= 0x200b && c <= 0x200f) || (c >= 0x202a && c <= 0x202e) || (c >= 0x2060 && c <= 0x2069) ||
+           c == 0xfeff || (c >= 0xe0000 && c <= 0xe007f);
 }
 
 // Length of one of this program's colours at the beginning of a text, else 0. See coloured() in text_table.cpp.
@@ -50,7 +52,7 @@ std::string cleaned(std::string_view text, bool lines, bool colours) {
         std::size_t length = std::max<std::size_t>(c.length, 1);
         if (const std::size_t colour = colours ? colour_at(text) : 0; colour > 0)
             clean += text.substr(0, length = colour);
-        else if (c.length == 0 || sets_direction(c.number))
+        else if (c.length == 0 || is_hidden(c.number))
             clean += '?';
         else if (is_control(c.number) && !(lines && c.number == '\n'))
             clean += ' ';

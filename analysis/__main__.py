@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.shared.load import load
+from analysis.shared.printable import printable
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError
 from analysis.shared.stems import drawn_with, module_of, results_of
@@ -30,7 +31,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 report: Report = importlib.import_module(module_of(each)).make(results)
                 print(*report.save(results, chosen.out, each), sep="\n")
         except ResultError as problem:
-            print(problem, file=sys.stderr)
+            print(printable(str(problem)), file=sys.stderr)
+            code = 2
+        except OSError as problem:
+            print(printable(f"{stem}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
             code = 2
     return code
 

@@ -19,6 +19,8 @@
 namespace hausbench {
 namespace {
 
+constexpr int most_derivations = 100;  // from one file or recipe
+
 // Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
 // changes.
 constexpr std::string_view shapes_version = "2";
@@ -145,6 +147,9 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));
+    if (std::filesystem::file_size(file) == 0)  // also the files of the kernel, some of which never end
+        throw InputError(
+            fmt::format("model '{}': {} is empty: name a file that holds a shape", model.name, file.string()));
     const std::string found = sha256_of_file(file);
     if (!model.sha256.empty() && found != model.sha256)
         throw InputError(
@@ -172,6 +177,12 @@ LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
 
 std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& name) const {
     const ModelInfo& model = find(name);
+    int steps = 0;
+    for (const ModelInfo* one = &model; one->source == "derived"; one = &find(one->from)) {
+        if (++steps > most_derivations)
+            throw InputError(fmt::format("model '{}': is derived through more than {} models: shorten the chain", name,
+                                         most_derivations));
+    }
     const auto found = input_of(model);
     if (const auto* missing = std::get_if<MissingModel>(&found)) return *missing;
     const Input& input = std::get<Input>(found);
@@ -179,6 +190,9 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
     const std::filesystem::path shape_file = this->shape_file(key);
     LoadedShape loaded;
     if (std::filesystem::exists(shape_file)) {
+        if (!std::filesystem::is_regular_file(shape_file))
+            throw InputError(
+                fmt::format("model '{}': {} in the cache is not a regular file: delete it", name, shape_file.string()));
         loaded = read_shape(shape_file, key);
     } else {
         expect_room(model, input);

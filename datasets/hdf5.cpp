@@ -2,6 +2,8 @@
 
 #include "hash.h"
 #include "printable.h"
+#include "process/whole_file.h"
+#include "seal.h"
 
 // One by one, because the library's <hdf5.h> has the name of our own header.
 #include <H5public.h>
@@ -21,9 +23,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 #include <type_traits>
@@ -46,11 +48,6 @@ std::string library_message() {
     H5Eclear2(H5E_DEFAULT);
     return text.empty() ? "HDF5 gave no reason" : printable(text);  // it may quote the file
 }
-
-constexpr std::string_view seal_mark = "\nsha256 ";
-constexpr std::size_t seal_length = seal_mark.size() + 64 + 1;
-
-std::string sealed(Sha256& hash) { return std::string(seal_mark) + hash.hex() + "\n"; }
 
 // What is read or written, in messages: a file, or an object in it.
 struct Place {
@@ -287,20 +284,6 @@ void File::close() {
     Place{path_}.check(H5Fclose(std::exchange(id_, -1)));
 }
 
-void check_seal(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary | std::ios::ate);
-    const std::streamoff sealed_bytes = in.tellg() - std::streamoff(seal_length);
-    if (sealed_bytes < 0) return;
-    std::string seal(seal_length, '\0');
-    in.seekg(sealed_bytes);
-    in.read(seal.data(), std::streamsize(seal_length));
-    if (!seal.starts_with(seal_mark)) return;
-    Sha256 hash;
-    in.seekg(0);
-    if (seal != sealed(hash.add_stream(in, std::uint64_t(sealed_bytes))))
-        Place{file}.fail("some of its bytes are not those that were written");
-}
-
 // The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
 void File::save() const {
     const Place at{path_};
@@ -308,9 +291,10 @@ void File::save() const {
     std::vector<char> image(std::size_t(at.check(H5Fget_file_image(id_, nullptr, 0))));
     at.check(H5Fget_file_image(id_, image.data(), image.size()));
     Sha256 hash;
-    const std::string seal = sealed(hash.add(image.data(), image.size()));
+    const std::string seal = seal_of(hash.add(image.data(), image.size()));
     image.insert(image.end(), seal.begin(), seal.end());
-    std::FILE* const out = std::fopen(path_.c_str(), "wbe");
+    const int created = create_afresh(path_);
+    std::FILE* const out = created < 0 ? nullptr : ::fdopen(created, "wb");
     if (!out) at.fail(std::string("cannot be created: ") + std::strerror(errno));
     const bool written = std::fwrite(image.data(), 1, image.size(), out) == image.size() && std::fflush(out) == 0 &&
                          ::fsync(::fileno(out)) == 0;

@@ -10,11 +10,6 @@ namespace hausbench::h5 {
 
 enum class Open { create, read };
 
-// A file that was written here ends with a seal, the SHA-256 of all before it as a line of text, which HDF5 passes over and
-// whoever changes the file through HDF5 cuts off. Throws std::runtime_error where there is a seal that does not fit: the
-// library itself may crash or loop for ever on damaged files. O(size of the file).
-void check_seal(const std::filesystem::path& file);
-
 // Everything throws std::runtime_error with the file, the object and the library's own message.
 class File {
 public:

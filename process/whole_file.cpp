@@ -4,25 +4,33 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 
 namespace hausbench {
 
 namespace fs = std::filesystem;
 
+int create_afresh(const fs::path& file) {
+    ::unlink(file.c_str());
+    return ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+}
+
 void write_whole_file(const fs::path& file, const std::string& bytes) {
     const fs::path unfinished = file.string() + ".unfinished";
     std::error_code failed;
     errno = 0;
-    {
-        std::ofstream out(unfinished, std::ios::binary);
-        out.write(bytes.data(), std::streamsize(bytes.size()));
-        out.close();
-        if (!out) failed = std::error_code(errno ? errno : EIO, std::generic_category());
+    const int out = create_afresh(unfinished);
+    bool good = out >= 0;
+    for (std::size_t done = 0; good && done < bytes.size();) {
+        const ssize_t n = ::write(out, bytes.data() + done, bytes.size() - done);
+        if (n > 0) done += std::size_t(n);
+        good = n > 0 || (n < 0 && errno == EINTR);
     }
+    if (!good) failed = std::error_code(errno ? errno : EIO, std::generic_category());
+    if (out >= 0 && ::close(out) != 0 && !failed) failed = std::error_code(errno, std::generic_category());
     if (!failed) fs::rename(unfinished, file, failed);
     if (!failed) return;
     std::error_code ignored;

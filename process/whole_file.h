@@ -6,6 +6,10 @@
 
 namespace hausbench {
 
+// Creates a file for writing, and returns its descriptor; -1, with errno set, if it cannot. Whatever has that name is removed first, so that
+// nothing is written through a link or into a pipe.
+int create_afresh(const std::filesystem::path& file);
+
 // Under another name first. Throws InputError where it cannot be written.
 void write_whole_file(const std::filesystem::path& file, const std::string& bytes);
 

@@ -62,12 +62,64 @@ TEST_F(VerifyRows, TheDistanceHoldsAndTheNextDoubleDoesNot) {
     EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // below the verified lower bound of the first
 }
 
+// However little the row claims: its own witness is 2 away.
+TEST_F(VerifyRows, AWitnessRefutesItsOwnUpperBound) {
+    const Vec3 p(0.25, 0.25, 2);
+    for (const auto& [lower, upper] : {std::pair(0.0, 1.5), std::pair(-1.0, 0.0), std::pair(1e-3, 1e-3)}) {
+        rows = {answer(lower, upper, p)};
+        verify();
+        EXPECT_EQ(rows[0].check.upper, Verdict::unsound) << upper;
+        EXPECT_EQ(rows[0].outcome.status, RowStatus::unsound) << upper;
+    }
+    rows = {answer(0, 2, p), answer(2, 2, p), answer(0, 1, Vec3::Constant(unknown))};
+    verify();
+    EXPECT_EQ(rows[0].check.upper, Verdict::holds);
+    EXPECT_EQ(rows[1].check.upper, Verdict::holds);
+    EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // by the lower bound of the second
+}
+
+TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
+    const Vec3 p(0.25, 0.25, 2), nowhere = Vec3::Constant(unknown);
+    for (Row* row : {&(rows = {answer(3, 3, nowhere), answer(0, 1, nowhere), answer(1, 2.5, nowhere)}).front(),
+                     &rows[1], &rows[2]}) {
+        row->asked.source_hash = "a", row->asked.target_hash = "b";
+    }
+    Row reference = answer(2, 2, p);
+    reference.asked.source_hash = "a", reference.asked.target_hash = "b";
+    reference.asked.certified = 1;
+    reference.is_reference = true;
+    std::vector<Row> references = {reference};
+    const auto check = [&] { verify_rows(rows, references, [this](const std::string& name) { return load(name); }); };
+    check();
+    EXPECT_EQ(rows[0].check.lower, Verdict::no_witness);  // above an upper bound that nothing proves
+    EXPECT_EQ(rows[1].check.upper, Verdict::unsound);     // below a lower bound that its witness proves
+    EXPECT_EQ(rows[2].check.upper, Verdict::holds);
+    ASSERT_EQ(references.size(), 1U);
+    EXPECT_EQ(references[0].check.lower, Verdict::holds);
+    for (const Row& row : rows) {
+        EXPECT_EQ(row.reference.lower, 2);
+        EXPECT_EQ(row.reference.upper, 2);
+    }
+    references[0].outcome.proven_upper = 2.25;
+    rows[0].outcome.status = RowStatus::ok;
+    check();
+    EXPECT_EQ(rows[0].check.lower, Verdict::unsound);
+    EXPECT_EQ(rows[2].check.lower, Verdict::no_witness);
+    references[0].outcome.bounds = {5, 5};  // which its witness does not show: it is wrong itself, and says nothing
+    rows[2].outcome.status = RowStatus::ok;
+    check();
+    EXPECT_EQ(references[0].outcome.status, RowStatus::unsound);
+    EXPECT_EQ(rows[2].check.upper, Verdict::holds);
+    EXPECT_TRUE(std::isnan(rows[2].reference.lower));
+}
+
 TEST_F(VerifyRows, StoppedItSaysNothingOfWhatIsLeft) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(3, 3, p), answer(2, 2, p)};
     int asked = 0;
     verify([&] { return ++asked > 50; });
-    EXPECT_EQ(asked, 52);  // it stops within the first row, and asks once more before the second
+    EXPECT_EQ(asked,
+              53);  // it stops within the first row, asks once more for its upper bound, and once before the second
     for (const Row& row : rows) {
         EXPECT_EQ(row.check.lower, Verdict::not_checked);
         EXPECT_EQ(row.check.upper, Verdict::not_checked);
@@ -528,7 +580,13 @@ TEST_F(VerifyRows, ARowThatContradictsItselfIsNoticed) {
     };
     EXPECT_EQ(says([&](Row& r) { asked(r, 3, 9); }), "");
     EXPECT_EQ(says([&](Row& r) { asked(r, 0, 0.5); }), "");
-    EXPECT_EQ(says([&](Row& r) { asked(r, 0, 9), r.outcome.cutoff_used = 0.5; }), "");
+    EXPECT_EQ(says([&](Row& r) {
+                  r.asked.chain = "the target before it in a search";
+                  asked(r, 0, 9), r.outcome.cutoff_used = 0.5;
+              }),
+              "");
+    expects([&](Row& r) { asked(r, 0, 9), r.outcome.cutoff_used = 0.5; }, "in no search");
+    expects([&](Row& r) { r.outcome.status = RowStatus::budget; }, "its solver ended with converged");
     expects([&](Row& r) { asked(r, 2, 2); }, "not within");
 }
 

@@ -83,6 +83,7 @@ class Cases:
     side_by_side: Ints
     extras: Texts
     facts: Texts
+    proven_upper: Floats
     fields_sha256: Texts
     build: Texts
     machine: Texts
@@ -91,6 +92,11 @@ class Cases:
     lower_check: Texts
     upper_check: Texts
     fields_check: Texts
+    reference_lower: Floats
+    reference_upper: Floats
+    lower_error: Floats
+    upper_error: Floats
+    middle_error: Floats
     counters: Counters  # every counter_* column, without the prefix
 
     def __len__(self) -> int:
@@ -231,6 +237,7 @@ DEFAULTS: dict[str, Any] = {
     "cases/side_by_side": 0,
     "cases/extras": "{}",
     "cases/facts": "{}",
+    "cases/proven_upper": float("nan"),
     "cases/fields_sha256": "",
     "cases/build": "",
     "cases/machine": "",
@@ -239,6 +246,11 @@ DEFAULTS: dict[str, Any] = {
     "cases/lower_check": "not checked",
     "cases/upper_check": "not checked",
     "cases/fields_check": "not checked",
+    "cases/reference_lower": float("nan"),
+    "cases/reference_upper": float("nan"),
+    "cases/lower_error": float("nan"),
+    "cases/upper_error": float("nan"),
+    "cases/middle_error": float("nan"),
     "fields/case": 0,
     "fields/name": "",
     "fields/of": "vertices",

@@ -67,14 +67,23 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
     return np.array([value] * count, dtype=dtype).reshape(count, *np.shape(value))
 
 
+def _end_of_data(head: bytes) -> int | None:
+    """Where the data of an HDF5 file end, by its first bytes ("Superblock" in its specification, with addresses of 8 bytes); None if unknown."""
+    if len(head) < 52 or not head.startswith(b"\x89HDF\r\n\x1a\n") or head[8] > 3 or head[13 if head[8] < 2 else 9] != 8:
+        return None
+    return int.from_bytes(head[(at := {0: 40, 1: 44}.get(head[8], 28)):at + 8], "little")
+
+
 def _has_broken_seal(path: Path) -> bool:
-    """The file ends with a SHA-256 that does not fit the bytes before it. A file that another program changed has none."""
+    """Something follows the data of the file that is not their SHA-256. Nothing follows the data of a file that another program changed."""
     with path.open("rb") as file:
-        left = path.stat().st_size - SEAL_LENGTH
+        end, left = _end_of_data(file.read(64)), path.stat().st_size - SEAL_LENGTH
         file.seek(max(0, left))
         seal = file.read(SEAL_LENGTH + 1)
+        if end is not None and path.stat().st_size > end and left != end:
+            return True
         if left < 0 or not seal.startswith(SEAL_BEGIN):
-            return False
+            return left == end
         digest = hashlib.sha256()
         file.seek(0)
         while left > 0 and (part := file.read(min(left, 2**20))):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import textwrap
 from collections.abc import Callable, Sequence
@@ -71,11 +72,10 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
             "pdf": {"Title": stem, "Subject": caption, "CreationDate": None},
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
-            temporary = path.with_name(path.name + ".part")
+            drawn = io.BytesIO()  # the writer of PDF cannot be ended where there is no room on the disk
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
-                figure.savefig(temporary, format=path.suffix[1:], metadata=metadata[path.suffix[1:]],
-                               bbox_inches="tight" if footnote else None)
-            temporary.replace(path)
+                figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches="tight" if footnote else None)
+            tables.write_whole(path, drawn.getvalue())
     finally:
         if before is None:
             del os.environ["SOURCE_DATE_EPOCH"]

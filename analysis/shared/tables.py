@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from analysis.shared.printable import printable
 from analysis.shared.statistics import CONFIDENCE, Estimate
 
 if TYPE_CHECKING:
@@ -146,11 +147,11 @@ def comma_separated(records: Sequence[Record]) -> str:
     return text.getvalue()
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Writes the file under another name first, so that a reader sees the old text or the new one."""
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Writes the file under another name first, so that a reader sees the old content or the new one."""
     unfinished = path.with_name(path.name + ".unfinished")
     try:
-        unfinished.write_text(text, encoding="utf-8")
+        unfinished.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
         unfinished.replace(path)
     except OSError:
         unfinished.unlink(missing_ok=True)
@@ -165,6 +166,6 @@ def save(table: Table, records: Sequence[Record], out: Path, stem: str) -> list[
     paths = []
     for suffix, text in texts.items():
         path = folder / f"{stem}.{suffix}"
-        write_whole(path, text)
+        write_whole(path, printable(text, lines=True))
         paths.append(path)
     return paths

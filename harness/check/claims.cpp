@@ -28,6 +28,18 @@ std::string gap_above_tolerance(const Row& row) {
         bounds.lower, bounds.upper, query.tolerance.gap(bounds.lower));
 }
 
+// The solver's status and the row's are two words for one end, unless its process was ended later.
+std::string other_status(const Row& row) {
+    const Outcome& o = row.outcome;
+    const bool by_itself = o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget;
+    if (!by_itself || o.from_trace || o.solver_status.empty()) return "";
+    for (const Status status : {Status::converged, Status::below_floor, Status::above_cutoff, Status::time_limit,
+                                Status::budget, Status::precision_floor, Status::stalled}) {
+        if (o.solver_status == to_string(status) && row_status(status) == o.status) return "";
+    }
+    return fmt::format("its status is {}, but its solver ended with {}", to_string(o.status), o.solver_status);
+}
+
 }  // namespace
 
 std::string contradiction_in(const Row& row) {
@@ -42,7 +54,21 @@ std::string contradiction_in(const Row& row) {
     }
     if (identify(row.asked) != row.asked.identity)
         return "its identity is not that of its shapes, poses, options and limits";
+    if (row.outcome.cutoff_used < row.asked.cutoff && (row.asked.chain.empty() || row.asked.warm))
+        return "its cutoff_used is below its cutoff, but it is in no search";
+    if (std::string what = other_status(row); !what.empty()) return what;
     return row.outcome.status == RowStatus::ok ? gap_above_tolerance(row) : "";
+}
+
+std::string wrong_size(const Case& asked, const Shape& source) {
+    constexpr double rounding = 1e-12;  // another compiler may sum in another order
+    const auto differ = [](double told, double is) { return !(std::abs(told - is) <= rounding * is); };
+    const double across = diagonal(points_of(source)), longest = longest_side(points_of(source));
+    if (differ(asked.source_diagonal, across) || (asked.source_longest != 0 && differ(asked.source_longest, longest)))
+        return fmt::format(
+            "it gives A a diagonal of {:.17g} and a longest side of {:.17g}, but they are {:.17g} and {:.17g}",
+            asked.source_diagonal, asked.source_longest, across, longest);
+    return "";
 }
 
 std::string wrong_witness(const Row& row, const Shape& source, const Shape& target) {
@@ -64,6 +90,7 @@ std::vector<std::string> contradictions(const std::vector<Row>& rows,
         std::string what = contradiction_in(row);
         const Shape *source = load(row.asked.source), *target = load(row.asked.target);
         if (what.empty() && source && target) what = wrong_witness(row, *source, *target);
+        if (what.empty() && source) what = wrong_size(row.asked, *source);
         if (what.empty()) continue;
         if (++count <= most) lines.push_back(fmt::format("{}: {}", name_of(row.asked), what));
     }

@@ -11,9 +11,12 @@
 namespace hausbench {
 
 // Returns what the row says that its own columns rule out: an `ok` whose gap is above the tolerance, an answer whose bounds are NaN,
-// an identity that does not fit the case, or a model with an answer that the result does not list (`source_hash` is empty).
+// an identity that does not fit the case, a cutoff of a search that it is not in, a status that its solver did not end with, or a model with an answer that the result does not list (`source_hash` is empty).
 // Empty if there is nothing.
 std::string contradiction_in(const Row& row);
+
+// Likewise for the size of A that the row's tolerance is a fraction of. A `source_longest` of 0 is of an older file.
+std::string wrong_size(const Case& asked, const Shape& source);
 
 // Likewise for a witness that names an element that its shape does not have.
 std::string wrong_witness(const Row& row, const Shape& source, const Shape& target);

@@ -69,6 +69,7 @@ public:
         for (const Member& m : members_) {
             if (stop_ && stop_()) return false;
             check_lower(m);
+            look_beyond_upper(m);
         }
         if (stop_ && stop_()) return false;
         best_[of_both] = std::max({best_[of_first], best_[of_second], best_[of_both]});
@@ -135,6 +136,22 @@ private:
                                              forward ? "target" : "source", shown)
                                : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
+    }
+
+    // A witness that is farther away than its own row's upper bound refutes that bound, whatever lower bound the row claims. Of surfaces, whose
+    // check is a search, this is looked at only if the row claims no lower bound.
+    void look_beyond_upper(const Member& m) {
+        const Row& row = rows_[m.row];
+        const Witness& witness = row.outcome.witness;
+        const double most = row.outcome.bounds.upper + slack(row);
+        const double beyond = std::max(std::nextafter(most, infinity), std::numeric_limits<double>::denorm_min());
+        const bool forward = witness.direction == Witness::Direction::source_to_target;
+        const Vec3& p = forward ? witness.source_point : witness.target_point;
+        if (!std::isfinite(beyond) || !p.allFinite() || (surfaces_ && row.outcome.bounds.lower > 0) ||
+            (row.asked.quantity == Quantity::directed && !forward))
+            return;
+        double shown = 0;
+        if (by_witness(m, beyond, shown) == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], beyond);
     }
 
     std::string beyond_slack(const Row& row) const {

@@ -3,6 +3,7 @@
 #include "contract.h"
 #include "error.h"
 #include "plan/estimate.h"
+#include "plan/references.h"
 #include "printable.h"
 #include "process/memory.h"
 #include "registry.h"
@@ -98,8 +99,8 @@ std::string explain(const Plan& plan, const fs::path& results) {
     if (plan.references) {
         double seconds = 0;
         for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
-        text += fmt::format("REFERENCE\n  {} answers, certified and not timed, at most {} s each: about {}\n",
-                            plan.references->cases.size(), e.reference_seconds, clock_text(seconds));
+        text += fmt::format("REFERENCE\n  {} answers, certified and not timed, at most {} s each: about {}; {}\n",
+                            plan.references->cases.size(), e.reference_seconds, clock_text(seconds), rows_are_held);
         total += seconds;
     }
     text += "LEFT OUT\n";

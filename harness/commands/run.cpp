@@ -82,11 +82,11 @@ int run(RunArguments& arguments) {
     }
     const RunSummary summary = run_plan(plan, options);
     print(show_summary(summary.result, paper_of_output()));
+    print(describe_references(summary.result));
     const auto expected = summary.unsound_expected;
     print(fmt::format("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),
                       expected ? fmt::format(" ({} of the unsound as expected)", expected) : "",
                       summary.kept ? fmt::format("; {} rows of earlier runs are kept", summary.kept) : ""));
-    print(describe_references(summary.result));
     for (const std::string& row : summary.unsound) say({"unsound: " + row});
     if (summary.interrupted) {
         fmt::print(stderr, "interrupted: finished cases are saved; the same command resumes here\n");

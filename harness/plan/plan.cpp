@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 #include <tuple>
 
@@ -388,9 +387,8 @@ void Plan::read_off(std::size_t row, const FromTrace& from) {
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say) {
     ModelFinder finder(catalogue, say);
     Plan plan = Planner(experiment).make(choice, catalogue, finder);
-    const Experiment references = references_of(plan);
-    if (!references.solvers.empty())
-        plan.references = std::make_shared<Plan>(Planner(references).make({}, catalogue, finder));
+    if (const auto asked = references_of(plan))
+        plan.references = std::make_shared<Plan>(Planner(*asked).make({}, catalogue, finder));
     return plan;
 }
 

@@ -40,10 +40,10 @@ SolverPlan plan_of(const std::string& name, Quantity quantity, std::vector<std::
 
 }  // namespace
 
-Experiment references_of(const Plan& plan) {
+std::optional<Experiment> references_of(const Plan& plan) {
     Experiment asked = plan.experiment;
     asked.solvers.clear();
-    if (!asked.reference) return asked;
+    if (!asked.reference) return std::nullopt;
     std::map<std::string, ShapeKind> kinds;
     for (const ModelRow& model : plan.models) kinds[model.info->name] = model.resolved.kind;
     std::map<std::string, double> finest;                                      // of a scene
@@ -61,6 +61,7 @@ Experiment references_of(const Plan& plan) {
         const auto [at, fresh] = finest.emplace(one.scene, one.tolerance);
         at->second = std::min(at->second, one.tolerance);
     }
+    if (scenes.empty()) return std::nullopt;
     for (auto& [key, names] : scenes)
         asked.solvers.push_back(plan_of(key.first, key.second, {names.begin(), names.end()}));
     std::erase_if(asked.scenes, [&](const ScenePlan& scene) { return !finest.contains(scene.name); });

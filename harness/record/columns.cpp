@@ -102,10 +102,6 @@ json columns_json() {
                      {"identity", false}});
     describe(check_columns(), cases);
     describe(row_columns(), cases);
-    json& references = groups["references"];
-    describe(case_columns(), references);
-    describe(outcome_columns(), references);
-    describe(check_columns(), references);
     for (const char* name : {"answers", "repeats", "preparation", "fields"})
         groups[name].push_back(integer("case", "row of `/cases`"));
     describe(answer_columns(), groups["answers"]);

@@ -135,7 +135,10 @@ const Columns<FieldRecord>& field_columns() {
 const Columns<LedgerEntry>& ledger_columns() {
     using Entry = LedgerEntry;
     static const Columns<Entry> all = {
-        COLUMN(kind, "`not_built`, `not_prepared`, `not_run`; `prepared_again`: what could not be left out"),
+        COLUMN(kind,
+               "`not_built`, `not_prepared`, `not_run`; `prepared_again`: what could not be left out; `reference`: "
+               "what the "
+               "reference answers took, as a negative saving"),
         COLUMN(subject, "solver and scene"),
         COLUMN(what,
                "such as a structure. For motions, `structures for each pose` counts the poses that reused structures: "

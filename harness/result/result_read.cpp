@@ -6,6 +6,7 @@
 #include "process/child.h"
 #include "process/memory.h"
 #include "record/columns.h"
+#include "seal.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 #include "run/earlier.h"
 
 #include "error.h"
+#include "process/interrupts.h"
 #include "record/profiles.h"
 #include "result/provenance.h"
 
@@ -8,8 +9,10 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <tuple>
 
 namespace hausbench {
@@ -74,6 +77,7 @@ public:
 private:
     // The reference answers of earlier rows that stay.
     void keep_references() {
+        if (!plan_.experiment.reference) return;
         using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose
         const auto place_of = [](const Case& c) { return Place(c.scene, c.quantity, c.pose_index); };
         std::set<Place> wanted;
@@ -206,11 +210,43 @@ private:
     std::size_t gone_ = 0, not_replaced_ = 0, other_builds_ = 0;
 };
 
+// Renames a file to the first free name of FILE.unreadable, FILE.unreadable.2, ...
+std::filesystem::path put_aside(const std::filesystem::path& file) {
+    std::filesystem::path aside = file.string() + ".unreadable";
+    for (int number = 2; std::filesystem::exists(std::filesystem::symlink_status(aside)); ++number)
+        aside = fmt::format("{}.unreadable.{}", file.string(), number);
+    std::filesystem::rename(file, aside);
+    return aside;
+}
+
 }  // namespace
 
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
                                       const ShapesOf& shapes_of, std::vector<std::size_t>& places) {
     return Keeper(result, before, plan, shapes_of, places).keep();
+}
+
+std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
+                                           const ShapesOf& shapes_of, std::vector<std::size_t>& places) {
+    std::error_code loop;  // of links: it is replaced
+    if (!std::filesystem::exists(file, loop)) return {};
+    try {
+        return keep_earlier(result, read_result(file), plan, shapes_of, places);
+    } catch (const NewerResult&) {
+        throw;  // the finished cases are in the journal
+    } catch (const InputError& error) {
+        if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
+        return {fmt::format("{}; it is {} now", error.what(), put_aside(file).string())};
+    }
+}
+
+void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places) {
+    std::vector<std::size_t> order(rows.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+    std::vector<Row> sorted;
+    for (const std::size_t i : order) sorted.push_back(std::move(rows[i]));
+    rows = std::move(sorted);
 }
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 #include "plan/plan.h"
 #include "result/result_file.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,13 @@ namespace hausbench {
 // before the rows that stay.
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
                                       const ShapesOf& shapes_of, std::vector<std::size_t>& places);
+
+// The same with the rows of a file, if there is one. A file that cannot be read is put aside, as somebody may still want it; a line says where.
+// Throws NewerResult for the file of a newer program, and InputError if Ctrl-C ends the reading.
+std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
+                                           const ShapesOf& shapes_of, std::vector<std::size_t>& places);
+
+// Sorts the rows by their places.
+void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places);
 
 }  // namespace hausbench

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -38,13 +39,23 @@ bool torn_header(std::string_view text) {
     return true;
 }
 
+bool is_regular(int descriptor) {
+    struct stat status {};
+    return ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+}
+
 }  // namespace
 
 Journal::Journal(std::filesystem::path file, bool start_over) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
         throw InputError(fmt::format("{}: cannot write the journal: {}; choose another folder with --results",
                                      file_.string(), std::strerror(errno)));
+    }
+    if (!is_regular(descriptor_)) {
+        ::close(descriptor_);
+        throw InputError(fmt::format("{}: is not a regular file: move it away, or choose another folder with --results",
+                                     file_.string()));
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
         ::close(descriptor_);
@@ -73,6 +84,10 @@ Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) 
     if (descriptor_ < 0 && errno == ENOENT) return;
     if (descriptor_ < 0)
         throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
+    if (!is_regular(descriptor_)) {
+        ::close(descriptor_);
+        throw InputError(fmt::format("{}: is not a regular file: move it away", file_.string()));
+    }
     try {
         read(true);
     } catch (...) {

@@ -3,6 +3,7 @@
 #include "check/verify.h"
 #include "error.h"
 #include "plan/estimate.h"
+#include "plan/references.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
 #include "result/provenance.h"
@@ -24,7 +25,6 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
-#include <numeric>
 #include <set>
 
 namespace hausbench {
@@ -100,6 +100,9 @@ private:
 
     // The reference answers have a journal of their own. They come last, so that a sweep that is interrupted has its rows.
     void take_references() {
+        if (!plan_.experiment.reference)
+            ledger_.push_back({"not_run", "reference answers", "one for each scene, pose and quantity",
+                               "the experiment says reference = false", 1});
         if (!plan_.references) return;
         RunOptions options = options_;
         options.suffix += ".reference";
@@ -109,8 +112,7 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         references_ = Runner(*plan_.references, options, Proofs::wanted).answers();
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity",
-                           fmt::format("the rows are held against them; this run took {:.1f} s for them", seconds),
+        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity", rows_are_held,
                            std::int64_t(references_.size()), -seconds});
     }
 
@@ -317,7 +319,8 @@ private:
         HoldInterrupts::handled();  // the next Ctrl-C ends the reading or the checking, which can take long, too
         std::vector<std::size_t> places;
         result.references = references_;
-        keep_earlier_rows(result, summary.file, places);
+        for (const std::string& line : keep_earlier_rows(result, summary.file, plan_, options_.shapes_of, places))
+            progress_.line(line);
         summary.kept = result.rows.size() - mine;
         progress_.doing("verifying");
         verify(result.rows, mine, result.references);
@@ -360,46 +363,12 @@ private:
         }
     }
 
-    static void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places) {
-        std::vector<std::size_t> order(rows.size());
-        std::iota(order.begin(), order.end(), 0);
-        std::stable_sort(order.begin(), order.end(),
-                         [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
-        std::vector<Row> sorted;
-        for (const std::size_t i : order) sorted.push_back(std::move(rows[i]));
-        rows = std::move(sorted);
-    }
-
     std::vector<LedgerEntry> ledger_of(const std::vector<Row>& rows) const {
         std::vector<LedgerEntry> ledger = plan_.ledger;
         ledger.insert(ledger.end(), ledger_.begin(), ledger_.end());
         note_savings(plan_, finished_, rows, ledger);
         for (LedgerEntry& entry : ledger) entry.profile = plan_.experiment.profile;
         return ledger;
-    }
-
-    // Renames a file to the first free name of FILE.unreadable, FILE.unreadable.2, ...
-    static std::filesystem::path put_aside(const std::filesystem::path& file) {
-        std::filesystem::path aside = file.string() + ".unreadable";
-        for (int number = 2; std::filesystem::exists(std::filesystem::symlink_status(aside)); ++number)
-            aside = fmt::format("{}.unreadable.{}", file.string(), number);
-        std::filesystem::rename(file, aside);
-        return aside;
-    }
-
-    // A file that cannot be read is put aside: whoever knows what it is may still want it.
-    void keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, std::vector<std::size_t>& places) {
-        if (!std::filesystem::exists(file)) return;
-        try {
-            for (const std::string& line : keep_earlier(result, read_result(file), plan_, options_.shapes_of, places))
-                progress_.line(line);
-        } catch (const NewerResult&) {
-            throw;  // the finished cases are in the journal
-        } catch (const InputError& error) {
-            if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
-            const std::filesystem::path aside = put_aside(file);
-            progress_.line(fmt::format("{}; it is {} now", error.what(), aside.string()));
-        }
     }
 
     const Plan& plan_;

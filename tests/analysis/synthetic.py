@@ -40,6 +40,7 @@ CASE: dict[str, Any] = {
     "witness_source_element": -1, "witness_target_element": -1, "prepare_seconds": NAN, "prepare_bytes": -1,
     "solve_seconds": NAN, "reported_seconds": NAN, "peak_bytes": -1, "clock": "cpu", "trace_begin": 0, "trace_end": 0, "from_trace": 0, "side_by_side": 0,
     "extras": "{}", "facts": "{}", "lower_check": "holds", "upper_check": "not checked", "fields_sha256": "", "fields_check": "not checked",
+    "proven_upper": NAN, "reference_lower": NAN, "reference_upper": NAN, "lower_error": NAN, "upper_error": NAN, "middle_error": NAN,
     **{f"counter_{name}": np.uint64(0) for name in COUNTERS}, "build": "b1", "machine": "m1"}
 
 MODEL: dict[str, Any] = {"name": "", "sha256": "", "kind": "mesh", "elements": 1000, "vertices": 500, "diagonal": 1.0, "longest_side": 0.75,

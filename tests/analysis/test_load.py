@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import h5py
@@ -373,3 +374,19 @@ def test_a_file_without_a_seal_is_read(tmp_path: Path) -> None:
     with h5py.File(path, "a") as opened:
         opened["cases/upper"][0] = 0.5
     assert load.load(path).cases.upper[0] == 0.5
+
+
+def test_what_follows_the_data_is_their_seal_or_nothing(tmp_path: Path) -> None:
+    file = ResultFile("s")
+    file.case("guthe", "scene", [1.0])
+    path = file.write(tmp_path)
+    content = path.read_bytes()[:-73]
+    path.write_bytes(content)
+    seal = b"\nsha256 " + hashlib.sha256(content).hexdigest().encode() + b"\n"
+    load.load(path)  # as after a change by another program
+    for tail in (seal + b"\n", seal[:-1], seal.replace(b"sha", b"shb"), b"x" * 73):
+        path.write_bytes(content + tail)
+        with pytest.raises(ResultError, match="damaged"):
+            load.load(path)
+    path.write_bytes(content + seal)
+    load.load(path)

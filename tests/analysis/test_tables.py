@@ -60,12 +60,12 @@ def test_a_table_is_whole_or_the_old_one(tmp_path: Path, monkeypatch: pytest.Mon
     path = tmp_path / "t.md"
     tables.write_whole(path, "old")
 
-    def half(self: Path, text: str, encoding: str) -> None:
-        with self.open("w", encoding=encoding) as out:
-            out.write(text[:1])
+    def half(self: Path, content: bytes) -> None:
+        with self.open("wb") as out:
+            out.write(content[:1])
         raise OSError("the disk is full")
 
-    monkeypatch.setattr(Path, "write_text", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     with pytest.raises(OSError, match="full"):
         tables.write_whole(path, "new")
     assert path.read_text() == "old" and [file.name for file in tmp_path.iterdir()] == ["t.md"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import shlex
 import shutil
 import signal
 import struct
@@ -50,7 +51,7 @@ seconds_unit = 1e-3
 """
 
 DEFAULTS: dict[str, Any] = {
-    "limit": 20, "source": "sphere1", "target": "sphere1", "other": "guthe", "python": sys.executable, "peer": PEER, "deed": "",
+    "limit": 20, "source": "sphere1", "target": "sphere1", "other": "guthe", "python": shlex.quote(sys.executable), "peer": shlex.quote(str(PEER)), "deed": "",
     "format": "off", "lower": r"^h = ([-+0-9.eE]+)", "upper": r"at most (\S+)"}
 
 

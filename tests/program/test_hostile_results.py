@@ -63,7 +63,15 @@ def link(name: str, to: object) -> Change:
     return change
 
 
-def value(name: str, row: int, new: object) -> Change:
+def several(*changes: Change) -> Change:
+    def change(f: h5py.File) -> None:
+        for one in changes:
+            one(f)
+
+    return change
+
+
+def value(name: str, row: int | slice, new: object) -> Change:
     def change(f: h5py.File) -> None:
         f[name][row] = new
 
@@ -156,6 +164,11 @@ CONTRADICTIONS = {
     "an ok whose bound is not a number": (value("cases/upper", 0, np.nan), "not a number"),
     "an identity of another case": (value("cases/identity", 0, "0" * 64), "its identity"),
     "a tolerance that was not asked for": (value("cases/tolerance", 0, 0.5), "its identity"),
+    "a tolerance made large by the size of A": (several(value("cases/upper", 0, 1e9), value("cases/source_diagonal", 0, 1e15)), "a diagonal of 1000000000000000"),
+    "a cutoff of a search that there is not": (several(value("cases/upper", 0, np.inf), value("cases/cutoff_used", 0, 0.05)), "in no search"),
+    "a status that its solver did not end with": (value("cases/status", 0, "budget"), "its solver ended with converged"),
+    "an upper bound that its own witness refutes": (several(value("cases/lower", slice(None), 0), value("cases/upper", slice(None), 1e-6)), "unsound"),
+    "the same with no lower bound": (several(value("cases/lower", slice(None), -1), value("cases/upper", slice(None), 0)), "unsound"),
     "a witness of no element": (value("cases/witness_source_element", 0, 10**6), "names element 1000000 of the source"),
 }
 
@@ -209,6 +222,52 @@ def test_hostile_shapes_in_the_cache_are_refused(hausbench: Program, experiment:
             seal(file)
     code, said = again()
     assert code in (0, 2) and "unreferenced: is not one value" in said and "delete the file" in said, (code, said)
+
+
+@pytest.mark.parametrize("change", ["the mark of the seal", "a byte more", "a byte less", "text for a seal"])
+def test_what_follows_the_data_is_their_seal_or_nothing(hausbench: Program, good: Path, tmp_path: Path, change: str) -> None:
+    """Else a file with another byte in its data would pass for one that another program changed, which has no seal."""
+    content = bytearray(good.read_bytes())
+    if change == "the mark of the seal":
+        content[-72] ^= 1
+    elif change == "a byte more":
+        content += b"\n"
+    elif change == "a byte less":
+        del content[-1]
+    else:
+        content[-73:] = b"x" * 73
+    bad = tmp_path / "bad.h5"
+    bad.write_bytes(content)
+    assert "bad.h5: damaged" in hausbench.fails("show", bad)
+    bad.write_bytes(good.read_bytes()[:-73])
+    assert hausbench("show", bad).returncode == 0
+
+
+def test_a_shape_in_the_cache_that_is_a_pipe_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
+                                                        monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    run(hausbench, experiment, tmp_path)
+    for file in (tmp_path / "cache" / "shapes").glob("*.h5"):
+        file.unlink()
+        os.mkfifo(file)
+    assert hausbench("run", experiment, "--results", tmp_path, "--fresh", "--quiet", timeout=60).returncode == 0
+    assert "is not a regular file: delete it" in texts(tmp_path / "tiny.h5", "cases/reason")[0]
+
+
+def test_a_journal_that_is_a_pipe_is_refused(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "tiny.journal")
+    assert "tiny.journal: is not a regular file" in hausbench.fails("run", experiment, "--results", tmp_path, "--quiet")
+
+
+def test_nothing_is_written_through_a_link(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    """The name of an unfinished file may be taken by a link to another file, or by a pipe."""
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
+    (tmp_path / "tiny.h5.unfinished").symlink_to(precious)
+    run(hausbench, experiment, tmp_path)
+    os.mkfifo(tmp_path / "tiny.h5.unfinished")
+    run(hausbench, experiment, tmp_path, "--fresh")
+    assert precious.read_text() == "mine"
 
 
 ESCAPES = "\x1b]0;owned\x07\x1b[2J\u009b31m\u202e\nunsound: forged"
@@ -275,6 +334,10 @@ GENERATED = '\n[model.{}]\nsource = "generated"\nrecipe = '
 TRAPS = {
     "a device": ('\n[model.trap]\npath = "/dev/zero"\nformat = "off"\n', "is not a regular file"),
     "a pipe": ('\n[model.trap]\npath = "PIPE"\nformat = "off"\n', "is not a regular file"),
+    "a file of the kernel": ('\n[model.trap]\npath = "/proc/self/maps"\nformat = "xyz"\n', "is empty"),
+    "a long chain": (GENERATED.format("m0") + '"icosphere"\nlevel = 1\nradius = 1\n' +
+                     "".join(f'[model.m{i}]\nfrom = "m{i - 1}"\noperation = "weld"\n' for i in range(1, 500)) +
+                     '[model.trap]\nfrom = "m499"\noperation = "weld"\n', "more than 100 models"),
     "many points": (GENERATED.format("trap") + '"uniform_points"\ncount = 100000000\nseed = 1\n', "would take about"),
     "subdivisions": (GENERATED.format("ball") + '"icosphere"\nlevel = 1\nradius = 1\n[model.finer]\nfrom = "ball"\noperation = "subdivide"\n'
                      'levels = 4\n[model.trap]\nfrom = "finer"\noperation = "subdivide"\nlevels = 8\n', "would take about"),

@@ -111,6 +111,7 @@ def workers(folder: Path) -> list[int]:
     return found
 
 
+@needs_two_cores
 def test_ctrl_c_ends_all_of_them_and_the_same_command_goes_on(hausbench: Program, tmp_path: Path) -> None:
     file = tmp_path / "slow.toml"
     file.write_text(SLOW)

@@ -109,8 +109,8 @@ def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin:
 
 def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> None:  # noqa: F811
     burn = ("import time; [None for _ in iter(lambda: time.process_time() < 0.3, False)]; "
-            "print(0, 1)")
-    command = f'''command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (1)$' '''
+            "print(0, 2)")
+    command = f'''command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (2)$' '''
     found = rows(hausbench, plugin, "external", command)
     assert list(found["cases/clock"]) == ["cpu"] * 3
     assert (found["repeats/cpu_seconds"] >= 0.3).all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -18,7 +19,7 @@ MARK = "@@ step"
 def walk(steps: list[str], build: Path, home: Path) -> list[str]:
     """What each step prints on standard output, all in one shell that begins in a clone."""
     script = "".join(f"echo '{MARK} {number}'; date +%s.%N >> ~/times\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
-    script = script.replace("build/release", str(build))
+    script = script.replace("build/release", shlex.quote(str(build)))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("HAUSBENCH")}
     environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / "cache"), "COLUMNS": "120"}
     done = subprocess.run(["bash", "-c", script], cwd=home, env=environment, capture_output=True, text=True, timeout=300)

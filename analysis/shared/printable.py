@@ -1,0 +1,16 @@
+"""Makes text from result files safe to print: names and reasons must not steer a terminal or reverse what is read. As algorithms/printable.h."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+_BREAKS: Final = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+_CONTROLS: Final = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029]")
+# Marks of direction, and what takes no room: two names that differ in these alone look the same.
+_HIDDEN: Final = re.compile("[\u061c\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff\U000e0000-\U000e007f]")
+
+
+def printable(text: str, lines: bool = False) -> str:
+    """The text with spaces for control characters and question marks for hidden ones; as one line, or keeping its line breaks."""
+    return _HIDDEN.sub("?", (_CONTROLS if lines else _BREAKS).sub(" ", text))
