@@ -20,7 +20,7 @@ struct RunArguments : ExperimentArguments {
     std::string shard = "1/1", engine = "here";
     std::filesystem::path split;
     int jobs = 1;
-    bool fresh = false, any_build = false, quiet = false, cluster = false, collect = false;
+    bool fresh = false, any_build = false, quiet = false, cluster = false, collect = false, no_reference = false;
     ClusterArguments slurm;
 };
 
@@ -49,6 +49,10 @@ void refuse_with_slurm(const RunArguments& arguments) {
 int run(RunArguments& arguments) {
     if (arguments.engine == "slurm") refuse_with_slurm(arguments);
     Plan plan = plan_of(arguments, arguments.quiet);
+    if (arguments.no_reference) {
+        plan.experiment.reference = false;
+        plan.references.reset();
+    }
     if (arguments.engine == "slurm") {
         arguments.slurm.any_build = arguments.any_build;
         if (const auto code = submit(arguments, plan, arguments.slurm)) return *code;
@@ -149,6 +153,7 @@ void add_run(CLI::App& app, int& code) {
                      "make each repeat slower by this share, into STEM.planted.h5: `track` tests itself with it")
         ->check(CLI::Range(0.0, 10.0))
         ->group("");
+    verb->add_flag("--no-reference", arguments.no_reference, "as `reference = false` in the experiment");
     verb->add_flag("--quiet", arguments.quiet, "show no progress");
     take_cluster_options(verb, arguments);
     take_plugins(verb);

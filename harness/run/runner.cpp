@@ -102,7 +102,7 @@ private:
     void take_references() {
         if (!plan_.experiment.reference)
             ledger_.push_back({"not_run", "reference answers", "one for each scene, pose and quantity",
-                               "the experiment says reference = false", 1});
+                               "left out by reference = false in the experiment, or by --no-reference", 1});
         if (!plan_.references) return;
         RunOptions options = options_;
         options.suffix += ".reference";

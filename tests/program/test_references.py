@@ -74,7 +74,8 @@ def test_a_wrong_bound_without_a_witness_is_unsound(hausbench: Program, experime
     experiment.write_text("reference = false\n" + experiment.read_text())
     done = hausbench("run", experiment, "--results", tmp_path, "--quiet", "--fresh")
     assert done.returncode == 0 and status_of(tmp_path / "tiny.h5", "liar") == ["ok"]
-    assert "the experiment says reference = false" in texts(tmp_path / "tiny.h5", "ledger/reason")
+    assert status_of(run(hausbench, write(experiment, claims(lower, upper), solver=False), tmp_path, "--no-reference", "--fresh"), "liar") == ["ok"]
+    assert "left out by reference = false in the experiment, or by --no-reference" in texts(tmp_path / "tiny.h5", "ledger/reason")
 
 
 def test_an_upper_bound_that_no_certificate_proves_refutes_nothing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
@@ -126,6 +127,6 @@ def test_explain_counts_references(hausbench: Program, experiment: Path) -> None
     assert "'reference_seconds'" in hausbench.fails("explain", write(experiment, "[limits]\nreference_seconds = 0\n"))
 
 
-def write(experiment: Path, more: str) -> Path:
-    experiment.write_text(EXPERIMENT + more)
+def write(experiment: Path, more: str, solver: bool = True) -> Path:
+    experiment.write_text((EXPERIMENT if solver else EXPERIMENT.replace('[[solver]]\nname = "guthe"\n', "")) + more)
     return experiment
