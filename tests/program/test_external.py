@@ -233,7 +233,7 @@ def test_a_stray_signal_costs_one_case(sweep: Sweep, tmp_path: Path) -> None:
 
 def test_nothing_outlives_a_case(sweep: Sweep, tmp_path: Path) -> None:
     left = tmp_path / "left"
-    rows = sweep(deed=f"; setsid sh -c 'echo $$ > {left}; exec sleep 600' > /dev/null 2>&1 & while [ ! -s {left} ]; do sleep 0.01; done; echo")
+    rows = sweep(deed=f"; rm -f {left}; setsid sh -c 'echo $$ > {left}; exec sleep 600' > /dev/null 2>&1 & while [ ! -s {left} ]; do sleep 0.01; done; echo")
     assert rows["status"] == ["ok", "ok"], rows["reason"]
     wait_until_gone(left)
 
