@@ -10,8 +10,8 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
-constexpr std::size_t most_gathered_roughly =
-    208;  // triangles of B, less than fit; with more, what is covered is halved
+// Triangles of B, fewer than fit; if more are near, the pieces are halved.
+constexpr std::size_t most_gathered_roughly = 208;
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
     const auto v = scene.a.triangles.row(i);

@@ -200,6 +200,12 @@ bool proves_the_bound(double proven, double upper, double extent) {
     return proven - upper <= most_above_upper * extent;
 }
 
+Shape as_loaded(const PreparedShape& prepared) {
+    Shape shape = prepared.shape();
+    points_of(shape) = prepared.original();
+    return shape;
+}
+
 void write_certificate(const fs::path& file, const CertificateFile& content) {
     std::string bytes = header(content).dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
     for (const Certificate& one : content.certificates) bytes += one.bytes;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "check/certificate_check.h"
+#include "prepared.h"
 #include "solver.h"
 
 #include <filesystem>
@@ -26,6 +27,9 @@ struct CertificateFile {
     Witness witness;
     std::vector<Certificate> certificates;
 };
+
+// Returns the shape as it was loaded, before it was scaled: certificate files are about that.
+Shape as_loaded(const PreparedShape& prepared);
 
 // Whole or not at all. Throws InputError where it cannot be written.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);

@@ -127,11 +127,6 @@ public:
             return;
         }
         const MeasureRequest& request = work_.request;
-        const auto as_loaded = [](const PreparedShape& prepared) {
-            Shape shape = prepared.shape();
-            points_of(shape) = prepared.original();
-            return shape;
-        };
         const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
         const CertificateFile content{{request.source.string(), content_hash(source), {}},
                                       {request.target.string(), content_hash(target), {}},

@@ -329,11 +329,6 @@ private:
         if (result.certificates.empty())
             return tell(unknown, result.why_no_certificate.empty() ? "none: the solver writes none"
                                                                    : "none: " + one_line(result.why_no_certificate));
-        const auto as_loaded = [](const PreparedShape& prepared) {
-            Shape shape = prepared.shape();
-            points_of(shape) = prepared.original();
-            return shape;
-        };
         const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
         CertificateFile content;
         content.source = {"", content_hash(source), item.source_pose};
