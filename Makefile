@@ -53,7 +53,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test test-slurm hostile certificates mutants types experiments figures tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test test-slurm hostile certificates mutants types experiments figures check-reference tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -70,6 +70,7 @@ help:
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'
+	@echo 'make check-reference   do the bounds and the counted work of results/ equal those in results/reference/counts? STEM=... for some'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
 	@echo 'make asan-kernels the tests of kernels, contracts and cover alone, the same way; .ci/run runs them too'
 	@echo 'make tsan         the session and contract tests under the thread sanitizer, which must find a planted race'
@@ -188,6 +189,7 @@ for stem in $(1); do \
 done; \
 for stem in $$drawn; do \
     [ -z "$$(find analysis -name "$$stem.py")" ] || $(PYTHON) -m analysis "$$stem" || failed+=" $$stem (analysis)"; \
+    [ ! -f "results/reference/counts/$$stem.csv" ] || $(PYTHON) -m analysis.check_reference "$$stem" || true; \
 done; \
 [ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 endef
@@ -218,6 +220,10 @@ figures: $(DEPS)
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
+
+# A run says it too; here a difference is an error.
+check-reference: $(DEPS)
+	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 

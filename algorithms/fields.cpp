@@ -1,11 +1,18 @@
 #include "fields.h"
 
 #include "error.h"
+#include "kernel/point_triangle.h"
 #include "kernel/rounding.h"
+#include "kernel/triangle.h"
 #include "structures/bvh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <unordered_map>
+#include <utility>
 
 namespace hausbench {
 
@@ -20,32 +27,290 @@ Points standing(const PreparedShape& shape, const Pose& pose, const char* name) 
                      " beyond the largest double, 1.8e308: give both shapes in a larger unit");
 }
 
+constexpr double longest_edge = 1.0 / 64;  // of the diagonal of A
+
+// Distances of points to B, in the unit of B.
+class DistanceTo {
+public:
+    explicit DistanceTo(const PreparedShape& target) : tree_(target.triangles()) {}
+
+    struct Found {
+        double distance;
+        Index element;
+    };
+    // `near`: an element of B that is probably near, or -1.
+    Found operator()(const Vec3& p, Index near) const {
+        Counters unused;
+        ClosestHints hints;
+        hints.warm_triangle = near;
+        const ClosestPoint found = tree_.closest(p, hints, unused);
+        return {std::sqrt(found.squared_distance), found.triangle};
+    }
+
+private:
+    TriangleBvh tree_;
+};
+
+// Bisects edges that were marked, and with each edge the longest edge of every piece that has it, so that pieces become no thinner than
+// half of the angles of A (Rivara 1984). Neighbours share the mark of their edge, so no gap opens between them. Lengths are scaled.
+class FieldCutter {
+public:
+    FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double resolution,
+                std::size_t most_pieces)
+        : distance_to_(distance_to),
+          resolution_(resolution),
+          longest_(longest_edge * diagonal(vertices)),
+          most_(std::max(most_pieces, static_cast<std::size_t>(triangles.rows()))) {
+        for (Index i = 0; i < vertices.rows(); ++i) add(vertices.row(i).transpose(), i > 0 ? nearest.back() : -1);
+        pieces.reserve(static_cast<std::size_t>(triangles.rows()));
+        for (Index t = 0; t < triangles.rows(); ++t)
+            pieces.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, t, false});
+    }
+
+    struct Piece {
+        std::array<Index, 3> corners;
+        Index element;
+        bool settled;  // its edges and its centroid were compared
+    };
+    std::vector<Vec3> points;
+    std::vector<double> distances;
+    std::vector<Index> nearest;
+    std::vector<Piece> pieces;
+
+    void insert(const Vec3& p, Index element) {
+        Piece& whole = pieces[static_cast<std::size_t>(element)];
+        const auto [a, b, c] = whole.corners;
+        const Index middle = add(p, nearest[static_cast<std::size_t>(a)]);
+        whole.corners = {a, b, middle};
+        pieces.push_back({{b, c, middle}, element, false});
+        pieces.push_back({{c, a, middle}, element, false});
+    }
+
+    // Returns whether nothing is left to cut.
+    bool cut() {
+        while (true) {
+            const auto wanted = compare_unsettled();
+            if (wanted.empty()) return true;
+            list_edges();
+            marks_.clear();
+            bool all = true;
+            for (const auto& [off, edge] : wanted) all = all && mark(edge);
+            for (auto& [edge, middle] : marks_) middle = add(midpoint(edge), nearest[edge >> 32]);
+            split();
+            if (!all) return false;
+        }
+    }
+
+private:
+    using Edge = std::uint64_t;  // its two vertices
+
+    Index add(const Vec3& p, Index near) {
+        const auto found = distance_to_(p, near);
+        points.push_back(p);
+        distances.push_back(found.distance);
+        nearest.push_back(found.element);
+        return static_cast<Index>(points.size() - 1);
+    }
+
+    static Edge edge_of(const Piece& piece, int k) {
+        const auto a = static_cast<Edge>(piece.corners[k]), b = static_cast<Edge>(piece.corners[(k + 1) % 3]);
+        return std::min(a, b) << 32 | std::max(a, b);
+    }
+
+    Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
+    double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
+
+    // Of edges of equal length, the one with the larger number: then a chain of longer edges ends.
+    int longest_of(const Piece& piece) const {
+        int best = 0;
+        std::pair<double, Edge> most{-1, 0};
+        for (int k = 0; k < 3; ++k) {
+            const std::pair<double, Edge> one{squared_length_of(edge_of(piece, k)), edge_of(piece, k)};
+            if (one > most) most = one, best = k;
+        }
+        return best;
+    }
+
+    // Edges to bisect, the largest difference first. Every piece is settled then.
+    std::vector<std::pair<double, Edge>> compare_unsettled() {
+        std::vector<std::pair<double, Edge>> wanted;
+        std::vector<Edge> edges;
+        for (Piece& piece : pieces) {
+            if (piece.settled) continue;
+            piece.settled = true;
+            for (int k = 0; k < 3; ++k) edges.push_back(edge_of(piece, k));
+            if (const double off = off_at_centroid(piece); off > resolution_)
+                wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
+        }
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        for (const Edge edge : edges) {
+            const double off = off_at_midpoint(edge);
+            if (off > resolution_ || squared_length_of(edge) > longest_ * longest_) wanted.emplace_back(off, edge);
+        }
+        std::sort(wanted.begin(), wanted.end(), std::greater<>());
+        return wanted;
+    }
+
+    double off_at_midpoint(Edge edge) const {
+        const std::size_t a = edge >> 32, b = edge & 0xffffffff;
+        return std::abs(distance_to_(midpoint(edge), nearest[a]).distance - (distances[a] + distances[b]) / 2);
+    }
+
+    double off_at_centroid(const Piece& piece) const {
+        Vec3 centroid = Vec3::Zero();
+        double mean = 0;
+        for (Index corner : piece.corners) {
+            centroid += points[static_cast<std::size_t>(corner)] / 3;
+            mean += distances[static_cast<std::size_t>(corner)] / 3;
+        }
+        const Index near = nearest[static_cast<std::size_t>(piece.corners[0])];
+        return std::abs(distance_to_(centroid, near).distance - mean);
+    }
+
+    void list_edges() {
+        pieces_of_.clear();
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            for (int k = 0; k < 3; ++k) pieces_of_.emplace_back(edge_of(pieces[i], k), i);
+        }
+        std::sort(pieces_of_.begin(), pieces_of_.end());
+        due_ = 0;
+    }
+
+    // Marks the edge and those that have to be bisected with it. Not if that takes too many pieces: it then returns false.
+    bool mark(Edge first) {
+        std::vector<Edge> open{first}, fresh;
+        std::size_t more = 0;  // pieces: as many as share the edge
+        while (!open.empty()) {
+            const Edge edge = open.back();
+            open.pop_back();
+            if (!marks_.try_emplace(edge, -1).second) continue;
+            fresh.push_back(edge);
+            const std::pair<Edge, std::size_t> from{edge, 0};
+            for (auto at = std::lower_bound(pieces_of_.begin(), pieces_of_.end(), from);
+                 at != pieces_of_.end() && at->first == edge; ++at) {
+                ++more;
+                const Piece& piece = pieces[at->second];
+                open.push_back(edge_of(piece, longest_of(piece)));
+            }
+        }
+        if (pieces.size() + due_ + more > most_) {
+            for (const Edge edge : fresh) marks_.erase(edge);
+            return false;
+        }
+        due_ += more;
+        return true;
+    }
+
+    // From the middle of its longest edge, each piece is cut to the corner across and to the middles of its other marked edges.
+    void split() {
+        const std::size_t count = pieces.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const Piece whole = pieces[i];
+            const int k = longest_of(whole);
+            const auto middle_of = [&](int edge) {
+                const auto at = marks_.find(edge_of(whole, edge % 3));
+                return at == marks_.end() ? -1 : at->second;
+            };
+            const Index hub = middle_of(k);
+            if (hub < 0) continue;
+            const Index corners[] = {whole.corners[(k + 1) % 3], whole.corners[(k + 2) % 3], whole.corners[k]};
+            std::vector<Index> way{corners[0]};  // from the end of the longest edge round to its begin
+            for (int step = 0; step < 2; ++step) {
+                if (const Index middle = middle_of(k + 1 + step); middle >= 0) way.push_back(middle);
+                way.push_back(corners[step + 1]);
+            }
+            pieces[i] = {{hub, way[0], way[1]}, whole.element, false};
+            for (std::size_t j = 1; j + 1 < way.size(); ++j)
+                pieces.push_back({{hub, way[j], way[j + 1]}, whole.element, false});
+        }
+    }
+
+    const DistanceTo& distance_to_;
+    double resolution_, longest_;
+    std::size_t most_, due_ = 0;                           // pieces; due_: that the marks add
+    std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
+    std::unordered_map<Edge, Index> marks_;                // with the vertex in the middle
+};
+
 }  // namespace
 
-Fields distance_fields(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
-                       const Pose& target_pose) {
-    Shape vertices = PointSet{standing(source, source_pose, "A")};
+double DrawnField::largest() const { return *std::max_element(distances.begin(), distances.end()); }
+
+DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
+                         const Pose& target_pose, const Drawing& drawing) {
+    const Points here = standing(source, source_pose, "A");
     Shape there = target.shape();
     points_of(there) = standing(target, target_pose, "B");
-    const int exponent = scale_exponent(std::max(magnitude(points_of(vertices)), magnitude(points_of(there))));
-    const PreparedShape from(std::move(vertices), exponent), to(std::move(there), exponent);
-    const TriangleBvh tree(to.triangles());
-    const Points& points = points_of(from.shape());
-    const auto count = static_cast<std::size_t>(points.rows());
-    Field distance{"distance", Field::Of::vertices, Field::Meaning::number, std::vector<double>(count)};
-    Field nearest{"nearest", Field::Of::vertices, Field::Meaning::number, std::vector<double>(count)};
-    Counters unused;
-    ClosestHints hints;
-    for (std::size_t i = 0; i < count; ++i) {
-        const ClosestPoint found = tree.closest(points.row(static_cast<Index>(i)).transpose(), hints, unused);
-        distance.values[i] = std::ldexp(std::sqrt(found.squared_distance), -exponent);
-        nearest.values[i] = found.triangle;
-        hints.warm_triangle = found.triangle;  // neighbours in the file are often neighbours in space
+    const double largest = std::max(magnitude(here), magnitude(points_of(there)));
+    const int exponent = scale_exponent(largest);
+    const PreparedShape from(PointSet{here}, exponent), to(std::move(there), exponent);
+    const Shape& whole = source.shape();
+    const auto* mesh = std::get_if<TriangleMesh>(&whole);
+    const DistanceTo distance_to(to);
+    // Differences that rounding can make are no reason to cut.
+    const double resolution = std::ldexp(std::max(drawing.resolution, 4 * field_error(largest)), exponent);
+    FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, resolution,
+                       drawing.most_pieces);
+    DrawnField drawn;
+    if (mesh && std::isfinite(drawing.resolution)) {
+        const Vec3 witness = drawing.witness.unaryExpr([&](double x) { return std::ldexp(x, exponent); });
+        const Index element = drawing.witness_element;
+        if (element >= 0 && element < mesh->triangles.rows() && witness.allFinite()) {
+            const TriangleMesh scaled{points_of(from.shape()), mesh->triangles.row(element)};
+            const double off = std::sqrt(closest_point(witness, triangle_of(scaled, 0)).squared_distance);
+            if (off <= field_error(std::ldexp(largest, exponent))) cutter.insert(witness, element);
+        }
+        drawn.resolved = cutter.cut();
     }
-    return {std::move(distance), std::move(nearest)};
+    const auto count = static_cast<Index>(cutter.points.size()), pieces = static_cast<Index>(cutter.pieces.size());
+    drawn.vertices.resize(count, 3);
+    drawn.vertices.topRows(here.rows()) = here;
+    for (Index i = 0; i < count; ++i) {
+        const Vec3& p = cutter.points[static_cast<std::size_t>(i)];
+        for (int k = 0; k < 3 && i >= here.rows(); ++k) drawn.vertices(i, k) = std::ldexp(p[k], -exponent);
+        drawn.distances.push_back(std::ldexp(cutter.distances[static_cast<std::size_t>(i)], -exponent));
+    }
+    drawn.nearest = std::move(cutter.nearest);
+    drawn.pieces.resize(pieces, 3);
+    for (Index i = 0; i < pieces; ++i) {
+        const FieldCutter::Piece& piece = cutter.pieces[static_cast<std::size_t>(i)];
+        for (int k = 0; k < 3; ++k) drawn.pieces(i, k) = piece.corners[k];
+        drawn.elements.push_back(piece.element);
+    }
+    return drawn;
 }
 
-// Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by 2^-1075, next to uM nothing,
+double resolution_for(double fraction, const Bounds& bounds) {
+    return fraction * (bounds.lower > 0 ? bounds.lower : bounds.upper);
+}
+
+Fields as_fields(const DrawnField& drawn) {
+    const auto field = [](const char* name, Field::Of of, auto begin, auto end) {
+        return Field{name, of, Field::Meaning::number, std::vector<double>(begin, end)};
+    };
+    Fields fields;
+    fields.push_back(field("distance", Field::Of::vertices, drawn.distances.begin(), drawn.distances.end()));
+    fields.push_back(field("nearest", Field::Of::vertices, drawn.nearest.begin(), drawn.nearest.end()));
+    for (int k = 0; k < 3; ++k) {
+        const auto column = drawn.vertices.col(k);
+        fields.push_back(field(std::array{"x", "y", "z"}[k], Field::Of::vertices, column.begin(), column.end()));
+    }
+    if (drawn.pieces.rows() == 0) return fields;
+    for (int k = 0; k < 3; ++k) {
+        const auto column = drawn.pieces.col(k);
+        fields.push_back(field(std::array{"a", "b", "c"}[k], Field::Of::pieces, column.begin(), column.end()));
+    }
+    fields.push_back(field("element", Field::Of::pieces, drawn.elements.begin(), drawn.elements.end()));
+    return fields;
+}
+
+// Places of vertices that cuts add. The midpoint of two vertices is rounded by sqrt(3) uM and is off its triangle by that and the mean of
+// what they are off. A piece is
+// cut only if its longest edge is longer than the resolution, which is at least 1280uM: some 44 cuts lie behind a vertex, 77uM.
+// A witness is off by at most field_error(M), 320uM.
+//
+// Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by 2^-1075, next to uM nothing,
 // and the distance by as much when it is scaled back.
 //
 // Let p be a vertex, T = abc a triangle with its longest edge e = b - a first, d the distance from p to T, q the point that closest_point
@@ -78,7 +343,10 @@ Fields distance_fields(const PreparedShape& source, const Pose& source_pose, con
 // computed with an error of 4u, 14uM, which is less. 320uM is more than all of it.
 double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1074; }
 
-std::string_view to_string(Field::Of of) { return of == Field::Of::vertices ? "vertices" : "elements"; }
+std::string_view to_string(Field::Of of) {
+    constexpr std::string_view names[] = {"vertices", "elements", "pieces"};
+    return names[static_cast<std::size_t>(of)];
+}
 
 std::string_view to_string(Field::Meaning meaning) {
     constexpr std::string_view names[] = {"lower", "upper", "number"};

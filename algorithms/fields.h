@@ -1,23 +1,52 @@
-// The fields that need no solver: how far each vertex of A is from B, and which element of B is the nearest.
+// How far each place of A is from B, as a field for pictures. Needs no solver.
 #pragma once
 
 #include "prepared.h"
 #include "solver.h"
 
+#include <vector>
+
 namespace hausbench {
 
-// Of two points or meshes that are scaled by the same exponent, in the units of the input:
+// How finely A is cut before it is drawn.
+struct Drawing {
+    // Largest difference allowed between the distance and its linear interpolation, in the unit of the input. It is compared at the
+    // midpoint of every edge and at the centroid of every piece, so a spike in between can be missed. Infinity: A is not cut.
+    double resolution = infinity;
+    // A point of A posed that becomes a vertex if it lies on this triangle of A; -1: no such point.
+    Vec3 witness = Vec3::Zero();
+    Index witness_element = -1;
+    std::size_t most_pieces = 2'000'000;  // A itself may have more
+};
+
+// A posed, cut into pieces of its triangles, with the distance to B posed at each vertex.
+struct DrawnField {
+    Points vertices;              // the vertices of A posed, to the bit, then those that cuts added
+    Triangles pieces;             // none if A is a point set
+    std::vector<Index> elements;  // for each piece, its triangle of A
+    std::vector<double> distances;
+    std::vector<Index>
+        nearest;           // for each vertex, the nearest element of B; of several that seem as near, the lowest index
+    bool resolved = true;  // false: most_pieces ended the cutting where differences above the resolution were left
+
+    double largest() const;
+};
+
+// Cuts where the field needs it, the largest differences first when pieces run out. No edge that is left is longer than 1/64 of the
+// diagonal of A posed. O((|A| + |pieces|) log |B|) on well-behaved shapes. The shapes must have the same exponent. Throws InputError
+// for a surface, or if a pose moves a point beyond the largest double.
 //
-//     "distance"  of each vertex of A posed, its distance to B posed
-//     "nearest"   the element of B that is as near; of several that seem equally near, the one of lowest index
-//
-// O((|A| + |B|) log |B|) on well-behaved shapes. Throws InputError for a surface, or a pose that moves a point beyond the largest
-// double.
-//
-// Error, u = 2^-53, M = max |coordinate| of A posed and B posed: distance, and that to the element named, differ from the exact
-// distance by at most field_error(M), which fields.cpp derives.
-Fields distance_fields(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
-                       const Pose& target_pose);
+// Error, u = 2^-53, M = max |coordinate| of A posed and B posed: a distance, and the distance to the element named, differ from the
+// exact distance of the vertex by at most field_error(M), which fields.cpp derives. A vertex that a cut added is within
+// 2 field_error(M) of its triangle.
+DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
+                         const Pose& target_pose, const Drawing& drawing = {});
+
+// The resolution that shows h to a fraction of it: of the lower bound, or of the upper one if the lower one is 0.
+double resolution_for(double fraction, const Bounds& bounds);
+
+// As results keep it: of vertices "distance", "nearest", "x", "y", "z"; of pieces "a", "b", "c" (vertices) and "element".
+Fields as_fields(const DrawnField& drawn);
 
 double field_error(double magnitude);
 

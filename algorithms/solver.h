@@ -81,9 +81,10 @@ std::string_view to_string(Witness::Direction direction);
 inline constexpr std::string_view length_prefix = "length: ";
 using Reported = std::map<std::string, std::variant<double, std::string>>;
 
-// A value for each vertex or each element of A, such as the upper bound of each triangle.
+// A value for each vertex or each element of A, such as the upper bound of each triangle. Only draw_distance() of fields.h cuts A
+// into pieces.
 struct Field {
-    enum class Of { vertices, elements };
+    enum class Of { vertices, elements, pieces };
     enum class Meaning {
         lower,
         upper,

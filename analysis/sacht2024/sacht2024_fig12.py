@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib.colors import PowerNorm
 
 from analysis.sacht2024.sacht_pairs import percent
@@ -26,7 +25,8 @@ def make(results: Results) -> Report:
                          ["pair", "A", "B", "|A|", "|B|", "h(A, B), % of the diagonal", "farthest vertex, %"], left=3)
     records: list[tables.Record] = []
     for row in shown:
-        diagonal, farthest = float(cases.source_diagonal[row]), float(results.fields_of(row)["distance"].max())
+        corners = len(shapes.mesh(results, cases.source[row]).corners)
+        diagonal, farthest = float(cases.source_diagonal[row]), float(results.fields_of(row)["distance"][:corners].max())
         low, high = results.reference_of(row)
         table.rows.append([cases.scene[row], cases.source[row], cases.target[row], f"{cases.source_elements[row]:,}",
                            f"{cases.target_elements[row]:,}", percent(0.5 * (low + high) / diagonal), percent(farthest / diagonal)])
@@ -36,21 +36,20 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, shown: list[int]) -> Any:
-    """A above, B below; one colour scale for all, by the square root, up to the largest mean of a triangle's corners."""
+    """A above, B below; one colour scale for all, by the square root, up to the largest distance drawn."""
     cases = results.cases
     figure, axes = plt.subplots(2, len(shown), figsize=(style.DOUBLE_COLUMN, 4.3), squeeze=False)
     pairs = []
     for row in shown:
-        a, b = (shapes.mesh(results, column[row]) for column in (cases.source, cases.target))
-        of_corner = 100 * results.fields_of(row)["distance"] / float(cases.source_diagonal[row])
-        pairs.append((row, a, b, of_corner[a.triangles].mean(axis=1)))
-    scale = PowerNorm(0.5, 0, float(np.max([values.max() for *_, values in pairs])))
-    for k, (row, a, b, values) in enumerate(pairs):
+        pairs.append((row, shapes.drawn(results, row), shapes.mesh(results, cases.target[row]), 100 / float(cases.source_diagonal[row])))
+    scale = PowerNorm(0.5, 0, max(unit * float(a.distances.max()) for _, a, _, unit in pairs))
+    for k, (row, a, b, unit) in enumerate(pairs):
         eye, scene = mesh_picture.view_of(cases.scene[row]), cases.scene[row]
-        for ax, shape, colours, side in ((axes[0][k], a, plt.get_cmap("viridis")(scale(values)), "A"), (axes[1][k], b, None, "B")):
+        for ax, shape, colours, side in ((axes[0][k], a, plt.get_cmap("viridis")(scale(unit * a.colours)), "A"), (axes[1][k], b, None, "B")):
             mesh_picture.draw(ax, shape, eye, colours, edges=0.1 if side == "B" and len(shape.triangles) <= EDGES else 0.0,
                               both_sides=not (shape.closed and shape.manifold))
-            ax.set_title(f"for {scene.capitalize()}, {side}:\n{len(shape.triangles):,} triangles")
+            elements = cases.source_elements[row] if side == "A" else cases.target_elements[row]
+            ax.set_title(f"for {scene.capitalize()}, {side}:\n{elements:,} triangles")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=list(axes[0]), shrink=0.8, pad=0.01)
     bar.set_label("distance to B,\n% of the diagonal")
     return figure

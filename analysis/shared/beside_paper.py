@@ -13,10 +13,13 @@ import numpy as np
 from analysis.shared import style
 from analysis.shared.cells import Grid
 from analysis.shared.notes import clock_word
+from analysis.shared.sizes import tests_claims
 
 
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
-    """`papers` are the seconds that the paper prints, by scene and label."""
+    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes."""
+    if not tests_claims(grid.results):
+        papers = {}
     scenes, cells = grid.scenes, grid.cells
     present = [pair for pair in grid.labels if any((scene, pair[1]) in cells for scene in scenes)]
     pitch = len(present) + 1.0
@@ -50,5 +53,6 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{clock_word(grid.results)} to prepare and solve (s)")
     here = f"here, {grid.results.meta.get('profile', '')} sizes"
-    style.legend_above(figure, [*style.handles(present, lines=False), style.filled_entry(here), style.open_entry("the paper")])
+    entries = [*style.handles(present, lines=False), style.filled_entry(here)]
+    style.legend_above(figure, [*entries, style.open_entry("the paper")] if papers else entries)
     return figure

@@ -105,15 +105,18 @@ class Cell:
         return ", ".join(f"{name} {count} of {self.rows}" for name, count in self.failures.items()) or "ok"
 
 
-def compare(slow: Cell, fast: Cell) -> Estimate:
-    """The ratio of times: paired by round, or by seed where both have several; of times measured apart otherwise. No data if they do not compare."""
+def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
+    """The ratio of times, divided by `by`: paired by round, or by seed where both have several; of times measured apart otherwise. No data if they do not
+    compare.
+    """
     if slow.failures or fast.failures:
         return NO_DATA
     if lacking := apart(slow.origins | fast.origins):
         return lacking
-    if (slow.rows > 1) == (fast.rows > 1) and slow.times.keys() & fast.times.keys():
-        return ratio_by_round(slow.times, fast.times)
-    return ratio_of_medians(list(slow.times.values()), list(fast.times.values()))
+    times = {number: seconds / by for number, seconds in slow.times.items()}
+    if (slow.rows > 1) == (fast.rows > 1) and times.keys() & fast.times.keys():
+        return ratio_by_round(times, fast.times)
+    return ratio_of_medians(list(times.values()), list(fast.times.values()))
 
 
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:

@@ -66,6 +66,28 @@ def view_of(name: str) -> View:
     return VIEWS.get(name, view((0.5, 0.4, 1)))
 
 
+def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
+    """How many triangles are in front of a point of the mesh."""
+    x, y, depth = of.seen(point)
+    sides = of.seen(shown.corners)[shown.triangles]
+    a, b, c = (sides[:, k, :2] - (x, y) for k in range(3))
+    weights = np.stack([b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0], c[:, 0] * a[:, 1] - c[:, 1] * a[:, 0], a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]])
+    area = weights.sum(axis=0)
+    inside = ((weights >= 0).all(axis=0) | (weights <= 0).all(axis=0)) & (area != 0)
+    at = (weights[:, inside] * sides[inside, :, 2].T).sum(axis=0) / area[inside]
+    return int((at > depth + 1e-6 * float(np.ptp(shown.corners))).sum())
+
+
+def showing(shown: Mesh, of: View, point: Floats) -> View:
+    """The view turned about the y axis, by as little as shows the point; the view itself if no turn does."""
+    x, y, z = of.axes[2]
+    for turn in np.deg2rad([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180]):
+        turned = of if turn == 0 else view((x * np.cos(turn) + z * np.sin(turn), y, z * np.cos(turn) - x * np.sin(turn)))
+        if not _hidden_by(shown, turned, point):
+            return turned
+    return of
+
+
 def across(of: View, direction: Floats) -> View:
     """The view that is turned until this direction lies in the plane of the picture, from left to right."""
     length = float(np.linalg.norm(direction))

@@ -22,7 +22,7 @@ NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
 
 @dataclass(frozen=True)
 class Report:
-    draw: Callable[[], Any]  # the figure; tables do not wait for it
+    draw: Callable[[], Any] | None  # the figure; tables do not wait for it; None: there is none
     table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
@@ -44,13 +44,13 @@ class Report:
         beside = side_by_side_line(results)
         table = self.printed(results, stem)
         if table is None:
-            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside)
+            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside) if self.draw else []
         footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))
         paths = tables.save(table, self.records, out, stem)
         if table.verdicts:
             found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
             paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
-        return paths + save_figure(self.draw(), out, stem, table.caption, footnote)
+        return paths + save_figure(self.draw(), out, stem, table.caption, footnote) if self.draw else paths
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:

@@ -206,12 +206,13 @@ class Results:
     def _proven(self) -> dict[tuple[str, str, str, bytes], Interval]:
         found: dict[tuple[str, str, str, bytes], Interval] = {}
         for case in range(len(self.cases)):
-            if self.cases.certified[case] != 1 or not self.is_bounded(case):
-                continue
-            key, old = self._asked(case), Interval(-np.inf, np.inf)
-            old = found.get(key, old)
-            found[key] = Interval(max(old.lower, float(self.cases.lower[case])),
-                                  min(old.upper, float(self.cases.upper[case])))
+            intervals = [(self.cases.reference_lower[case], self.cases.reference_upper[case])]
+            if self.cases.certified[case] == 1 and self.is_bounded(case):
+                intervals.append((self.cases.lower[case], self.cases.upper[case]))
+            for lower, upper in intervals:
+                if np.isfinite(lower) and np.isfinite(upper):
+                    old = found.get(self._asked(case), Interval(-np.inf, np.inf))
+                    found[self._asked(case)] = Interval(max(old.lower, float(lower)), min(old.upper, float(upper)))
         return found
 
     def _asked(self, case: int) -> tuple[str, str, str, bytes]:
@@ -220,7 +221,7 @@ class Results:
 
     def reference_of(self, case: int) -> Interval:
         """What is proven of the true distance of this case, h or H, of the same shapes in the same poses: [greatest lower,
-        least upper] of all rows with bounds of certified solvers. NaN where there is no such row. Bounds that contradict each other
+        least upper] of the reference answer and of all rows with bounds of certified solvers. NaN if there is neither. Bounds that contradict each other
         (which `verify` reports) give the interval between the two.
         """
         proven = self.proven_of(case)

@@ -76,6 +76,29 @@ def mesh(results: Results, model: str) -> Mesh:
     return Mesh(*_arrays(results, model))
 
 
+@dataclass(frozen=True)
+class Drawn(Mesh):
+    """A posed, cut finely enough to show how far each place of it is from B."""
+
+    elements: Indices  # for each triangle here, the triangle of A that it is part of
+    distances: Floats  # of each corner to B; those of A's own vertices first
+
+    @property
+    def colours(self) -> Floats:
+        """One distance for each triangle, the mean of its corners."""
+        return np.asarray(self.distances[self.triangles].mean(axis=1))
+
+
+def drawn(results: Results, case: int) -> Drawn:
+    """The fields of a case, which must have `distance`. In files of older programs A is not cut."""
+    fields = results.fields_of(case)
+    if {"x", "y", "z", "a", "b", "c", "element"} <= fields.keys():
+        corners, triangles = (np.column_stack([fields[name] for name in names]) for names in ("xyz", "abc"))
+        return Drawn(corners, triangles.astype(np.int64), fields["element"].astype(np.int64), fields["distance"])
+    whole = mesh(results, results.cases.source[case])
+    return Drawn(posed(whole.corners, results.cases.pose[case]), whole.triangles, np.arange(len(whole.triangles)), fields["distance"])
+
+
 def points(results: Results, model: str) -> Floats | None:
     """n x 3, likewise; None where the cache does not have them."""
     try:

@@ -16,7 +16,7 @@ from analysis.shared.verdicts import UNTESTED, Verdict
 PAPER: Final = "paper"
 # Keys of an experiment that change how often or how long something is measured, and not what.
 HOW: Final = frozenset({"title", "paper", "profile", "model", "scene", "solver", "rounds", "repeats", "limits", "trace", "fields", "stages", "reference",
-                        "expected_unsound"})
+                        "expected_unsound", "claim", "plugins"})
 
 
 def _asked(experiment: dict[str, Any], profile: str) -> set[str]:

@@ -7,11 +7,12 @@ sets or meshes) and with another marker.
 
 from __future__ import annotations
 
+import json
 import zlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib
 
@@ -20,6 +21,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 from analysis.shared import solvers  # noqa: E402
 from analysis.shared.statistics import Estimate  # noqa: E402
+
+if TYPE_CHECKING:
+    from analysis.shared.results import Results
 
 SINGLE_COLUMN: Final = 3.5  # inches
 DOUBLE_COLUMN: Final = 7.16
@@ -99,11 +103,43 @@ def status_letter(status: str) -> str:
     return STATUS_LETTERS.get(status, "?")
 
 
+# Colours of Paul Tol's muted and light sets that no solver above has.
+_OWN_COLOURS: Final = ("#332288", "#AA4499", "#117733", "#CC6677", "#44AA99", "#DDCC77", "#6699CC", "#661100")
+_OWN_MARKERS: Final = "o^sDvP*X"
+_own: dict[str, Look] = {}  # by the solver's name, or the label of an external program
+_in_front = ""
+
+
+def introduce(results: Results) -> None:
+    """Gives solvers of plug-ins and external programs their titles and colours of their own, in the order of the file."""
+    titles: dict[str, str] = {}
+    for plugin in json.loads(str(results.meta.get("plugins") or "[]")):
+        titles |= {str(name): str(title) for name, title in plugin.get("titles", {}).items()}
+    for solver, label in dict.fromkeys(zip(results.cases.solver, results.cases.label)):
+        name = label if solver == "external" else solver
+        if (solver == "external" or solver not in LOOKS) and name not in _own:
+            k = len(_own)
+            _own[name] = Look(titles.get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], _OWN_MARKERS[k % len(_OWN_MARKERS)], (DASHED, "-")[k % 2])
+
+
+def highlight(label: str) -> None:
+    """Draws all other solvers in grey from now on; '' ends that."""
+    global _in_front
+    _in_front = label
+
+
 def look(solver: str, label: str = "") -> Look:
     """Of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is
-    not listed above is grey, with a marker that depends on its name alone.
+    not listed above and was not introduced is grey, with a marker that depends on its name alone.
     """
-    known = LOOKS.get(solver, Look(solver, "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
+    found = _look(solver, label)
+    return replace(found, colour="#BBBBBB") if _in_front and _in_front not in (label, label.partition("(")[0], solver if not label else "") else found
+
+
+def _look(solver: str, label: str) -> Look:
+    if solver == "external" and label.partition("(")[0] in _own:
+        solver = label.partition("(")[0]
+    known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solver, "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
     if label in ("", solver):
         return known
     variant = zlib.crc32(label.encode())

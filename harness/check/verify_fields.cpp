@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <string_view>
 
 namespace hausbench {
 namespace {
@@ -27,26 +29,125 @@ struct Unsound {
 };
 struct Stopped {};
 
+const Field* first(const Fields& fields, Field::Of of, std::string_view name) {
+    const auto at =
+        std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.of == of && f.name == name; });
+    return at == fields.end() ? nullptr : &*at;
+}
+
+// A as it was drawn: the fields x, y, z, a, b, c and element. Without them, A itself.
+class DrawnShape {
+public:
+    DrawnShape(const Fields& fields, const Standing& source, double error) : source_(source), error_(error) {
+        constexpr std::string_view of_vertices[] = {"x", "y", "z"}, of_pieces[] = {"a", "b", "c", "element"};
+        for (int k = 0; k < 3; ++k) places_[k] = first(fields, Field::Of::vertices, of_vertices[k]);
+        for (int k = 0; k < 4; ++k) pieces_[k] = first(fields, Field::Of::pieces, of_pieces[k]);
+        const auto missing = [](const Field* field) { return field == nullptr; };
+        moved_ = std::none_of(std::begin(places_), std::end(places_), missing);
+        cut_ = moved_ && std::none_of(std::begin(pieces_), std::end(pieces_), missing);
+    }
+
+    // Whether the field goes on to the vertices that cuts added.
+    bool has(const Field& field) const {
+        return moved_ && field.of == Field::Of::vertices &&
+               (field.name == "distance" || field.name == "nearest" ||
+                std::find(std::begin(places_), std::end(places_), &field) != std::end(places_));
+    }
+    std::size_t vertices() const { return moved_ ? places_[0]->values.size() : own_vertices(); }
+    std::size_t own_vertices() const { return std::size_t(source_.points().rows()); }
+    std::size_t pieces() const { return cut_ ? pieces_[0]->values.size() : 0; }
+    Vec3 vertex(std::size_t i) const {
+        if (!moved_) return source_.points().row(Eigen::Index(i)).transpose();
+        return {places_[0]->values[i], places_[1]->values[i], places_[2]->values[i]};
+    }
+
+    // All fields have the number of values that they should have.
+    void check() const {
+        for (std::size_t i = 0; i < vertices(); ++i) {
+            const Vec3 p = vertex(i);
+            if (!p.allFinite()) throw Unsound{fmt::format("vertex {} is not a point", i)};
+            if (i < own_vertices() && p != Vec3(source_.points().row(Eigen::Index(i))))
+                throw Unsound{fmt::format("vertex {} is not where A has it", i)};
+        }
+        if (!cut_) return;
+        std::vector<double> areas(std::size_t(source_.count())), rough(areas.size());
+        for (std::size_t i = 0; i < pieces(); ++i) {
+            const std::size_t element = index(3, i, areas.size());
+            const Element corners{vertex(index(0, i, vertices())), vertex(index(1, i, vertices())),
+                                  vertex(index(2, i, vertices()))};
+            areas[element] += area(corners);
+            rough[element] += rounding_of(corners);
+        }
+        for (std::size_t i : spread(pieces())) near_its_triangle(i);
+        for (std::size_t t = 0; t < areas.size(); ++t) {
+            const Element whole = source_[Index(t)];
+            if (std::abs(areas[t] - area(whole)) > rough[t] + rounding_of(whole) + 1e-12 * area(whole))
+                throw Unsound{fmt::format("element {}: its pieces have the area {:.9g}, and it has {:.9g}", t, areas[t],
+                                          area(whole))};
+        }
+    }
+
+private:
+    std::size_t index(int column, std::size_t piece, std::size_t count) const {
+        const double value = pieces_[column]->values[piece];
+        if (!(value >= 0 && value < double(count) && value == std::floor(value)))
+            throw Unsound{fmt::format("piece {}: {} {} is out of range", piece, pieces_[column]->name, value)};
+        return std::size_t(value);
+    }
+
+    void near_its_triangle(std::size_t piece) const {
+        const Element whole = source_[Index(index(3, piece, std::size_t(source_.count())))];
+        const Rational most = Rational(2) * Rational(error_);
+        for (int k = 0; k < 3; ++k) {
+            if (squared_distance(vertex(index(k, piece, vertices())), whole) > most * most)
+                throw Unsound{fmt::format("piece {} is not on its element", piece)};
+        }
+    }
+
+    static double area(const Element& e) {
+        if (e.size() < 3) return 0;
+        const double scale = std::max({e[0].cwiseAbs().maxCoeff(), e[1].cwiseAbs().maxCoeff(), 1e-300});
+        return 0.5 * ((e[1] - e[0]) / scale).cross((e[2] - e[0]) / scale).norm() * scale * scale;
+    }
+
+    // What moving its corners by 2e can do to its area.
+    double rounding_of(const Element& e) const {
+        if (e.size() < 3) return 0;
+        return 4 * error_ * ((e[1] - e[0]).norm() + (e[2] - e[1]).norm() + (e[0] - e[2]).norm() + error_);
+    }
+
+    const Standing& source_;
+    double error_;
+    const Field* places_[3];
+    const Field* pieces_[4];
+    bool moved_, cut_;
+};
+
 class FieldCheck {
 public:
     FieldCheck(const Standing& source, const Standing& target, double slack, const Stop& stop)
         : source_(source), target_(target), slack_(slack), stop_(stop) {}
 
     void all(const Fields& fields) const {
-        const Field *distance = nullptr, *nearest = nullptr;
+        const Field* distance = first(fields, Field::Of::vertices, "distance");
+        const Field* nearest = first(fields, Field::Of::vertices, "nearest");
+        if (!distance || !nearest) throw Unsound{"the fields distance and nearest are missing"};
+        const DrawnShape drawn(fields, source_, error());
         for (const Field& field : fields) {
-            const auto due = std::size_t(field.of == Field::Of::vertices ? source_.points().rows() : source_.count());
+            const std::size_t due = field.of == Field::Of::pieces     ? drawn.pieces()
+                                    : field.of == Field::Of::elements ? std::size_t(source_.count())
+                                    : drawn.has(field)                ? std::max(drawn.vertices(), drawn.own_vertices())
+                                                                      : drawn.own_vertices();
             if (field.values.size() != due)
                 throw Unsound{fmt::format("field {}: {} values for {} {}", field.name, field.values.size(), due,
                                           to_string(field.of))};
-            if (field.of == Field::Of::vertices && field.name == "distance" && !distance) distance = &field;
-            if (field.of == Field::Of::vertices && field.name == "nearest" && !nearest) nearest = &field;
         }
-        if (!distance || !nearest) throw Unsound{"the fields distance and nearest are missing"};
         in_order(fields);
-        for (std::size_t i : spread(distance->values.size())) near(i, distance->values[i], nearest->values[i]);
+        drawn.check();
+        for (std::size_t i : spread(distance->values.size()))
+            near(i, drawn.vertex(i), distance->values[i], nearest->values[i]);
         for (const Field& field : fields) {
-            if (field.meaning == Field::Meaning::number) continue;
+            if (field.meaning == Field::Meaning::number || field.of == Field::Of::pieces) continue;
             for (std::size_t i : spread(field.values.size())) bound(field, i);
         }
     }
@@ -65,22 +166,23 @@ private:
         return squared;
     }
 
-    void near(std::size_t i, double distance, double nearest) const {
+    double error() const {
+        return field_error(std::max(source_.points().cwiseAbs().maxCoeff(), target_.points().cwiseAbs().maxCoeff()));
+    }
+
+    void near(std::size_t i, const Vec3& p, double distance, double nearest) const {
         go_on();
         const auto what = [&] { return fmt::format("vertex {}: distance {:.17g}", i, distance); };
         if (!(distance >= 0) || std::isinf(distance)) throw Unsound{what() + " is no distance"};
         if (!(nearest >= 0 && nearest < target_.count() && nearest == std::floor(nearest)))
             throw Unsound{fmt::format("vertex {}: nearest {} is no element of B", i, nearest)};
-        const double magnitude =
-            std::max(source_.points().cwiseAbs().maxCoeff(), target_.points().cwiseAbs().maxCoeff());
-        const double error = field_error(magnitude);
-        const Rational most = Rational(distance) + Rational(error), least = Rational(distance) - Rational(error);
-        if (squared_distance(vertex(i), target_[Index(nearest)]) > most * most)
+        const Rational most = Rational(distance) + Rational(error()), least = Rational(distance) - Rational(error());
+        if (squared_distance(p, target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
         // Rounded up, which only makes more elements doubtful.
-        const double away = std::nextafter(distance - error, std::numeric_limits<double>::infinity());
-        const auto squared = nearer(vertex(i), away);
+        const double away = std::nextafter(distance - error(), std::numeric_limits<double>::infinity());
+        const auto squared = nearer(p, away);
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
     }
 

@@ -3,6 +3,10 @@
 // `distance` and `nearest`, proven: all of B posed is at least distance - e away from the vertex, and the element named at most
 // distance + e, with e = field_error() of fields.h.
 //
+// Of a drawn A (fields `x`, `y`, `z` of vertices; `a`, `b`, `c`, `element` of pieces): the vertices of A posed come first, to the bit,
+// and `distance` and `nearest` go on to the vertices that cuts added. The corners of a piece lie within 2e of its triangle of A. The
+// pieces of a triangle have its area.
+//
 // `lower` and `upper` of an element T (or of a vertex) of A, which bound h(T, B posed), the largest distance of a point of it: that can
 // refute, not prove. No lower bound is above an upper one (of all elements, not of 100). No upper bound is below the distance of a
 // corner or of the centroid. No lower bound is above the largest distance from a corner to b, for a single element b of B: as b is

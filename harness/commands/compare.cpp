@@ -1,19 +1,42 @@
 // `hausbench compare`: two results, or two solvers of one result, side by side.
 #include "commands/compare_results.h"
 #include "commands/compare_solvers.h"
+#include "commands/row_choice.h"
 #include "commands/verb.h"
 #include "error.h"
+
+#include <fmt/format.h>
 
 namespace hausbench {
 
 namespace {
 
-std::string compare(const std::vector<std::filesystem::path>& files, const std::vector<std::string>& solvers) {
+// The rows of these scenes and of this profile; each is empty for all.
+struct Rows {
+    std::vector<std::string> scenes;
+    std::string profile;
+};
+
+void take_rows(ResultFile& result, const Rows& wanted) {
+    RowChoice choice{{}, wanted.scenes, {}};
+    if (!wanted.profile.empty()) choice.where.push_back("profile=" + wanted.profile);
+    std::vector<Row> chosen;
+    for (const std::size_t row : chosen_rows(result, choice)) chosen.push_back(std::move(result.rows[row]));
+    if (chosen.empty()) throw InputError(fmt::format("--profile {}: the result has no row of it", wanted.profile));
+    result.rows = std::move(chosen);
+}
+
+std::string compare(const std::vector<std::filesystem::path>& files, const std::vector<std::string>& solvers,
+                    const Rows& wanted) {
     if (files.size() != (solvers.empty() ? 2 : 1))
         throw InputError(solvers.empty() ? "compare: name two results, or two solvers of one with --solver A B"
                                          : "compare: --solver compares two solvers of one result: name one");
     // Never freed: the program ends, and freeing 100,000 rows one by one takes a tenth of reading them.
-    const auto read = [&](std::size_t i) -> const ResultFile& { return *new ResultFile(read_result(files[i])); };
+    const auto read = [&](std::size_t i) -> const ResultFile& {
+        ResultFile& result = *new ResultFile(read_result(files[i]));
+        if (!wanted.scenes.empty() || !wanted.profile.empty()) take_rows(result, wanted);
+        return result;
+    };
     if (solvers.empty()) return compare_results(read(0), read(1));
     return compare_solvers(read(0), solvers[0], solvers[1], paper_of_output());
 }
@@ -23,6 +46,7 @@ std::string compare(const std::vector<std::filesystem::path>& files, const std::
 void add_compare(CLI::App& app, int&) {
     static std::vector<std::filesystem::path> files;
     static std::vector<std::string> solvers;
+    static Rows wanted;
     auto* verb = app.add_subcommand("compare",
                                     "compare two results case by case: differing answers first, then ratios of times "
                                     "with intervals; or, with --solver, two solvers of one result");
@@ -30,7 +54,9 @@ void add_compare(CLI::App& app, int&) {
     verb->add_option("--solver", solvers,
                      "two solvers of one result, paired by scene, pose and tolerance: labels, or \"guthe(samples=8)\"")
         ->expected(2);
-    verb->callback([] { print(compare(files, solvers)); });
+    verb->add_option("--scene", wanted.scenes, "only this scene; may be repeated")->allow_extra_args(false);
+    verb->add_option("--profile", wanted.profile, "only rows of this profile");
+    verb->callback([] { print(compare(files, solvers, wanted)); });
 }
 
 }  // namespace hausbench

@@ -14,8 +14,27 @@
 
 namespace hausbench {
 
+namespace {
+
+// The file, or the experiment of the project that has this stem.
+std::filesystem::path experiment_file(const std::filesystem::path& named) {
+    if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
+    std::vector<std::string> stems;
+    if (const auto root = find_project_root()) {
+        for (const auto& file : experiment_files(*root / "experiments")) {
+            if (file.stem() == named) return file;
+            stems.push_back(file.stem().string());
+        }
+    }
+    if (stems.empty()) return named;
+    throw InputError(fmt::format("'{}' is neither a file nor an experiment of the project{}", named.string(),
+                                 nearest_hint(named.string(), stems)));
+}
+
+}  // namespace
+
 Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
-    const Experiment experiment = read_experiment(arguments.file, arguments.profile);
+    const Experiment experiment = read_experiment(experiment_file(arguments.file), arguments.profile);
     static Catalogue models = catalogue();  // the plan points into it
     add_own_models(models, experiment);
     Progress progress(quiet);
@@ -43,7 +62,7 @@ ShapeOf recorded_shapes(const Experiment& experiment) {
 }
 
 std::filesystem::path results_of(const ExperimentArguments& arguments) {
-    return arguments.results.empty() ? results_folder() : arguments.results;
+    return arguments.results.empty() ? results_folder(experiment_file(arguments.file)) : arguments.results;
 }
 
 }  // namespace hausbench

@@ -17,7 +17,9 @@ struct ExperimentArguments {
 
 // The file and its profile, solvers and scenes.
 inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
-    verb->add_option("experiment", arguments.file, "experiment file (.toml)")->required();
+    verb->add_option("experiment", arguments.file,
+                     "experiment file (.toml), or the name of one of the project, such as zhang2017_table3")
+        ->required();
     verb->add_option("--profile", arguments.profile, "quick: minutes; paper: the papers' full sizes")
         ->capture_default_str();
     verb->add_option("--solver", arguments.choice.solvers,
@@ -30,6 +32,7 @@ Plan plan_of(const ExperimentArguments& arguments, bool quiet);
 // Reads the shapes that a result recorded from the models of the project and of the experiment. The catalogue is made when the first is
 // asked for.
 ShapeOf recorded_shapes(const Experiment& experiment);
-std::filesystem::path results_of(const ExperimentArguments& arguments);  // a folder
+// The folder of results: the one that was given, else results_folder() of paths.h.
+std::filesystem::path results_of(const ExperimentArguments& arguments);
 
 }  // namespace hausbench

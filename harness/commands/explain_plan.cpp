@@ -14,7 +14,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <regex>
 #include <set>
+#include <utility>
 
 namespace hausbench {
 
@@ -49,6 +52,67 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     }
 }
 
+// The solver as it is shown, without its seed.
+std::string without_seed(const Case& asked) {
+    static const std::regex seed("seed=[^,)]*");
+    return std::regex_replace(shown(asked), seed, "seed=...");
+}
+
+// Jobs of one solver on one scene that differ in their seeds alone.
+std::vector<std::vector<const Job*>> alike(const Plan& plan) {
+    std::vector<std::vector<const Job*>> groups;
+    std::map<std::pair<std::string, std::size_t>, std::size_t> number;
+    for (const Job& job : plan.jobs) {
+        const Case& first = plan.cases[job.cases.front()];
+        const std::string name = without_seed(first);
+        const auto at = number.find({name, job.scene});
+        if (at != number.end() && name != shown(first)) {
+            groups[at->second].push_back(&job);
+            continue;
+        }
+        number[{name, job.scene}] = groups.size();
+        groups.push_back({&job});
+    }
+    return groups;
+}
+
+// Adds some lines on these jobs, and returns what all of them take together; of memory, the largest.
+JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
+                          std::string& text) {
+    const Experiment& e = plan.experiment;
+    const Job& job = *jobs.front();
+    const Case& first = plan.cases[job.cases.front()];
+    const std::string label = printable(jobs.size() == 1 ? job.label
+                                                         : fmt::format("{} on {}, {} seeds", without_seed(first),
+                                                                       e.scenes[job.scene].name, jobs.size()));
+    JobEstimate all;
+    std::size_t cases = 0;
+    for (const Job* one : jobs) {
+        const JobEstimate estimate = estimates.of(plan, *one);
+        all.seconds += estimate.seconds;
+        all.known += estimate.known;
+        all.bytes = std::max(all.bytes, estimate.bytes);
+        cases += one->cases.size();
+        if (const std::string reason = does_not_fit(plan, *one, this_machine().memory_bytes); !reason.empty())
+            text += fmt::format("  {}: {}\n", printable(one->label), reason);
+    }
+    text += fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", label, cases, clock_text(all.seconds),
+                        all.known == cases ? "" : " (a guess)", all.bytes >> 20);
+    describe_needs(plan, job, text);
+    std::set<int> poses;
+    for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
+    if (job.pairs.front().queries.target_copied)
+        text += "      over a target that moves, what is prepared is built again for each pose\n";
+    else if (job.exponent && job.pairs.size() > 1)
+        text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n", shapes_of(job),
+                            job.pairs.size());
+    else if (poses.size() > 1)
+        text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+    if (e.scenes[job.scene].search)
+        text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
+    return all;
+}
+
 }  // namespace
 
 std::string explain(const Plan& plan, const fs::path& results) {
@@ -72,29 +136,11 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "RUN\n";
     double total = 0;
     std::int64_t most = 0;
-    for (const Job& job : plan.jobs) {
-        const JobEstimate one = estimates.of(plan, job);
-        const std::string label = printable(job.label);
-        total += one.seconds;
-        known += one.known;
-        most = std::max(most, one.bytes);
-        if (const std::string reason = does_not_fit(plan, job, this_machine().memory_bytes); !reason.empty())
-            text += fmt::format("  {}: {}\n", label, reason);
-        text +=
-            fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", label, job.cases.size(), clock_text(one.seconds),
-                        one.known == job.cases.size() ? "" : " (a guess)", one.bytes >> 20);
-        describe_needs(plan, job, text);
-        std::set<int> poses;
-        for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
-        if (job.pairs.front().queries.target_copied)
-            text += "      over a target that moves, what is prepared is built again for each pose\n";
-        else if (job.exponent && job.pairs.size() > 1)
-            text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n",
-                                shapes_of(job), job.pairs.size());
-        else if (poses.size() > 1)
-            text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
-        if (e.scenes[job.scene].search)
-            text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
+    for (const auto& jobs : alike(plan)) {
+        const JobEstimate all = describe_jobs(plan, jobs, estimates, text);
+        total += all.seconds;
+        known += all.known;
+        most = std::max(most, all.bytes);
     }
     if (plan.references) {
         double seconds = 0;

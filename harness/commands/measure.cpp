@@ -1,6 +1,7 @@
 // `hausbench measure`: the distance between any two files.
 #include "commands/measurement.h"
 
+#include "commands/measurement_pairs.h"
 #include "commands/verb.h"
 #include "error.h"
 #include "record/json.h"
@@ -25,10 +26,15 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
     return parameters;
 }
 
-void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::string>& parameters, bool& json) {
-    verb->add_option("A", request.source, "source file: h(A,B) = max over a in A of the distance from a to B")
-        ->required();
-    verb->add_option("B", request.target, "target file")->required();
+void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::string>& parameters,
+                    std::filesystem::path& pairs, bool& json) {
+    verb->add_option("A", request.source,
+                     "source: a file, or a model of the project; h(A,B) = max over a in A of the distance from a to B");
+    verb->add_option(
+        "B", request.target,
+        "target, likewise; A or B may be a quoted pattern, 'scans/*.ply', and both: files of one name are a pair");
+    verb->add_option("--pairs", pairs, "instead of A and B: a file with a line for each pair, A, B")
+        ->check(CLI::ExistingFile);
     verb->add_option(
         "--solver", request.solver,
         "see `hausbench list` (default: cover for meshes, scan for points, surface_enclosure for surfaces)");
@@ -59,13 +65,30 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
                    "solve in this process, for debuggers: a solver that hangs or crashes then takes it along");
     verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
         ->check(CLI::Range(1, 1024));
-    verb->add_option("--fields", request.fields,
-                     "write A with the distance of each vertex to B and its nearest element, and what the solver knows "
-                     "of each element, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView); with "
-                     "--symmetric too they are those of h(A,B)");
+    verb->add_option(
+        "--fields", request.fields,
+        "write A, cut finely enough to show how far each place of it is from B, with the distance and the "
+        "nearest element of each vertex, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView), "
+        "which also takes the solver's bounds of each triangle; with --symmetric, B too into NAME.back.ply");
+    verb->add_option(
+            "--resolution", request.resolution,
+            "for --fields: how far drawn values may be from the distance, as a fraction of h; inf: A is not cut")
+        ->capture_default_str();
     verb->add_option("--certificate", request.certificate,
                      "write a proof of the upper bound, from a second run, into this file, for `verify --certificate`");
     verb->add_flag("--json", json, "print one JSON object");
+}
+
+// What many pairs cannot share, or what CSV cannot hold.
+void check_batch(const MeasureRequest& request, const std::filesystem::path& pairs, bool json) {
+    if (!pairs.empty() && !request.source.empty())
+        throw InputError("--pairs: the list names the shapes: leave out A and B");
+    if (pairs.empty() && request.target.empty()) throw InputError("measure: name B, too");
+    const std::pair<bool, const char*> alone[] = {
+        {json, "--json"}, {!request.fields.empty(), "--fields"}, {!request.certificate.empty(), "--certificate"}};
+    for (const auto& [given, name] : alone) {
+        if (given) throw InputError(fmt::format("{}: not with several pairs, which are written as CSV", name));
+    }
 }
 
 }  // namespace
@@ -73,15 +96,25 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
 void add_measure(CLI::App& app, int& code) {
     static MeasureRequest request;
     static std::vector<std::string> parameters;
+    static std::filesystem::path pairs;
     static bool as_json = false;
     auto* verb = app.add_subcommand("measure",
                                     "bound the distance from A to B (meshes or point sets in any common format, or "
                                     "algebraic surfaces as .surface.toml)");
-    take_arguments(verb, request, parameters, as_json);
+    take_arguments(verb, request, parameters, pairs, as_json);
     take_plugins(verb);
     verb->callback([verb, &code] {
         request.options = parse_parameters(parameters);
         request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
+        const bool many = is_pattern(request.source) || is_pattern(request.target);
+        if (!pairs.empty() || many) {
+            check_batch(request, pairs, as_json);
+            code = measure_pairs(pairs.empty() ? pairs_of_patterns(request.source, request.target) : read_pairs(pairs),
+                                 request);
+            return;
+        }
+        if (request.source.empty() || request.target.empty())
+            throw InputError("measure: name two shapes, A and B; `hausbench measure --help`");
         const Measured measured = measure(request);
         constexpr auto replace = nlohmann::json::error_handler_t::replace;  // output of a program may not be UTF-8
         print(as_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request));

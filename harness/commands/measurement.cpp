@@ -2,9 +2,8 @@
 
 #include "check/certificate_file.h"
 #include "commands/measurement_solve.h"
+#include "commands/named_shape.h"
 #include "error.h"
-#include "isolated.h"
-#include "paths.h"
 #include "plan/plan.h"
 #include "process/whole_file.h"
 #include "registry.h"
@@ -13,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hausbench {
@@ -55,7 +55,10 @@ void check(const MeasureRequest& request) {
         throw InputError(fmt::format("--cutoff: must be a length of at least 0, not {}", *request.cutoff));
     if (!(request.time_limit >= 0))
         throw InputError(fmt::format("--time-limit: must be seconds of at least 0, not {}", request.time_limit));
+    if (!(request.resolution > 0))
+        throw InputError(fmt::format("--resolution: must be a number above 0, not {}", request.resolution));
     if (!request.fields.empty()) check_export_place(request.fields);
+    if (!request.fields.empty() && request.symmetric) check_export_place(file_of_way_back(request.fields));
     if (!request.certificate.empty()) check_place_to_write(request.certificate);
 }
 
@@ -116,6 +119,15 @@ void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     }
 }
 
+// A usual mistake is one file in millimetres and the other in metres.
+void warn_of_units(Measured& measured) {
+    const double a = measured.source.diagonal, b = measured.target.diagonal;
+    const double ratio = std::max(a, b) / std::min(a, b);
+    if (ratio >= 100 && std::isfinite(ratio))
+        measured.warnings.push_back(
+            fmt::format("{} is {:.3g} times as large as the other: are both in one unit?", a > b ? "A" : "B", ratio));
+}
+
 }  // namespace
 
 Measured measure(const MeasureRequest& asked) {
@@ -123,8 +135,8 @@ Measured measure(const MeasureRequest& asked) {
     MeasureRequest request = asked;
     // Next to the distance itself no bound tells, and nothing else would end the search.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
-    LoadedShape source = load_isolated(program_path(), request.source);
-    LoadedShape target = load_isolated(program_path(), request.target);
+    LoadedShape source = load_named(request.source.string());
+    LoadedShape target = load_named(request.target.string());
     Measured measured;
     measured.source = about(request.source, source);
     measured.target = about(request.target, target);
@@ -153,6 +165,7 @@ Measured measure(const MeasureRequest& asked) {
     else
         solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
+    warn_of_units(measured);
     if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
         measured.warnings.push_back(
             fmt::format("{} is not written: {}", request.certificate.string(),

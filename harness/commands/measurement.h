@@ -28,6 +28,7 @@ struct MeasureRequest {
     int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
     std::filesystem::path fields = {};                            // a file to write them into; empty: none are wanted
+    double resolution = 0.1;                                      // of them, as a fraction of the distance
     std::filesystem::path certificate = {};                       // likewise
     bool in_process = false;                                      // solve in this process: for debuggers
 
@@ -43,6 +44,15 @@ struct MeasuredShape {
     Index elements = 0, vertices = 0;
     double diagonal = 0;
     double float32_spacing = 0;  // of float32 at its largest coordinate
+};
+
+// A shape that was written with its fields.
+struct DrawnFile {
+    std::filesystem::path file;
+    Bounds bounds;  // of the distance that it shows
+    double largest = 0;
+    std::int64_t vertices = 0, pieces = 0;
+    bool resolved = true;  // false: it would take more pieces
 };
 
 // Why there is no answer: the process that solved was killed or ended. `status` is that of a row (record/outcome.h).
@@ -70,6 +80,7 @@ struct Measured {
         proven;  // what the certificate written says is an upper bound; none: no certificate was written
     std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
     std::string doubt = {};  // one line: why the certificate that was written may prove nothing; empty: it was checked
+    std::vector<DrawnFile> drawn = {};  // A; with --symmetric B too
     std::vector<std::string> warnings = {};
 };
 

@@ -65,6 +65,25 @@ void take_answers(const json& j, Measured& m) {
     m.peak_bytes = j.at("peak");
 }
 
+json drawn_json(const DrawnFile& one) {
+    return {{"event", "drawn"},
+            {"file", one.file.string()},
+            {"bounds", {number(one.bounds.lower), number(one.bounds.upper)}},
+            {"largest", number(one.largest)},
+            {"vertices", one.vertices},
+            {"pieces", one.pieces},
+            {"resolved", one.resolved}};
+}
+
+DrawnFile drawn_of(const json& j) {
+    return {j.at("file").get<std::string>(),
+            {number(j.at("bounds").at(0)), number(j.at("bounds").at(1))},
+            number(j.at("largest")),
+            j.at("vertices"),
+            j.at("pieces"),
+            j.at("resolved")};
+}
+
 enum class Trouble { input, memory, solver };
 
 // Does the work and tells how it went, as one JSON object a line.
@@ -84,6 +103,7 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
         MeasureSteps steps;
         steps.prepared = [&] { send({{"event", "prepared"}}); };
         steps.answered = [&] { send(answers_json(measured)); };
+        steps.drawn = [&] { send(drawn_json(measured.drawn.back())); };
         steps.proved = [&] { send({{"event", "certificate"}, {"proven", number(*measured.proven)}}); };
         prepare_and_solve(work, std::move(source), std::move(target), measured, steps);
         if (!measured.doubt.empty()) send({{"event", "doubt"}, {"why", one_line(measured.doubt)}});
@@ -177,6 +197,7 @@ private:
                 answered_ = true;
                 return allow("its fields or its certificate were not written");
             }
+            if (name == "drawn") return measured_.drawn.push_back(drawn_of(event));
             if (name == "certificate") {
                 measured_.proven = number(event.at("proven"));
                 return allow("its certificate was not checked");

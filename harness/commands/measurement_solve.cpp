@@ -93,17 +93,17 @@ public:
         measured_.solve_seconds = seconds_since(begin_);
     }
 
-    void write_fields() {
-        const PreparedShape& source = *shapes_.source;
-        Fields fields = distance_fields(source, {}, *shapes_.target, {});
-        if (work_.entry.info.fields) {  // once more, so that the time measured is that of the bounds alone
-            Query query = query_;
-            query.wanted.fields = true;
-            Trace untraced;
-            if (auto own = forward_->solve(query, untraced).fields)
-                std::move(own->begin(), own->end(), std::back_inserter(fields));
-        }
-        export_fields(work_.request.fields, source.shape(), source.original(), fields);
+    void write_fields(const std::function<void()>& drawn) {
+        const auto& file = work_.request.fields;
+        const Result& there = measured_.forward ? *measured_.forward : measured_.result;
+        write_fields(*forward_, *shapes_.source, *shapes_.target, there, there.witness.source_point,
+                     there.witness.source_element, file);
+        drawn();
+        if (!work_.request.symmetric) return;
+        const Result& back = measured_.backward ? *measured_.backward : measured_.result;
+        write_fields(*backward_, *shapes_.target, *shapes_.source, back, back.witness.target_point,
+                     back.witness.target_element, file_of_way_back(file));
+        drawn();
     }
 
     // Solves once more, writes the proof with the bounds of that answer, and checks what was written.
@@ -147,6 +147,25 @@ public:
     }
 
 private:
+    // The distances of one shape to the other. `witness`: the point of `from` that is farthest, as far as is known.
+    void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
+                      const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
+        const Drawing drawing{resolution_for(work_.request.resolution, answer.bounds), witness, witness_element};
+        const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
+        Fields own;
+        if (work_.entry.info.fields) {  // a second run, so that the time measured is the time of the bounds alone
+            Query query = query_;
+            query.wanted.fields = true;
+            const double gap = query.tolerance.gap(measured_.result.bounds.lower);
+            if (relative() && gap > 0) query.tolerance = {Tolerance::Of::absolute, gap};
+            Trace untraced;
+            if (auto fields = session.solve(query, untraced).fields) own = std::move(*fields);
+        }
+        export_fields(file, drawn, own);
+        measured_.drawn.push_back({file, answer.bounds, drawn.largest(), std::int64_t(drawn.vertices.rows()),
+                                   std::int64_t(drawn.pieces.rows()), drawn.resolved});
+    }
+
     bool relative() const { return query_.tolerance.of == Tolerance::Of::lower; }
 
     Session session(const std::shared_ptr<PreparedShape>& a, const std::shared_ptr<PreparedShape>& b,
@@ -218,7 +237,7 @@ void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Meas
     solving.solve();
     measured.peak_bytes = memory.peak_bytes(measured.result.outside_bytes);
     steps.answered();
-    if (!work.request.fields.empty()) solving.write_fields();
+    if (!work.request.fields.empty()) solving.write_fields(steps.drawn);
     if (!work.request.certificate.empty()) solving.write_certificate(steps.proved);
 }
 

@@ -17,6 +17,7 @@ struct MeasureWork {
 // What is called when a step is done.
 struct MeasureSteps {
     std::function<void()> prepared = [] {}, answered = [] {};
+    std::function<void()> drawn = [] {};   // the last of Measured::drawn is written
     std::function<void()> proved = [] {};  // the certificate is written, and not checked yet
 };
 

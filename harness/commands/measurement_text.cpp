@@ -31,6 +31,8 @@ json answer_json(const Result& r, double diagonal) {
             {"note", r.note},
             {"source_point", point_json(r.witness.source_point)},
             {"target_point", point_json(r.witness.target_point)},
+            {"source_element", r.witness.source_element < 0 ? json() : json(r.witness.source_element)},
+            {"target_element", r.witness.target_element < 0 ? json() : json(r.witness.target_element)},
             {"witness_direction", to_string(r.witness.direction)}};
 }
 
@@ -60,6 +62,29 @@ json directions_json(const Measured& m, const MeasureRequest& request) {
     if (m.forward) add("source to target", *m.forward, m.forward_seconds);
     if (m.backward) add("target to source", *m.backward, m.backward_seconds);
     return all;
+}
+
+json drawn_json(const Measured& m) {
+    json all = json::array();
+    for (const DrawnFile& one : m.drawn) {
+        all.push_back({{"file", one.file.string()},
+                       {"largest", number(one.largest)},
+                       {"vertices", one.vertices},
+                       {"pieces", one.pieces},
+                       {"resolved", one.resolved}});
+    }
+    return all;
+}
+
+std::string drawn_text(const DrawnFile& one, const char* what, double resolution) {
+    std::string text = fmt::format("fields     {}: {} vertices", one.file.string(), one.vertices);
+    if (one.pieces > 0) text += fmt::format(", {} triangles", one.pieces);
+    text += fmt::format("; largest drawn value {:.9g}, {} is in [{:.9g}, {:.9g}]\n", one.largest, what,
+                        one.bounds.lower, one.bounds.upper);
+    if (!one.resolved)
+        text += fmt::format(
+            "           coarser than --resolution {:g} asks: that takes more triangles than are written\n", resolution);
+    return text;
 }
 
 std::string shape_text(const MeasuredShape& s) {
@@ -97,10 +122,13 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
 
 std::string witness_text(const Result& r) {
     const Vec3 &p = r.witness.source_point, &q = r.witness.target_point;
-    const auto point = [](const Vec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]); };
+    const auto point = [](const Vec3& v, Index element) {
+        return fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]) +
+               (element < 0 ? "" : fmt::format(" [element {}]", element));
+    };
     if (!p.allFinite() && !q.allFinite()) return "";
-    return fmt::format("witness    {} on A, {} on B\n", p.allFinite() ? point(p) : "unknown",
-                       q.allFinite() ? point(q) : "unknown");
+    return fmt::format("witness    {} on A, {} on B\n", p.allFinite() ? point(p, r.witness.source_element) : "unknown",
+                       q.allFinite() ? point(q, r.witness.target_element) : "unknown");
 }
 
 }  // namespace
@@ -127,6 +155,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
                 {"proven", m.proven ? number(*m.proven) : json()},
                 {"proves_less", m.proven ? json(proves_less(m)) : json()},
+                {"fields", drawn_json(m)},
                 {"warnings", m.warnings},
                 {"prepare_seconds", m.prepare_seconds},
                 {"solve_seconds", m.solve_seconds},
@@ -163,6 +192,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     if (m.proven)
         text += fmt::format("proof      {}: at most {:.17g}{}; check it with `hausbench verify --certificate`\n",
                             request.certificate.string(), *m.proven, proves_less(m) ? larger : "");
+    for (std::size_t i = 0; i < m.drawn.size(); ++i)
+        text += drawn_text(m.drawn[i], i == 0 ? "h(A,B)" : "h(B,A)", request.resolution);
     for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
     return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
                               m.solve_seconds,

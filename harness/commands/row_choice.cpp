@@ -9,28 +9,30 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <set>
 
 namespace hausbench {
 
 namespace {
 
-// One --where: COLUMN=VALUE or COLUMN!=VALUE.
+// One --where.
 struct Condition {
     std::function<std::string(const Row&)> text;  // of a column of texts
     std::function<double(const Row&)> value;      // or of one of numbers
     std::string wanted;
     double number = 0;
-    bool differs = false;
+    std::string sign;      // "=", "!=", "<", "<=", ">" or ">="
     bool profile = false;  // a list of names, of which one is wanted
 
     bool holds(const Row& row) const {
+        const bool differs = sign == "!=";
         if (profile)
             return differs !=
                    (wanted.find(',') == wanted.npos ? share_profile(text(row), wanted) : text(row) == wanted);
         if (text) return differs != (text(row) == wanted);
         const double is = value(row);
+        if (sign[0] == '<') return is < number || (sign == "<=" && is == number);
+        if (sign[0] == '>') return is > number || (sign == ">=" && is == number);
         return differs != (is == number || (std::isnan(is) && std::isnan(number)));
     }
 };
@@ -58,15 +60,18 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
-Condition condition_of(const std::string& where) {
-    const auto equals = where.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw InputError(fmt::format("--where {}: write it as column=value or column!=value", where));
+Condition condition_of(const std::string& where, const std::string& option) {
+    const auto begin = where.find_first_of("=!<>");
+    const auto end = begin == std::string::npos ? begin : begin + (where.compare(begin + 1, 1, "=") == 0 ? 2 : 1);
     Condition condition;
-    condition.differs = where[equals - 1] == '!';
-    std::string name = where.substr(0, equals - condition.differs);
+    if (begin != std::string::npos) condition.sign = where.substr(begin, end - begin);
+    if (condition.sign == "==") condition.sign = "=";
+    if (begin == std::string::npos || begin == 0 || condition.sign == "!")
+        throw InputError(
+            fmt::format("{} {}: write it as column=value, column!=value, or column>number", option, where));
+    std::string name = where.substr(0, begin);
     if (name == "pose") name = "pose_index";  // as tables call it; the column of that name holds the motion
-    condition.wanted = where.substr(equals + 1);
+    condition.wanted = where.substr(end);
     condition.profile = name == "profile";
     const bool found =
         find_column<Case>(
@@ -74,7 +79,9 @@ Condition condition_of(const std::string& where) {
         find_column<Outcome>(
             outcome_columns(), name, [](const Row& row) -> const Outcome& { return row.outcome; }, condition) ||
         find_column<Check>(
-            check_columns(), name, [](const Row& row) -> const Check& { return row.check; }, condition);
+            check_columns(), name, [](const Row& row) -> const Check& { return row.check; }, condition) ||
+        find_column<Row>(
+            row_columns(), name, [](const Row& row) -> const Row& { return row; }, condition);
     if (!found) {
         std::vector<std::string> names;
         const auto add = [&]<class Part>(const Columns<Part>& columns) {
@@ -83,15 +90,17 @@ Condition condition_of(const std::string& where) {
                 if (!real || real->width == 1) names.emplace_back(column.name);
             }
         };
-        add(case_columns()), add(outcome_columns()), add(check_columns());
-        throw InputError(fmt::format("--where {}: no column of single values is called '{}'{}", where, name,
+        add(case_columns()), add(outcome_columns()), add(check_columns()), add(row_columns());
+        throw InputError(fmt::format("{} {}: no column of single values is called '{}'{}", option, where, name,
                                      nearest_hint(name, names)));
     }
+    if (condition.text && (condition.sign[0] == '<' || condition.sign[0] == '>'))
+        throw InputError(fmt::format("{} {}: '{}' holds texts: compare it with = or !=", option, where, name));
     if (condition.value) {
-        char* end = nullptr;
-        condition.number = std::strtod(condition.wanted.c_str(), &end);
-        if (condition.wanted.empty() || *end)
-            throw InputError(fmt::format("--where {}: '{}' holds numbers", where, name));
+        char* rest = nullptr;
+        condition.number = std::strtod(condition.wanted.c_str(), &rest);
+        if (condition.wanted.empty() || *rest)
+            throw InputError(fmt::format("{} {}: '{}' holds numbers", option, where, name));
     }
     return condition;
 }
@@ -110,6 +119,14 @@ bool among(const std::vector<std::string>& names, const std::string& one) {
 
 }  // namespace
 
+std::function<bool(const Row&)> row_test(const std::vector<std::string>& where, const std::string& option) {
+    std::vector<Condition> conditions;
+    for (const std::string& one : where) conditions.push_back(condition_of(one, option));
+    return [conditions](const Row& row) {
+        return std::all_of(conditions.begin(), conditions.end(), [&](const Condition& c) { return c.holds(row); });
+    };
+}
+
 std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& choice) {
     std::set<std::string> solvers, scenes;
     for (const Row& row : result.rows) {
@@ -118,17 +135,14 @@ std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& 
     }
     check_known(choice.solvers, solvers, "solver");
     check_known(choice.scenes, scenes, "scene");
-    std::vector<Condition> conditions;
-    for (const std::string& where : choice.where) conditions.push_back(condition_of(where));
+    const auto meets = row_test(choice.where);
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < result.rows.size(); ++i) {
         const Row& row = result.rows[i];
         const bool solver =
             choice.solvers.empty() || among(choice.solvers, row.asked.label) || among(choice.solvers, shown(row.asked));
         const bool scene = choice.scenes.empty() || among(choice.scenes, row.asked.scene);
-        if (solver && scene &&
-            std::all_of(conditions.begin(), conditions.end(), [&](const Condition& c) { return c.holds(row); }))
-            rows.push_back(i);
+        if (solver && scene && meets(row)) rows.push_back(i);
     }
     return rows;
 }

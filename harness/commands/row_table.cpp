@@ -34,6 +34,7 @@ nlohmann::ordered_json row_object(const Row& row) {
             {"lower", number(o.bounds.lower)},
             {"upper", number(o.bounds.upper)},
             {"gap", number(gap_of(o))},
+            {"answer", answer_of(row)},
             {"check", check_text(row)},
             {"certified", c.certified},
             {"prepare_seconds", number(o.prepare_seconds)},
@@ -107,6 +108,11 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
     out.push_back({{"lower", true}, [](const Row& r) { return bound_text(r.outcome.bounds.lower, true); }});
     out.push_back({{"upper", true}, [](const Row& r) { return bound_text(r.outcome.bounds.upper, false); }});
     out.push_back({{"gap", true, 6}, [](const Row& r) { return gap_text(gap_of(r.outcome)); }});
+    if (std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {
+            const std::string answer = answer_of(result.rows[row]);
+            return !answer.empty() && answer != "gap";
+        }))
+        out.push_back({{"answer", false}, answer_of});
     out.push_back({{"prepare", true, 7}, [](const Row& r) { return duration_text(r.outcome.prepare_seconds); }});
     out.push_back({{"solve [interval]", true, 4}, [](const Row& r) { return time_text(r.outcome); }});
     out.push_back({{"memory", true, 8}, [](const Row& r) { return bytes_text(r.outcome.peak_bytes); }});

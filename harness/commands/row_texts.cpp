@@ -1,5 +1,6 @@
 #include "commands/row_texts.h"
 
+#include "record/columns.h"
 #include "record/row_times.h"
 
 #include <fmt/format.h>
@@ -84,6 +85,13 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
 }
 
 double gap_of(const Outcome& outcome) { return outcome.bounds.upper - outcome.bounds.lower; }
+
+std::string answer_of(const Row& row) {
+    for (const Column<Outcome>& column : outcome_columns()) {
+        if (column.name == "answer") return std::get<Column<Outcome>::Text>(column.value).get(row.outcome);
+    }
+    return "";
+}
 
 std::string gap_text(double gap) { return std::isnan(gap) ? "" : fmt::format("{:.2g}", gap); }
 

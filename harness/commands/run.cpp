@@ -3,6 +3,7 @@
 
 #include "commands/cluster.h"
 #include "commands/experiment_arguments.h"
+#include "commands/row_choice.h"
 #include "commands/summary.h"
 #include "error.h"
 #include "plan/estimate.h"
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace hausbench {
@@ -20,7 +22,9 @@ struct RunArguments : ExperimentArguments {
     std::string shard = "1/1", engine = "here";
     std::filesystem::path split;
     int jobs = 1;
+    std::vector<std::string> again;
     bool fresh = false, any_build = false, quiet = false, cluster = false, collect = false, no_reference = false;
+    bool strict = false;
     ClusterArguments slurm;
 };
 
@@ -37,6 +41,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
     const std::pair<bool, const char*> others[] = {
         {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
         {arguments.collect, "--collect"},
+        {!arguments.again.empty(), "--again"},
         {arguments.jobs > 1, "--jobs (each task runs one case at a time)"},
         {arguments.shard != "1/1", "--shard"},
         {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
@@ -44,6 +49,14 @@ void refuse_with_slurm(const RunArguments& arguments) {
     for (const auto& [given, name] : others) {
         if (given) throw InputError(fmt::format("--engine slurm does not go with {}: leave one of them out", name));
     }
+}
+
+// Of the cases that were run; what was left out has its reason.
+bool any_failed(const std::vector<Row>& rows) {
+    return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
+        const RowStatus status = row.outcome.status;
+        return status == RowStatus::failed || status == RowStatus::signal || status == RowStatus::out_of_memory;
+    });
 }
 
 int run(RunArguments& arguments) {
@@ -73,6 +86,7 @@ int run(RunArguments& arguments) {
                        .jobs = arguments.jobs,
                        .cluster = arguments.cluster,
                        .suffix = suffix,
+                       .again = arguments.again.empty() ? nullptr : row_test(arguments.again, "--again"),
                        .shapes_of = recorded_shapes};
     if (arguments.collect) {
         if (!suffix.empty())
@@ -100,7 +114,7 @@ int run(RunArguments& arguments) {
         say({fmt::format("{} of {} cases are missing: submit again", summary.open, summary.result.rows.size())});
         return 1;
     }
-    return summary.unsound.empty() ? 0 : 1;
+    return summary.unsound.empty() && !(arguments.strict && any_failed(summary.result.rows)) ? 0 : 1;
 }
 
 void take_cluster_options(CLI::App* verb, RunArguments& arguments) {
@@ -134,8 +148,10 @@ void add_run(CLI::App& app, int& code) {
                                     "run an experiment and write its results; resumes an interrupted run; exit code 1 "
                                     "if a row is unsound that the experiment does not expect to be");
     take_experiment(verb, arguments);
-    verb->add_option("--results", arguments.results,
-                     "folder for the result file (default: results of the project, or of the working directory)");
+    verb->add_option(
+        "--results", arguments.results,
+        "folder for the result file (default: results of the checkout that has the experiment, else of the current "
+        "folder)");
     verb->add_option("--shard", arguments.shard, "run only part i of n, written i/n; join the parts with `merge`")
         ->capture_default_str();
     verb->add_option("--jobs", arguments.jobs,
@@ -143,6 +159,11 @@ void add_run(CLI::App& app, int& code) {
                      "times: rows say that theirs compare with none")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
+    verb->add_option("--again", arguments.again,
+                     "run finished cases again that are so: COLUMN=VALUE as in `show --where`, such as status=signal; "
+                     "may be repeated")
+        ->allow_extra_args(false);
+    verb->add_flag("--strict", arguments.strict, "exit code 1 also if a case failed, crashed or ran out of memory");
     verb->add_flag("--fresh", arguments.fresh, "start over: discard the finished cases of an earlier run");
     verb->add_flag("--any-build", arguments.any_build,
                    "keep rows that were measured by another build or on another machine");

@@ -1,12 +1,51 @@
 // `hausbench show`: the rows of a result.
 #include "commands/row_choice.h"
 #include "commands/row_table.h"
+#include "commands/row_texts.h"
 #include "commands/summary.h"
 #include "commands/verb.h"
+#include "record/columns.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace hausbench {
 
 namespace {
+
+// What the file says of the whole: how, with what and where it was measured.
+std::string show_meta(const ResultFile& result, Form form) {
+    nlohmann::ordered_json all;
+    for (const auto& [name, value] : result.texts) all[name] = value;
+    for (const auto& [name, value] : result.integers) all[name] = value;
+    if (form == Form::json) return all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    std::string text;
+    for (const auto& [name, value] : all.items()) {
+        const std::string words = value.is_string() ? value.get<std::string>() : value.dump();
+        if (words.find('\n') == std::string::npos)
+            text += fmt::format("{:<18} {}\n", name, words);
+        else
+            text += fmt::format("{}:\n{}\n", name, words);
+    }
+    return text;
+}
+
+std::string show_ledger(const ResultFile& result, Form form, const Paper& paper) {
+    if (form == Form::json) {
+        nlohmann::json all = nlohmann::json::array();
+        for (const LedgerEntry& entry : result.ledger) all.push_back(row_json(ledger_columns(), entry));
+        return all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    }
+    if (result.ledger.empty()) return "nothing was left out\n";
+    TextTable table({{"kind"}, {"subject", false, 0, true}, {"what"}, {"count", true}, {"saved", true, 1}});
+    for (const LedgerEntry& entry : result.ledger) {
+        const double saved = entry.seconds_saved;
+        table.add({{entry.kind, entry.subject, entry.what, std::to_string(entry.count),
+                    saved < 0 ? "-" + duration_text(-saved) : duration_text(saved)},
+                   entry.reason});
+    }
+    return table.text(paper);
+}
 
 std::string show(const std::filesystem::path& file, const RowChoice& choice, Form form, bool summary) {
     ResultFile& result = *new ResultFile(read_result(file));  // never freed, as in commands/compare.cpp
@@ -23,7 +62,7 @@ std::string show(const std::filesystem::path& file, const RowChoice& choice, For
 void add_show(CLI::App& app, int&) {
     static std::filesystem::path file;
     static RowChoice choice;
-    static bool csv = false, json = false, markdown = false, summary = false;
+    static bool csv = false, json = false, markdown = false, summary = false, meta = false, ledger = false;
     auto* verb = app.add_subcommand("show", "show the rows of a result: bounds, times, memory, status and reason");
     verb->add_option("result", file, "result file (.h5)")->required();
     verb->add_option("--solver", choice.solvers,
@@ -31,15 +70,23 @@ void add_show(CLI::App& app, int&) {
         ->allow_extra_args(false);
     verb->add_option("--scene", choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
     verb->add_option("--where", choice.where,
-                     "only rows with COLUMN=VALUE, or COLUMN!=VALUE, such as status=failed; `hausbench list columns` "
-                     "names the columns; may be repeated")
+                     "only rows with COLUMN=VALUE, such as status=failed; also !=, and <, <=, > and >= for numbers: "
+                     "'upper>0.1'; `hausbench list columns` names the columns; may be repeated")
         ->allow_extra_args(false);
     verb->add_flag("--summary", summary, "a line for each solver, then each reason that a row is not ok");
-    auto* as_csv = verb->add_flag("--csv", csv, "as CSV, with all digits");
+    auto* as_meta =
+        verb->add_flag("--meta", meta, "what the file says of the whole: commit, machine, libraries, experiment");
+    auto* as_ledger = verb->add_flag("--ledger", ledger, "what was left out, and why")->excludes(as_meta);
+    auto* as_csv = verb->add_flag("--csv", csv, "as CSV, with all digits")->excludes(as_meta)->excludes(as_ledger);
     auto* as_json = verb->add_flag("--json", json, "as one JSON object, with all digits")->excludes(as_csv);
     verb->add_flag("--md", markdown, "as a table in Markdown")->excludes(as_csv)->excludes(as_json);
     verb->callback([] {
         const Form form = csv ? Form::csv : json ? Form::json : markdown ? Form::markdown : Form::text;
+        if (meta || ledger) {
+            const ResultFile result = read_result(file);
+            print(meta ? show_meta(result, form) : show_ledger(result, form, paper_of_output()));
+            return;
+        }
         print(show(file, choice, form, summary));
     });
 }

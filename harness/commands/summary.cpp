@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 
@@ -77,7 +78,14 @@ private:
     std::vector<std::vector<const Row*>> groups_;
 };
 
-TextTable::Row summary_line(const std::string& name, const std::vector<const Row*>& rows) {
+// The median time and the largest gap mean something only among cases of one scene at one tolerance.
+bool of_one_question(const std::vector<Row>& rows) {
+    return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
+        return row.asked.scene == rows.front().asked.scene && row.asked.tolerance == rows.front().asked.tolerance;
+    });
+}
+
+TextTable::Row summary_line(const std::string& name, const std::vector<const Row*>& rows, bool with_numbers) {
     std::map<RowStatus, std::size_t> counts;
     std::vector<double> times;
     double gap = unknown;
@@ -88,10 +96,12 @@ TextTable::Row summary_line(const std::string& name, const std::vector<const Row
         gap = std::fmax(gap, gap_of(row->outcome));
         if (row->outcome.status != RowStatus::ok) colour = colour_of(row->outcome.status);
     }
-    return {{name, std::to_string(rows.size()), to_string(counts),
-             times.empty() ? "" : duration_text(median(times).value), gap_text(gap)},
-            "",
-            colour};
+    TextTable::Row line{{name, std::to_string(rows.size()), to_string(counts)}, "", colour};
+    if (with_numbers) {
+        line.cells.push_back(times.empty() ? "" : duration_text(median(times).value));
+        line.cells.push_back(gap_text(gap));
+    }
+    return line;
 }
 
 }  // namespace
@@ -106,12 +116,11 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
                                     without_numbers(row.outcome.reason)),
                         row);
     }
-    TextTable table({{"solver", false, 0, true},
-                     {"rows", true},
-                     {"status", false, 0, true},
-                     {"median solve", true, 1},
-                     {"largest gap", true, 2}});
-    for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->asked), rows));
+    std::vector<TextTable::Column> columns{{"solver", false, 0, true}, {"rows", true}, {"status", false, 0, true}};
+    const bool with_numbers = of_one_question(result.rows);
+    if (with_numbers) columns.insert(columns.end(), {{"median solve", true, 1}, {"largest gap", true, 2}});
+    TextTable table(std::move(columns));
+    for (const auto& rows : solvers.all()) table.add(summary_line(names.of(rows.front()->asked), rows, with_numbers));
     std::string out = table.text(paper);
     std::vector<const Row*> all;
     for (const Row& row : result.rows) all.push_back(&row);

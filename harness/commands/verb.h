@@ -24,6 +24,8 @@ void add_compare(CLI::App& app, int& code);
 void add_status(CLI::App& app, int& code);
 void add_show(CLI::App& app, int& code);
 void add_track(CLI::App& app, int& code);
+void add_draw(CLI::App& app, int& code);
+void add_fetch(CLI::App& app, int& code);
 
 // Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
 void add_hidden(CLI::App& app, int& code);

@@ -2,10 +2,9 @@
 #include "commands/verify_result.h"
 
 #include "check/certificate_file.h"
+#include "commands/named_shape.h"
 #include "commands/verb.h"
 #include "error.h"
-#include "isolated.h"
-#include "paths.h"
 
 #include <fmt/format.h>
 
@@ -28,6 +27,7 @@ int verify_proof(const std::vector<std::filesystem::path>& files) {
     CertificateFile content = read_certificate(files.front());
     if (files.size() == 3) content.source.file = files[1].string(), content.target.file = files[2].string();
     for (const std::string& file : {content.source.file, content.target.file}) {
+        if (!names_a_file(file)) continue;  // a model of the project
         if (!std::filesystem::exists(file))
             throw InputError(fmt::format("{}: its model {} is not there: name A and B after the certificate",
                                          files.front().string(), file));
@@ -35,8 +35,8 @@ int verify_proof(const std::vector<std::filesystem::path>& files) {
             throw InputError(fmt::format("{}: its model {} is not a regular file: name A and B after the certificate",
                                          files.front().string(), file));
     }
-    const LoadedShape source = load_isolated(program_path(), content.source.file);
-    const LoadedShape target = load_isolated(program_path(), content.target.file);
+    const LoadedShape source = load_named(content.source.file);
+    const LoadedShape target = load_named(content.target.file);
     const CertificateVerdict verdict = verify_certificate(content, source.shape, target.shape);
     print(describe(content, verdict));
     return verdict.accepted ? 0 : 1;

@@ -193,4 +193,13 @@ CommandFiles files_of_command(const std::string& line, const fs::path& folder) {
     return found;
 }
 
+bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options) {
+    return info.ignores_tolerance ||
+           std::any_of(info.parameters.begin(), info.parameters.end(), [&](const ParameterSpec& spec) {
+               const auto at = options.find(spec.name);
+               const auto* line = at == options.end() ? nullptr : std::get_if<std::string>(&at->second);
+               return spec.command && line && line->find("tolerance}") == std::string::npos;
+           });
+}
+
 }  // namespace hausbench

@@ -1,6 +1,9 @@
 // Finds the programs and files that a shell command names.
 #pragma once
 
+#include "options.h"
+#include "solver.h"
+
 #include <filesystem>
 #include <string>
 
@@ -15,5 +18,8 @@ struct CommandFiles {
 // (absolute). Any other word, and the part of a word after "=", counts where it is the name of a file. Passed over
 // are words with placeholders such as {A}, variables or wildcards, what ">" writes, and programs that a program starts itself.
 CommandFiles files_of_command(const std::string& line, const std::filesystem::path& folder);
+
+// Whether answers do not depend on the tolerance: the solver says so, or it runs a command line that does not name {tolerance}.
+bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options);
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 #include "plan/scene_reader.h"
 #include "plan/severity.h"
 #include "plan/solver_reader.h"
+#include "plugin.h"
 #include "registry.h"
 #include "toml_reader.h"
 
@@ -55,9 +56,9 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
 }
 
 const std::vector<std::string> root_keys = {
-    "title",    "paper",   "tolerances", "of",      "floor",    "cutoff", "budget", "repeats",
-    "rounds",   "trace",   "limits",     "profile", "model",    "scene",  "solver", "expected_unsound",
-    "quantity", "threads", "fields",     "stages",  "reference"};
+    "title",    "paper",   "tolerances", "of",      "floor",     "cutoff", "budget", "repeats",
+    "rounds",   "trace",   "limits",     "profile", "model",     "scene",  "solver", "expected_unsound",
+    "quantity", "threads", "fields",     "stages",  "reference", "claim",  "plugins"};
 
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
@@ -68,6 +69,51 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
                                                               label, nearest_hint(label, labels)));
     }
     return expected;
+}
+
+// The tables of a kind, each with its keys checked.
+std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::path& file, const char* kind,
+                                       const std::vector<std::string>& keys) {
+    const toml::node* node = root.find(kind);
+    const toml::array* array = node ? node->as_array() : nullptr;
+    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
+    std::vector<ExperimentTable> tables;
+    for (const toml::node& item : *array) {
+        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
+        tables.emplace_back(file, *item.as_table(), fmt::format("[[{}]]", kind), keys);
+    }
+    return tables;
+}
+
+// Those that were not given on the command line already.
+void load_plugins(const ExperimentTable& root, const fs::path& folder) {
+    for (const std::string& name : root.texts("plugins")) {
+        const fs::path library = fs::absolute(folder / name).lexically_normal();
+        const auto is_it = [&](const Plugin& one) { return one.file == library; };
+        if (std::any_of(plugins().begin(), plugins().end(), is_it)) continue;
+        try {
+            load_plugin(library);
+        } catch (const InputError& error) {
+            root.fail(*root.find("plugins"), error.what());
+        }
+    }
+}
+
+// Claims are judged by `hausbench draw`; here only what they name is checked.
+void check_claims(const fs::path& file, const ExperimentTable& root, const std::vector<std::string>& labels) {
+    if (!root.find("claim")) return;
+    for (const ExperimentTable& claim : tables_of(root, file, "claim", {"solver", "faster_than", "by", "on"})) {
+        for (const char* key : {"solver", "faster_than"}) {
+            const std::string name = claim.text(key), label = name.substr(0, name.find('('));
+            if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
+            claim.fail(*claim.find(key), fmt::format("'{}' names no solver of this file: '{}'{}", key, name,
+                                                     nearest_hint(label, labels)));
+        }
+        claim.limit("by", 1);
+        const std::string on = claim.text("on", "average");
+        if (on != "average" && on != "every")
+            claim.fail(*claim.find("on"), fmt::format("'on' must be average or every, not '{}'", on));
+    }
 }
 
 void read_limits(const fs::path& file, const ExperimentTable& root, Experiment& experiment) {
@@ -106,20 +152,6 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
         throw InputError(one_line(fmt::format("{}:{}:{}: {}", file.string(), error.source().begin.line,
                                               error.source().begin.column, error.description())));
     }
-}
-
-// The tables of a kind, each with its keys checked.
-std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::path& file, const char* kind,
-                                       const std::vector<std::string>& keys) {
-    const toml::node* node = root.find(kind);
-    const toml::array* array = node ? node->as_array() : nullptr;
-    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
-    std::vector<ExperimentTable> tables;
-    for (const toml::node& item : *array) {
-        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
-        tables.emplace_back(file, *item.as_table(), fmt::format("[[{}]]", kind), keys);
-    }
-    return tables;
 }
 
 std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table, const ExperimentTable& root,
@@ -246,9 +278,11 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     const ExperimentTable root(file, table, "", root_keys);
     read_top(file, table, root, experiment);
     const auto profiles = profiles_of(table);
+    load_plugins(root, experiment.folder());
     const SceneNames names = read_scenes(file, root, profiles, experiment);
     const auto labels = read_solvers(file, root, profiles, names, experiment);
     experiment.expected_unsound = read_expected_unsound(root, labels);
+    check_claims(file, root, labels);
     return experiment;
 }
 

@@ -137,7 +137,7 @@ private:
             if (queries.target_copied) note_copies(label, queries, models);
             plan_.jobs.push_back(std::move(job));
         }
-        note(label, one.entry, one.decided, models.poses.size() * one.tolerances.size(), run);
+        note(label, one, models.poses.size() * one.tolerances.size(), run);
     }
 
     // Decides what can be known before anything runs.
@@ -175,7 +175,7 @@ private:
         const ScenePlan& scene = one.scene;
         const std::vector<double>& tolerances = one.tolerances;
         // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
-        const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver) &&
+        const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver, one.given) &&
                                  (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
         const bool chained = one.solver.warm || (scene.search && !one.decided);
         std::vector<Job> jobs(chained ? tolerances.size() : 1);
@@ -199,7 +199,7 @@ private:
                 if (one.decided) {
                     plan_.decided[row] = *one.decided;
                 } else if (t > 0 && reads_trace) {
-                    plan_.read_off(row, {finest, one.entry->info.ignores_tolerance});
+                    plan_.read_off(row, {finest, ignores_tolerance(one.entry->info, one.given)});
                 } else {
                     if (t == 0) finest = row;
                     jobs[chained ? t : 0].cases.push_back(row);
@@ -262,12 +262,12 @@ private:
     }
 
     // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
-    bool reads_finer(const SolverEntry& entry, const SolverPlan& solver) const {
+    bool reads_finer(const SolverEntry& entry, const SolverPlan& solver, const ParameterMap& options) const {
         const Experiment& e = plan_.experiment;
         const bool traced = e.trace && entry.info.traces && !entry.info.tolerance_guides && e.of != "lower" &&
                             solver.quantity == Quantity::directed;  // H has no trace of its own
-        return (entry.info.ignores_tolerance || traced) && !solver.warm && !plan_.leave_nothing_out && e.floor == 0 &&
-               std::isinf(e.cutoff) && e.budget < 0;
+        return (ignores_tolerance(entry.info, options) || traced) && !solver.warm && !plan_.leave_nothing_out &&
+               e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
 
     // What all cases of a solver on a scene have in common. `entry` is null for a solver that is not built.
@@ -309,15 +309,14 @@ private:
         return asked;
     }
 
-    void note(const std::string& label, const SolverEntry* entry, const std::optional<Outcome>& decided,
-              std::size_t asked, std::size_t run) {
+    void note(const std::string& label, const SolverOnScene& one, std::size_t asked, std::size_t run) {
         auto& ledger = plan_.ledger;
-        if (decided) {
-            ledger.push_back({decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
-                              decided->reason, std::int64_t(asked)});
+        if (one.decided) {
+            ledger.push_back({one.decided->status == RowStatus::not_built ? "not_built" : "not_run", label, "all cases",
+                              one.decided->reason, std::int64_t(asked)});
         } else if (asked > run) {
             ledger.push_back({"not_run", label, coarser_tolerances,
-                              entry->info.ignores_tolerance
+                              ignores_tolerance(one.entry->info, one.given)
                                   ? "the solver ignores the tolerance: its answer is the same for each"
                                   : "the trace of the finest tolerance holds their answers",
                               std::int64_t(asked - run)});

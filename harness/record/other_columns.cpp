@@ -122,7 +122,9 @@ const Columns<FieldRecord>& field_columns() {
         COLUMN(name,
                "`distance`: of each vertex of A posed, its distance to B posed, a length; `nearest`: the number of the "
                "element of B that is as near; all others come from the solver, whose file says what they mean"),
-        COLUMN(of, "`vertices` of A or `elements` of A; a point is a vertex and an element"),
+        COLUMN(of,
+               "`vertices` of A, then those that cuts added; `elements` of A; or `pieces`, into which A was cut; a "
+               "point is a vertex and an element"),
         COLUMN(meaning,
                "`lower`, `upper`: a bound of the largest distance to B posed of a point of the element, a length; "
                "`number`: anything else"),

@@ -12,7 +12,7 @@ namespace hausbench {
 
 template <> inline constexpr int count_of<Quantity> = 3;
 template <> inline constexpr int count_of<Witness::Direction> = 2;
-template <> inline constexpr int count_of<Field::Of> = 2;
+template <> inline constexpr int count_of<Field::Of> = 3;
 template <> inline constexpr int count_of<Field::Meaning> = 3;
 
 // One row of a result file.

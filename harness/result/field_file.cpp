@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 namespace hausbench {
 
@@ -46,7 +47,7 @@ Fields parse(const std::string& bytes) {
     for (const json& one : head.at("fields")) {
         Field field;
         field.name = one.at("name");
-        field.of = named(one.at("of"), {Field::Of::vertices, Field::Of::elements});
+        field.of = named(one.at("of"), {Field::Of::vertices, Field::Of::elements, Field::Of::pieces});
         field.meaning =
             named(one.at("meaning"), {Field::Meaning::lower, Field::Meaning::upper, Field::Meaning::number});
         const std::size_t count = one.at("count");
@@ -61,7 +62,7 @@ Fields parse(const std::string& bytes) {
 
 struct Property {
     std::string name, type;
-    const std::vector<double>* values;
+    std::vector<double> values;
 };
 
 using Properties = std::vector<Property>;
@@ -73,19 +74,36 @@ std::string word(std::string name) {
     return name.empty() ? "_" : name;
 }
 
-Properties properties(const Fields& fields, Field::Of of) {
-    Properties out;
-    for (const Field& field : fields) {
-        if (field.of != of) continue;
-        const bool index = field.name == "nearest" && of == Field::Of::vertices;
-        out.push_back({word(field.name), index ? "int" : "double", &field.values});
+struct Drawn {
+    const Points& vertices;
+    const Triangles& pieces;
+    Properties of_vertices, of_cells;  // a cell is a piece, or a point
+};
+
+Drawn with_properties(const DrawnField& drawn, const Fields& own) {
+    const bool points = drawn.pieces.rows() == 0;
+    Drawn all{drawn.vertices, drawn.pieces, {}, {}};
+    all.of_vertices.push_back({"distance", "double", drawn.distances});
+    all.of_vertices.push_back({"nearest", "int", {drawn.nearest.begin(), drawn.nearest.end()}});
+    if (!points) all.of_cells.push_back({"element", "int", {drawn.elements.begin(), drawn.elements.end()}});
+    for (const Field& field : own) {
+        if (field.of == Field::Of::pieces) continue;  // a solver does not know the pieces
+        Property property{word(field.name), "double", field.values};
+        if (field.of == Field::Of::vertices) {
+            property.values.resize(drawn.distances.size(), std::numeric_limits<double>::quiet_NaN());
+            all.of_vertices.push_back(std::move(property));
+            continue;
+        }
+        property.values.clear();
+        for (Index element : drawn.elements) property.values.push_back(field.values.at(std::size_t(element)));
+        all.of_cells.push_back(points ? Property{property.name, property.type, field.values} : std::move(property));
     }
-    return out;
+    return all;
 }
 
 void append(std::string& bytes, const Properties& properties, std::size_t i) {
     for (const Property& p : properties) {
-        const double value = p.values->at(i);
+        const double value = p.values.at(i);
         if (p.type == "int")
             append(bytes, std::int32_t(value));
         else if (p.type == "float")
@@ -95,31 +113,25 @@ void append(std::string& bytes, const Properties& properties, std::size_t i) {
     }
 }
 
-std::string as_ply(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
-                   const Properties& of_elements) {
-    Properties columns = of_vertices;
-    const auto distance =
-        std::find_if(columns.begin(), columns.end(), [](const Property& p) { return p.name == "distance"; });
-    if (distance != columns.end()) columns.insert(distance, {"quality", "float", distance->values});
-    if (!mesh) columns.insert(columns.end(), of_elements.begin(), of_elements.end());
+std::string as_ply(const Drawn& drawn) {
+    Properties columns = drawn.of_vertices;
+    columns.insert(columns.begin(), {"quality", "float", columns.front().values});
+    const bool mesh = drawn.pieces.rows() > 0;
+    if (!mesh) columns.insert(columns.end(), drawn.of_cells.begin(), drawn.of_cells.end());
     std::string bytes = fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment distances of A to B, by hausbench\nelement vertex {}\nproperty "
         "double x\nproperty double y\nproperty double z\n",
-        posed.rows());
+        drawn.vertices.rows());
     for (const Property& p : columns) bytes += fmt::format("property {} {}\n", p.type, p.name);
-    if (mesh) {
-        bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh->triangles.rows());
-        for (const Property& p : of_elements) bytes += fmt::format("property {} {}\n", p.type, p.name);
-    }
+    if (mesh) bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", drawn.pieces.rows());
     bytes += "end_header\n";
-    for (Index i = 0; i < posed.rows(); ++i) {
-        for (int k = 0; k < 3; ++k) append(bytes, posed(i, k));
+    for (Index i = 0; i < drawn.vertices.rows(); ++i) {
+        for (int k = 0; k < 3; ++k) append(bytes, drawn.vertices(i, k));
         append(bytes, columns, std::size_t(i));
     }
-    for (Index i = 0; mesh && i < mesh->triangles.rows(); ++i) {
+    for (Index i = 0; i < drawn.pieces.rows(); ++i) {
         append(bytes, std::uint8_t(3));
-        for (int k = 0; k < 3; ++k) append(bytes, std::int32_t(mesh->triangles(i, k)));
-        append(bytes, of_elements, std::size_t(i));
+        for (int k = 0; k < 3; ++k) append(bytes, std::int32_t(drawn.pieces(i, k)));
     }
     return bytes;
 }
@@ -135,7 +147,7 @@ void append_vtk_scalars(std::string& bytes, const char* section, Index count, co
     for (const Property& p : properties) {
         bytes += fmt::format("SCALARS {} {} 1\nLOOKUP_TABLE default\n", p.name, p.type);
         for (Index i = 0; i < count; ++i) {
-            const double value = p.values->at(std::size_t(i));
+            const double value = p.values.at(std::size_t(i));
             if (p.type == "int")
                 append_big_endian(bytes, std::int32_t(value));
             else
@@ -145,27 +157,28 @@ void append_vtk_scalars(std::string& bytes, const char* section, Index count, co
     }
 }
 
-std::string as_vtk(const TriangleMesh* mesh, const Points& posed, const Properties& of_vertices,
-                   const Properties& of_elements) {
-    const Index cells = mesh ? mesh->triangles.rows() : posed.rows();
+std::string as_vtk(const Drawn& drawn) {
+    const bool mesh = drawn.pieces.rows() > 0;
+    const Index points = static_cast<Index>(drawn.vertices.rows());
+    const Index cells = mesh ? static_cast<Index>(drawn.pieces.rows()) : points;
     const int corners = mesh ? 3 : 1, type = mesh ? 5 : 1;  // VTK_TRIANGLE, VTK_VERTEX
     std::string bytes = fmt::format(
         "# vtk DataFile Version 3.0\ndistances of A to B, by hausbench\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {} "
         "double\n",
-        posed.rows());
-    for (Index i = 0; i < posed.rows(); ++i) {
-        for (int k = 0; k < 3; ++k) append_big_endian(bytes, posed(i, k));
+        points);
+    for (Index i = 0; i < points; ++i) {
+        for (int k = 0; k < 3; ++k) append_big_endian(bytes, drawn.vertices(i, k));
     }
     bytes += fmt::format("\nCELLS {} {}\n", cells, cells * (corners + 1));
     for (Index i = 0; i < cells; ++i) {
         append_big_endian(bytes, std::int32_t(corners));
-        for (int k = 0; k < corners; ++k) append_big_endian(bytes, std::int32_t(mesh ? mesh->triangles(i, k) : i));
+        for (int k = 0; k < corners; ++k) append_big_endian(bytes, std::int32_t(mesh ? drawn.pieces(i, k) : i));
     }
     bytes += fmt::format("\nCELL_TYPES {}\n", cells);
     for (Index i = 0; i < cells; ++i) append_big_endian(bytes, std::int32_t(type));
     bytes += '\n';
-    append_vtk_scalars(bytes, "POINT_DATA", posed.rows(), of_vertices);
-    append_vtk_scalars(bytes, "CELL_DATA", cells, of_elements);
+    append_vtk_scalars(bytes, "POINT_DATA", points, drawn.of_vertices);
+    append_vtk_scalars(bytes, "CELL_DATA", cells, drawn.of_cells);
     return bytes;
 }
 
@@ -210,10 +223,13 @@ void check_export_place(const fs::path& file) {
     check_place_to_write(file);
 }
 
-void export_fields(const fs::path& file, const Shape& shape, const Points& posed, const Fields& fields) {
+fs::path file_of_way_back(const fs::path& file) {
+    return fs::path(file).replace_extension(".back" + file.extension().string());
+}
+
+void export_fields(const fs::path& file, const DrawnField& drawn, const Fields& own) {
     const auto write = extension_of(file) == ".vtk" ? as_vtk : as_ply;
-    write_whole_file(file, write(std::get_if<TriangleMesh>(&shape), posed, properties(fields, Field::Of::vertices),
-                                 properties(fields, Field::Of::elements)));
+    write_whole_file(file, write(with_properties(drawn, own)));
 }
 
 }  // namespace hausbench

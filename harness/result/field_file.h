@@ -21,14 +21,18 @@ std::optional<Fields> read_fields(const std::filesystem::path& file, const std::
 // Throws InputError where the name ends in neither .ply nor .vtk, or its folder is no place to write.
 void check_export_place(const std::filesystem::path& file);
 
-// A where it stands with its fields, as PLY or VTK by the extension: doubles, and `nearest` as int. Binary, so that values keep
-// their bits and infinity can be told.
+// Where the fields of B go if those of A go to `file`: x.back.ply for x.ply.
+std::filesystem::path file_of_way_back(const std::filesystem::path& file);
+
+// Writes a drawn shape as PLY or VTK, by the extension, with `distance` (double) and `nearest` (int) of each vertex. `own` are the
+// solver's fields; a piece gets the values of its triangle, and a vertex that a cut added gets NaN. Binary, so that values keep
+// their bits.
 //
-// PLY: properties of vertices and faces. MeshLab colours by a property that it knows as `quality`: that is the distance once more.
-// A point is a vertex: fields of a point set's elements are properties of them.
+// PLY: properties of vertices alone, since meshio reads a file with properties of faces wrongly. MeshLab colours by the property
+// `quality`, which is the distance again. If A is a point set, the fields of its elements are properties of vertices.
 //
-// VTK, legacy 3.0, for ParaView, whose PLY reader leaves such properties out: scalars of points and cells. The data set is an
-// unstructured grid of triangles, or of vertices where A is a point set.
-void export_fields(const std::filesystem::path& file, const Shape& shape, const Points& posed, const Fields& fields);
+// VTK, legacy 3.0, for ParaView, whose PLY reader drops unknown properties: scalars of points and of cells, and `element`, the
+// triangle of A that a piece belongs to. The data set is an unstructured grid of triangles, or of vertices for a point set.
+void export_fields(const std::filesystem::path& file, const DrawnField& drawn, const Fields& own);
 
 }  // namespace hausbench

@@ -5,6 +5,7 @@
 #include "hash.h"
 #include "paths.h"
 #include "plugin.h"
+#include "registry.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>
@@ -136,10 +137,13 @@ const std::map<fs::path, std::string>& plugin_hashes() {
 std::string plugins_json() {
     json all = json::array();
     for (const Plugin& plugin : plugins()) {
+        json titles = json::object();
+        for (const std::string& name : plugin.solvers) titles[name] = find_solver(name).info.title;
         all.push_back({{"file", plugin.file.filename().string()},
                        {"sha256", plugin_hashes().at(plugin.file)},
                        {"compiled", plugin.compiled},
-                       {"solvers", plugin.solvers}});
+                       {"solvers", plugin.solvers},
+                       {"titles", titles}});
     }
     return all.dump(-1, ' ', false, json::error_handler_t::replace);
 }

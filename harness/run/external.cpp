@@ -4,7 +4,7 @@
 // line. Regular expressions find the bounds in its output. They are not certified. A bound that the program does not print
 // is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
 // `seconds` finds the time that the program itself reports. Relative paths in the command line count from the folder of the experiment
-// (`run`), or the current one (`measure`).
+// (`run`), or the current one (`measure`). A command line that names no tolerance is run once for all tolerances of an experiment.
 #include "run/external.h"
 
 #include "error.h"

@@ -70,6 +70,7 @@ private:
     void sweep() {
         for (const std::string& name : options_.collect) finished_.take_over(options_.results, name);
         if (!options_.collect.empty()) return;
+        if (options_.again) finished_.forget_those(options_.again);
         const int rounds = plan_.experiment.rounds;
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
@@ -107,6 +108,7 @@ private:
         RunOptions options = options_;
         options.suffix += ".reference";
         options.quiet = true;
+        options.again = nullptr;
         for (std::string& name : options.collect) name += ".reference";
         progress_.doing(fmt::format("{} reference answers", plan_.references->cases.size()));
         const auto begin = std::chrono::steady_clock::now();

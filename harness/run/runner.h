@@ -5,6 +5,7 @@
 #include "result/result_file.h"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ struct RunOptions {
     bool cluster = false;                   // they say so in any case, and rows of other machines stay
     std::vector<std::string> collect = {};  // runs nothing: takes over the journals of these names in the folder
     std::string suffix;                     // after the stem in the names of journal and result (shards)
+    std::function<bool(const Row&)> again;  // which finished cases are run again; null: none. It sees no checks
     ShapesOf shapes_of;                     // see earlier.h
 };
 

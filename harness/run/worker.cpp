@@ -33,6 +33,10 @@ using nlohmann::json;
 
 namespace {
 
+// How fields in results are drawn: within a quarter of h, if so many pieces are enough. The witness is a vertex, so h is among the values.
+constexpr double resolution = 0.25;
+constexpr std::size_t most_pieces = 300'000;
+
 class Worker {
 public:
     Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
@@ -186,7 +190,7 @@ private:
         if (const auto first = answer(item, nullptr)) {
             if (is_timed(first->status)) time_repeats(item, query_of(item), first->spent.wall_seconds);
             if (item.trace) trace(item, nullptr, first->result);
-            fields(item, nullptr);
+            fields(item, nullptr, first->result);
             if (item.proof) prove(item, first->result);
         }
         send({{"event", "end"}, {"row", item.row}});
@@ -228,7 +232,7 @@ private:
             pass([&](const WorkOrder::Item& item, const Answer& answered) {
                 trace(item, state.get(), answered.result);
             });
-        pass([&](const WorkOrder::Item& item, const Answer&) { fields(item, state.get()); });
+        pass([&](const WorkOrder::Item& item, const Answer& answer) { fields(item, state.get(), answer.result); });
         for (std::size_t i = begin; i < end; ++i) send({{"event", "end"}, {"row", order_.items[i].row}});
     }
 
@@ -298,13 +302,22 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
-    // The solver's own, and its stages, by solving once more; then the fields that need no solver.
-    void fields(const WorkOrder::Item& item, State* state) {
+    // The fields that need no solver; then the solver's own, and its stages, by solving once more.
+    void fields(const WorkOrder::Item& item, State* state, const Result& first) {
         const bool wanted = !item.fields.empty();
         if (!wanted && !item.stages) return;
         json stages = json::object();
         Fields all;
-        if (wanted) all = distance_fields(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose);
+        if (wanted) {
+            Drawing drawing{resolution_for(resolution, first.bounds)};
+            drawing.most_pieces = most_pieces;
+            if (first.witness.direction == Witness::Direction::source_to_target) {
+                drawing.witness = first.witness.source_point;
+                drawing.witness_element = first.witness.source_element;
+            }
+            all =
+                as_fields(draw_distance(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose, drawing));
+        }
         if (item.stages || find_solver(order_.solver).info.fields) {
             Query query = query_of(item);
             query.wanted.fields = wanted;

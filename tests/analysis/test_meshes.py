@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from stem_runner import Make, stem_runner
 from synthetic import NAN, ResultFile, spread, without_bounds
 
-from analysis.shared import style
+from analysis.shared import mesh_picture, shapes, style
 
 
 @pytest.fixture()
@@ -161,3 +162,15 @@ def test_traps_do_not_refute_it_where_many_rows_hold(make: Make) -> None:
 def test_letters_are_explained_where_they_occur() -> None:
     assert style.letters_key(["ok", "timeout", "unsound", "timeout"]) == "T timeout, U unsound"
     assert style.letters_key(["ok"]) == ""
+
+
+def test_a_view_is_turned_until_the_point_is_seen() -> None:
+    """A tetrahedron seen from one side: of a point on its far face, another side shows more."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    solid = shapes.Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    front = mesh_picture.view((1.0, 0.2, 1.0))
+    assert mesh_picture.showing(solid, front, np.array([0.3, 0.3, 0.4])) is front
+    behind = np.array([0.0, 0.3, 0.3])
+    turned = mesh_picture.showing(solid, front, behind)
+    assert turned is not front and turned.axes[2][0] < 0  # towards the eye, from the side x < 0
+    np.testing.assert_allclose(turned.axes @ turned.axes.T, np.eye(3), atol=1e-12)

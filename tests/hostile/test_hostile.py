@@ -86,7 +86,7 @@ def check_bounds(done: subprocess.CompletedProcess[str]) -> None:
 
 
 def check_refusal(done: subprocess.CompletedProcess[str], path: Path) -> str:
-    assert done.stdout == ""
+    assert json.loads(done.stdout)["exit_code"] == 2
     lines = done.stderr.splitlines()
     assert len(lines) == 1 and str(path) in lines[0], done.stderr
     assert lines[0].isprintable()

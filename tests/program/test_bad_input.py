@@ -143,7 +143,7 @@ def test_command_lines(hausbench: Program, tetrahedron: Path) -> None:
     assert "diagonal" in hausbench.fails("measure", tetrahedron, tetrahedron, "--of", "diagnoal")
     assert "--tolerance" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerance", "abc")
     assert "did you mean '--tolerance'" in hausbench.fails("measure", tetrahedron, tetrahedron, "--tolerence", "1")
-    assert "B is required" in hausbench.fails("measure", tetrahedron)
+    assert "name two shapes" in hausbench.fails("measure", tetrahedron)
     assert hausbench("--help").returncode == 0 and hausbench("measure", "--help").returncode == 0
 
 

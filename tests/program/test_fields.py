@@ -17,6 +17,7 @@ from test_plugin import outside, plugin  # noqa: F401  (fixtures)
 from test_run import numbers, run, same_answers, texts
 
 Fields = dict[tuple[int, str], Any]
+DRAWN = {"distance", "nearest", "x", "y", "z", "a", "b", "c", "element"}  # what every case of meshes has
 
 MOVED = """
 title = "fields"
@@ -60,13 +61,15 @@ def moved(tmp_path: Path) -> Path:
 def test_every_answer_has_fields(hausbench: Program, moved: Path, tmp_path: Path) -> None:
     file = run(hausbench, moved, tmp_path)
     fields = fields_of(file)
-    assert {name for _, name in fields} == {"distance", "nearest", "lower", "upper", "level"} and len(fields) == 30
+    assert {name for _, name in fields} == {*DRAWN, "lower", "upper", "level"} and len(fields) == 6 * 12
     assert texts(file, "cases/fields_check") == ["holds"] * 6
     with h5py.File(file, "r") as f:
         for case in range(6):
-            # They do not depend on the tolerance, and are different in each pose. The largest is a lower bound of h.
-            assert fields[case, "distance"].max() <= f["cases/upper"][case]
-            same = [other for other in range(6) if np.array_equal(fields[case, "distance"], fields[other, "distance"])]
+            # The distances of A's own vertices do not depend on the tolerance, and differ from pose to pose. The largest of all shows h.
+            assert 0.95 * f["cases/lower"][case] <= fields[case, "distance"].max() <= f["cases/upper"][case]
+            corners = len(np.unique(fields[case, "element"])) // 2 + 2  # of a sphere, by Euler's formula
+            same = [other for other in range(6)
+                    if np.array_equal(fields[case, "distance"][:corners], fields[other, "distance"][:corners])]
             assert {f["cases/pose_index"][other] for other in same} == {f["cases/pose_index"][case]} and len(same) == 2
     # They are not part of the identity, and whoever does not ask for them has none.
     moved.write_text(MOVED.replace("fields = true", ""))
@@ -153,7 +156,7 @@ def test_fields_out_of_place_are_refused(hausbench: Program, moved: Path, tmp_pa
 def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path: Path) -> None:
     cold = 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n'
     moved.write_text(MOVED + cold)
-    assert len(fields_of(run(hausbench, moved, tmp_path))) == 12 * 5
+    assert len(fields_of(run(hausbench, moved, tmp_path))) == 12 * 12
     # Now the coarser tolerance is read off the finer one where the start is cold, so that the files that are there are not used.
     moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + cold)
     file = run(hausbench, moved, tmp_path)
@@ -170,7 +173,7 @@ def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp
         moved.write_text(f'quantity = "{quantity}"\n{text}')
         file = run(hausbench, moved, tmp_path, "--plugin", str(plugin))
         fields = fields_of(file)
-        assert {name for _, name in fields} == {"distance", "nearest", "lower", "upper"}
+        assert {name for _, name in fields} == {*DRAWN, "lower", "upper"}
         assert texts(file, "cases/fields_check") == ["holds"] * 3
         for case in range(3):
             assert len(fields[case, "upper"]) == numbers(file, "cases/source_elements")[case]
@@ -212,18 +215,18 @@ def read_ply(file: Path) -> tuple[Any, Any]:
 def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:  # noqa: F811
     plain = hausbench("measure", tetrahedron, raised, "--json")
     out = tmp_path / "out.ply"
-    done = hausbench("measure", tetrahedron, raised, "--json", "--fields", out)
+    done = hausbench("measure", tetrahedron, raised, "--json", "--resolution", "inf", "--fields", out)
     assert done.returncode == 0 and done.stdout.split('"peak')[0].split('"note')[0] == plain.stdout.split('"peak')[0].split('"note')[0]
     vertices, faces = read_ply(out)
     assert vertices["distance"].tolist() == [0.25, 0.25, 0.25, 0] and vertices["nearest"][0] == 0
     assert vertices["quality"].tolist() == vertices["distance"].tolist()
     assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    assert faces["lower"].max() <= 0.25 <= faces["upper"].max() and "level" in faces.dtype.names
-    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
-    assert read_ply(out)[1].dtype.names == ("corners", "vertex_indices")
-    assert hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--fields", out).returncode == 0
-    _, faces = read_ply(out)
-    assert (faces["lower"] <= faces["upper"]).all() and faces["lower"].max() == pytest.approx(0.25)
+    assert faces.dtype.names == ("corners", "vertex_indices")
+    assert json.loads(done.stdout)["fields"] == [{"file": str(out), "largest": 0.25, "vertices": 4, "pieces": 4, "resolved": True}]
+    vtk = tmp_path / "out.vtk"
+    assert hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--fields", vtk).returncode == 0
+    *_, of_cells = read_by_meshio(vtk)
+    assert (of_cells["lower"] <= of_cells["upper"]).all() and of_cells["lower"].max() == pytest.approx(0.25)
     points = tmp_path / "points.obj"
     points.write_text("v 0 0 4\nv 0 0 0\n")
     assert hausbench("measure", points, points, "--fields", out).returncode == 0
@@ -232,7 +235,7 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
 
 
 def read_by_meshio(file: Path) -> tuple[Any, Any, dict[str, Any], dict[str, Any]]:
-    """Points, cells, and what is known of each of them. Of PLY, meshio does not read properties of faces."""
+    """Points, cells, and what is known of each of them."""
     mesh = meshio.read(file)
     assert len(mesh.cells) <= 1 and mesh.points.dtype.itemsize == 8
     cells = mesh.cells[0].data if mesh.cells else None
@@ -248,22 +251,27 @@ def test_vtk_is_read_by_another_library(hausbench: Program, experiment: Path, tm
     done = hausbench("measure", a, b, "--solver", "guthe", "--tolerance", "1e-3", "--json", "--fields", out)
     points, cells, of_points, of_cells = read_by_meshio(out)
     model = meshio.read(a)
-    np.testing.assert_array_equal(points, model.points)
-    np.testing.assert_array_equal(cells, model.cells[0].data)
-    assert meshio.read(out).cells[0].type == "triangle"
-    assert set(of_points) == {"distance", "nearest"} and set(of_cells) == {"lower", "upper", "level"}
-    for name, values in stored.items():
-        np.testing.assert_array_equal({**of_points, **of_cells}[name], values)
+    np.testing.assert_array_equal(points[:len(model.points)], model.points)
+    assert meshio.read(out).cells[0].type == "triangle" and len(cells) > len(model.cells[0].data)
+    assert set(of_points) == {"distance", "nearest"} and set(of_cells) == {"element", "lower", "upper", "level"}
+    for k, name in enumerate("xyz"):
+        np.testing.assert_array_equal(points[:, k], stored[name])
+    for k, name in enumerate("abc"):
+        np.testing.assert_array_equal(cells[:, k], stored[name])
+    for name in ("distance", "nearest", "element"):
+        np.testing.assert_array_equal({**of_points, **of_cells}[name], stored[name])
+    for name in ("lower", "upper", "level"):
+        np.testing.assert_array_equal(of_cells[name], stored[name][of_cells["element"]])
     assert of_points["nearest"].dtype.kind == "i" and len(set(of_points["nearest"])) > 2
     assert of_cells["upper"].max() == json.loads(done.stdout)["upper"] and len(set(of_cells["lower"])) > 2
 
 
 def test_vtk_without_a_solvers_fields_and_of_points(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.VTK"
-    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
+    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--resolution", "inf", "--fields", out).returncode == 0
     out = out.rename(tmp_path / "out.vtk")  # meshio does not know .VTK
     _, cells, of_points, of_cells = read_by_meshio(out)
-    assert of_points["distance"].tolist() == [0.25, 0.25, 0.25, 0] and of_cells == {}
+    assert of_points["distance"].tolist() == [0.25, 0.25, 0.25, 0] and set(of_cells) == {"element"}
     assert cells.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     a, b = tmp_path / "a.obj", tmp_path / "b.obj"
     a.write_text("v 0 0 4\nv 0 0 0.1\nv 1 0 0\n")
@@ -278,7 +286,7 @@ def test_vtk_without_a_solvers_fields_and_of_points(hausbench: Program, tetrahed
 
 def test_ply_is_read_by_another_library(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.ply"
-    assert hausbench("measure", tetrahedron, raised, "--solver", "cgal", "--fields", out).returncode == 0
+    assert hausbench("measure", tetrahedron, raised, "--resolution", "inf", "--fields", out).returncode == 0
     points, cells, of_points, _ = read_by_meshio(out)
     np.testing.assert_array_equal(points, meshio.read(tetrahedron).points)
     assert cells.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
@@ -286,19 +294,15 @@ def test_ply_is_read_by_another_library(hausbench: Program, tetrahedron: Path, r
     assert of_points["distance"].tolist() == of_points["quality"].tolist() == [0.25, 0.25, 0.25, 0]
 
 
-@pytest.mark.parametrize("extension", ["ply", "vtk"])
-def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedron: Path, tmp_path: Path, extension: str) -> None:
+def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
     """With --symmetric, also where B has more vertices and triangles than A and is the farther one; with --cutoff, what is known at its end."""
-    b, out = tmp_path / "b.off", tmp_path / f"out.{extension}"
+    b, out = tmp_path / "b.off", tmp_path / "out.vtk"
     b.write_text("OFF\n5 5 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n5 0 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 1 2 4\n")
 
     def read(*more: str) -> tuple[int, Any, Any, Any]:
-        done = hausbench("measure", tetrahedron, b, "--fields", out, *more)
+        done = hausbench("measure", tetrahedron, b, "--resolution", "inf", "--fields", out, *more)
         assert done.stderr == ""
-        if extension == "vtk":
-            _, _, of_points, of_cells = read_by_meshio(out)
-        else:
-            of_points, of_cells = read_ply(out)
+        _, _, of_points, of_cells = read_by_meshio(out)
         out.unlink()
         return done.returncode, of_points["distance"].tolist(), of_cells["lower"], of_cells["upper"]
 
@@ -307,10 +311,34 @@ def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedr
     code, distance_of_both, lower_of_both, upper_of_both = read("--symmetric")
     assert code == 0 and distance_of_both == distance
     assert lower_of_both.max() <= upper.max() < 0.5 and lower.max() <= upper_of_both.max() < 0.5
+    _, _, of_points, of_cells = read_by_meshio(tmp_path / "out.back.vtk")
+    assert len(of_points["distance"]) == 5 and of_points["distance"].max() == 4
+    assert len(of_cells["upper"]) == 5 and of_cells["upper"].argmax() == 4
     for cutoff, expected in (("0.1", 1), ("0.5", 0)):
         code, distance_of_both, low, high = read("--cutoff", cutoff)
         assert code == expected and distance_of_both == distance and (low <= high).all()
         assert (low <= upper).all() and (lower <= high).all()
+
+
+def test_a_picture_shows_the_distance_where_every_vertex_is_on_b(hausbench: Program, tmp_path: Path) -> None:
+    """A: a square that cuts off the top of a pyramid, whose corners it keeps."""
+    a, b, out = tmp_path / "a.off", tmp_path / "b.off", tmp_path / "out.ply"
+    a.write_text("OFF\n4 2 0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n3 0 1 2\n3 0 2 3\n")
+    b.write_text("OFF\n5 4 0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1 1 1\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n")
+    done = hausbench("measure", a, b, "--fields", out, "--symmetric", "--json")
+    said = json.loads(done.stdout)
+    for file, answer, shown in zip((out, tmp_path / "out.back.ply"), said["directions"], said["fields"], strict=True):
+        points, cells, of_points, _ = read_by_meshio(file)
+        assert shown["file"] == str(file) and shown["largest"] == of_points["distance"].max() and shown["resolved"]
+        assert 0.95 * answer["lower"] <= shown["largest"] <= answer["upper"] and answer["lower"] > 0.7
+        assert len(points) == shown["vertices"] and len(cells) == shown["pieces"]
+        worst = answer["source_point"] if file == out else answer["target_point"]
+        assert np.linalg.norm(points - worst, axis=1).min() == 0
+    text = hausbench("measure", a, b, "--fields", out, "--resolution", "0.01").stdout
+    line = next(line for line in text.splitlines() if line.startswith("fields"))
+    assert f"{out}: " in line and "largest drawn value 0.70710678" in line and "h(A,B) is in [0.707" in line
+    for bad in ("0", "-1", "nan"):
+        assert "--resolution: must be a number above 0" in hausbench.fails("measure", a, b, "--fields", out, "--resolution", bad)
 
 
 def test_what_cannot_be_written_is_one_line_before_anything_is_read(hausbench: Program, tmp_path: Path) -> None:

@@ -141,7 +141,8 @@ def test_choosing_rows(hausbench: Program, result: Path) -> None:
     assert "did you mean 'status'" in hausbench.fails("show", result, "--where", "statu=ok")
     assert "did you mean 'guthe'" in hausbench.fails("show", result, "--solver", "gute")
     assert "spheres" in hausbench.fails("show", result, "--scene", "sphere")
-    assert "exclude" in hausbench.fails("show", result, "--csv", "--json")
+    done = hausbench("show", result, "--csv", "--json")
+    assert done.returncode == 2 and "exclude" in json.loads(done.stdout)["error"] and "exclude" in done.stderr
     hausbench.fails("show", result.with_name("absent.h5"))
 
 

@@ -1,0 +1,99 @@
+"""Whether a run here gave the bounds and counted the work that are kept in results/reference/counts: `python3 -m analysis.check_reference STEM...`
+
+Bounds and counters are the same on every machine, so each row must have them to the last digit. A stem's file has a line for each row that
+ended by itself: the identity of the case (which holds the shapes, the solver and its parameters), then what it is in words, its bounds and its
+counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces those of the same cases.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.shared import tables
+from analysis.shared.cells import WORK
+from analysis.shared.load import REFERENCE, load
+from analysis.shared.results import ResultError, Results
+
+FOLDER: Final = REFERENCE / "counts"
+COUNTED: Final = (*WORK, "subdivisions")
+NAMES: Final = ("identity", "solver", "scene", "pose", "tolerance", "lower", "upper", *COUNTED)
+Rows = dict[str, dict[str, str]]  # by identity
+
+
+def rows_of(results: Results) -> Rows:
+    """Rows that are ok and that one thread worked at: others may depend on the machine."""
+    cases, found = results.cases, Rows()
+    for row in results.rows(status="ok", threads=1):
+        if cases.solver[row] == "external" or cases.from_trace[row]:
+            continue
+        counters = {name: str(int(cases.counters[name][row])) for name in COUNTED if name in cases.counters}
+        found[str(cases.identity[row])[:16]] = {
+            "identity": str(cases.identity[row])[:16], "solver": str(results.names[row]), "scene": str(cases.scene[row]), "pose": str(int(cases.pose_index[row])),
+            "tolerance": repr(float(cases.tolerance[row])), "lower": repr(float(cases.lower[row])), "upper": repr(float(cases.upper[row])), **counters}
+    return found
+
+
+def kept(stem: str) -> Rows:
+    path = FOLDER / f"{stem}.csv"
+    if not path.exists():
+        return {}
+    with path.open(encoding="utf-8") as file:
+        return {row["identity"]: row for row in csv.DictReader(file)}
+
+
+def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
+    return [f"{name} {there[name]} -> {here.get(name, '')}" for name in NAMES[5:] if there.get(name, "") != here.get(name, "")]
+
+
+def check(stem: str, results: Results) -> tuple[str, bool]:
+    """What to say, and whether all is equal. Rows without a partner count for neither."""
+    here, there = rows_of(results), kept(stem)
+    both = [identity for identity in here if identity in there]
+    if not both:
+        return f"{stem}: no row of it is kept in results/reference/counts", True
+    differing = {identity: found for identity in both if (found := differences(here[identity], there[identity]))}
+    lines = [f"{stem}: bounds and counted work equal the reference: {len(both) - len(differing)} of {len(both)} rows"]
+    for identity, found in list(differing.items())[:10]:
+        row = here[identity]
+        lines.append(f"  {row['solver']} on {row['scene']}, pose {row['pose']}, tolerance {row['tolerance']}: {'; '.join(found)}")
+    return "\n".join(lines), not differing
+
+
+def keep(stem: str, results: Results) -> Path:
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    rows = kept(stem) | rows_of(results)
+    path = FOLDER / f"{stem}.csv"
+    tables.write_whole(path, tables.comma_separated([{name: row.get(name, "") for name in NAMES} for row in rows.values()]))
+    return path
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns 1 if a row differs, 2 if a result cannot be read."""
+    parser = argparse.ArgumentParser(prog="analysis.check_reference", description="Compares bounds and counted work with those that are kept.")
+    parser.add_argument("stems", nargs="+", metavar="STEM")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--keep", action="store_true", help="add the rows of these results to results/reference/counts")
+    chosen, code = parser.parse_args(arguments), 0
+    for stem in chosen.stems:
+        try:
+            results = load(chosen.results / f"{stem}.h5")
+        except ResultError as problem:
+            print(problem, file=sys.stderr)
+            code = 2
+            continue
+        if chosen.keep:
+            print(keep(stem, results))
+            continue
+        said, equal = check(stem, results)
+        print(said)
+        code = code or (0 if equal else 1)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

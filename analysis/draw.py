@@ -1,0 +1,65 @@
+"""Tables and figures of any result: `hausbench draw RESULT.h5`, which runs this file.
+
+Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png, for each kind that the result holds: `table` (every
+answer; the experiment's own claims), `error-against-time`, `performance-profile` and `motion`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.shared import style
+from analysis.shared.load import load
+from analysis.shared.printable import printable
+from analysis.shared.report import Report
+from analysis.shared.results import ResultError, Results
+
+KINDS: Final = {"table": "answers", "error-against-time": "error_against_time", "performance-profile": "performance_profile", "motion": "motion"}
+
+
+def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
+    """By kind; those that the result does not hold are left out. ResultError if that leaves none."""
+    made: dict[str, Report | None] = {kind: importlib.import_module(f"analysis.views.{KINDS[kind]}").make(results) for kind in kinds or KINDS}
+    found = {kind: report for kind, report in made.items() if report is not None}
+    if not found:
+        why = {"motion": "no scene has several poses", "performance-profile": "it takes two solvers and two cases with times that compare"}
+        raise ResultError(f"{results.path}: cannot be drawn as {', '.join(made)}: {why.get(next(iter(made)), 'no row has bounds and a time')}")
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns the exit code: 2 if the result cannot be used or drawn."""
+    parser = argparse.ArgumentParser(prog="hausbench draw", description="Tables and figures of any result, for papers.")
+    parser.add_argument("result", type=Path, metavar="RESULT.h5")
+    parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS), help="what to draw; may be repeated (default: all that the result holds)")
+    parser.add_argument("--highlight", metavar="LABEL", default="", help="draw this solver in front of the others, which become grey")
+    parser.add_argument("--out", type=Path, help="tables/ and figures/ go there (default: the folder of the result)")
+    chosen = parser.parse_args(arguments)
+    try:
+        results = load(chosen.result)
+        names = {*map(str, results.names), *map(str, results.cases.label)}
+        if chosen.highlight and chosen.highlight not in names:
+            raise ResultError(f"{results.path}: no solver is labelled '{chosen.highlight}': choose one of {', '.join(sorted(names))}")
+        style.introduce(results)
+        style.highlight(chosen.highlight)
+        for kind, report in reports(results, chosen.kinds).items():
+            stem = f"{results.stem}_{kind.replace('-', '_')}"
+            print(*report.save(results, chosen.out or chosen.result.parent, stem), sep="\n")
+            for verdict in report.table.verdicts if report.table else ():
+                print(printable(verdict.line()))
+    except ResultError as problem:
+        print(printable(str(problem)), file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(printable(f"{chosen.result}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,69 @@
+"""Kind `performance-profile` (Dolan and Moré 2002): for each solver, the share of cases that it answers within a factor of the fastest."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import scales, style, tables
+from analysis.shared.columns import Floats
+from analysis.shared.comparable import reason_apart
+from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.views.answers import questions
+
+SHOWN = (1.0, 2.0, 10.0)  # factors of the printed table
+
+
+def factors(results: Results) -> dict[tuple[str, str], Floats]:
+    """By (solver, name): for each question, the time over the least time of all solvers; infinity where it was not asked or did not get there.
+
+    Questions whose times do not compare are left out.
+    """
+    pairs = style.order(zip(results.cases.solver, results.names))
+    columns = []
+    for by_name in questions(results).values():
+        if reason_apart(frozenset[Any]().union(*[cell.origins for cell in by_name.values() if cell.time.n])):
+            continue
+        costs = np.array([by_name[name].time.value if name in by_name and by_name[name].time.n else math.inf for _, name in pairs])
+        if np.isfinite(costs).any():
+            columns.append(costs / costs.min())
+    return dict(zip(pairs, np.array(columns).T)) if columns else {}
+
+
+def make(results: Results) -> Report | None:
+    """None for fewer than two solvers or cases."""
+    found = factors(results)
+    if len(found) < 2 or len(next(iter(found.values()))) < 2:
+        return None
+    cases = len(next(iter(found.values())))
+    table = tables.Table(f"{results.meta.get('title') or results.stem}: the share of {cases} cases that each solver answers within a factor of the fastest.",
+                         ["solver", *[f"within {factor:g}" for factor in SHOWN], "answered"], left=1)
+    records: list[tables.Record] = []
+    for pair, values in found.items():
+        shares = [float((values <= factor).mean()) for factor in (*SHOWN, 1e300)]
+        table.rows.append([style.title(*pair), *[f"{100 * share:.0f} %" for share in shares]])
+        records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": float((values <= value).mean())}
+                    for value in np.unique(values[np.isfinite(values)])]
+    table.notes = [f"A case is a scene, a pose and a tolerance; medians of {clock_word(results)} to prepare and solve. A profile of few cases says little, and it "
+                   "depends on which solvers take part.", f"Measured on {machine_line(results)}."]
+    return Report(lambda: draw(found, cases), table, records)
+
+
+def draw(found: dict[tuple[str, str], Floats], cases: int) -> Any:
+    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.2))
+    most = max(float(values[np.isfinite(values)].max(initial=1.0)) for values in found.values())
+    for pair, values in found.items():
+        looks, known = style.look(*pair), np.sort(values[np.isfinite(values)])
+        x = np.concatenate([[1.0], known, [1.2 * max(most, 2.0)]])
+        y = np.concatenate([[float((values <= 1).mean())], np.arange(1, len(known) + 1) / cases, [len(known) / cases]])
+        ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.title)
+    ax.set_xscale("log")
+    ax.set(xlim=(1.0, 1.2 * max(most, 2.0)), ylim=(-0.02, 1.02), xlabel="time / least time of all solvers", ylabel=f"share of {cases} cases")
+    scales.log_ticks(ax.xaxis)
+    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    return figure

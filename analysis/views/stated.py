@@ -1,0 +1,39 @@
+"""Claims that an experiment states itself: `[[claim]] solver = "mine" faster_than = "sacht" by = 1.5`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from analysis.shared import claims, style
+from analysis.shared.cells import Cell, compare
+from analysis.shared.over_pairs import on_average
+from analysis.shared.results import Results
+from analysis.shared.verdicts import Verdict, everywhere
+
+PAPER = "experiment"  # in place of a paper's name, in the file of verdicts
+
+
+def verdicts(results: Results, asked: Mapping[Any, Mapping[str, Cell]]) -> list[Verdict]:
+    """One for each claim of the experiment's text, as kept in the result. A claim counts questions that both solvers were asked."""
+    stated = tomllib.loads(str(results.meta.get("experiment_toml") or "")).get("claim", [])
+    return [_judged(results, claim, number, asked) for number, claim in enumerate(stated)]
+
+
+def _judged(results: Results, stated: Mapping[str, Any], number: int, asked: Mapping[Any, Mapping[str, Cell]]) -> Verdict:
+    fast, slow, by = str(stated["solver"]), str(stated["faster_than"]), float(stated.get("by", 1.0))
+    both = [cells for cells in asked.values() if slow in cells and fast in cells]
+    every = stated.get("on") == "every" or len(both) == 1  # one case has no average
+    claim = claims.Claim(f"{_title(results, fast)} takes less time than {_title(results, slow)} {'on every case' if every else 'on average'}"
+                         + (f", by a factor of {by:g}" if by != 1 else ""))
+    claim.entry = claims.Entry(PAPER, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", "")
+    claim.place, claim.solver = "", fast
+    if every:
+        return everywhere(claim, [compare(cells[slow], cells[fast], by) for cells in both], "cases")
+    return on_average(claim, [compare(cells[slow], cells[fast]) for cells in both], by)
+
+
+def _title(results: Results, name: str) -> str:
+    rows = [row for row in range(len(results.cases)) if name in (results.cases.label[row], results.names[row])]
+    return style.title(results.cases.solver[rows[0]], name) if rows else name

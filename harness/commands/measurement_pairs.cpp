@@ -1,0 +1,136 @@
+#include "commands/measurement_pairs.h"
+
+#include "commands/verb.h"
+#include "error.h"
+
+#include <fmt/format.h>
+
+#include <glob.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+
+namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> matches_of(const std::string& pattern) {
+    glob_t found{};
+    std::vector<std::string> files;
+    if (::glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+    ::globfree(&found);
+    if (files.empty()) throw InputError(fmt::format("{}: no file matches", pattern));
+    return files;
+}
+
+std::string field(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + '"';
+}
+
+std::string number_field(double value) {
+    return std::isnan(value) ? "" : std::isinf(value) ? "inf" : fmt::format("{:.17g}", value);
+}
+
+// Splits at the first comma or tab, else at blanks. Empty parts if there are not two.
+std::pair<std::string, std::string> two_of(const std::string& line) {
+    const auto trimmed = [](std::string text) {
+        const auto begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+        return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+    };
+    const std::string text = trimmed(line);
+    auto at = text.find_first_of(",\t");
+    if (at == std::string::npos) at = text.find(' ');
+    if (at == std::string::npos) return {};
+    return {trimmed(text.substr(0, at)), trimmed(text.substr(at + 1))};
+}
+
+}  // namespace
+
+bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos && !fs::exists(name); }
+
+NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
+    NamedPairs pairs;
+    const auto sources = is_pattern(a) ? matches_of(a) : std::vector{a};
+    if (!is_pattern(b)) {
+        for (const std::string& source : sources) pairs.emplace_back(source, b);
+        return pairs;
+    }
+    std::map<std::string, std::string> targets;
+    for (const std::string& target : matches_of(b)) {
+        if (!targets.emplace(fs::path(target).stem(), target).second)
+            throw InputError(fmt::format("{}: two files are called {}: give a list with --pairs", b,
+                                         fs::path(target).stem().string()));
+    }
+    if (!is_pattern(a)) {
+        for (const auto& [stem, target] : targets) pairs.emplace_back(a, target);
+        return pairs;
+    }
+    for (const std::string& source : sources) {
+        const auto at = targets.find(fs::path(source).stem());
+        if (at == targets.end())
+            throw InputError(fmt::format("{}: no file of {} has this name: give a list with --pairs", source, b));
+        pairs.emplace_back(source, at->second);
+    }
+    return pairs;
+}
+
+NamedPairs read_pairs(const fs::path& list) {
+    std::ifstream in(list);
+    if (!in || fs::is_directory(list))
+        throw InputError(fmt::format("{}: cannot open it: name a list of pairs, a line for each: A, B", list.string()));
+    NamedPairs pairs;
+    std::string line;
+    const auto place = [&](const std::string& name) {
+        return names_a_file(name) ? (list.parent_path() / name).string() : name;  // else a model
+    };
+    for (int number = 1; std::getline(in, line); ++number) {
+        line = line.substr(0, line.find('#'));
+        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+        const auto [a, b] = two_of(line);
+        if (a.empty() || b.empty())
+            throw InputError(fmt::format("{}:{}: write A, then a comma, then B", list.string(), number));
+        pairs.emplace_back(place(a), place(b));
+    }
+    if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));
+    return pairs;
+}
+
+int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
+    int code = 0;
+    print("A,B,lower,upper,status,above_cutoff,seconds,solver,error\n");
+    for (const auto& [a, b] : pairs) {
+        MeasureRequest one = request;
+        one.source = a;
+        one.target = b;
+        std::string line = fmt::format("{},{},", field(a), field(b));
+        try {
+            const Measured measured = measure(one);
+            const int its_code = exit_code(measured, one);
+            if (its_code != 0) code = 1;
+            const std::string why = no_answer(measured);
+            const bool known = why.empty();
+            const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
+            line +=
+                fmt::format("{},{},{},{},{:.6f},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
+                            known ? number_field(measured.result.bounds.upper) : "",
+                            measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status),
+                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver, field(why));
+        } catch (const InputError& error) {
+            if (std::string(error.what()) == "interrupted") throw;
+            code = 1;
+            line += fmt::format(",,error,,,,{}\n", field(error.what()));
+        }
+        print(line);
+        std::fflush(stdout);
+    }
+    return code;
+}
+
+}  // namespace hausbench

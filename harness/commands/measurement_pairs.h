@@ -1,0 +1,30 @@
+// Many pairs of files for one `measure`.
+#pragma once
+
+#include "commands/measurement.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+
+using NamedPairs = std::vector<std::pair<std::string, std::string>>;
+
+// Whether a name has * or ?, and is no file.
+bool is_pattern(const std::string& name);
+
+// The files that match `a`, each with B: one name, or the file that matches `b` and has the same name without its extension. Throws
+// InputError if nothing matches, or a file has no partner.
+NamedPairs pairs_of_patterns(const std::string& a, const std::string& b);
+
+// A line for each pair: A, then B, with a comma, a tab or blanks between; `#` begins a comment. Relative paths count from the folder of the
+// list. Throws InputError with the line.
+NamedPairs read_pairs(const std::filesystem::path& list);
+
+// Measures each pair and prints a line of CSV for it as soon as it is known, with all digits. A pair that cannot be read is a line with
+// its error, and the others are measured all the same. Returns the exit code: 0 if every pair has exit code 0, else 1.
+int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request);
+
+}  // namespace hausbench

@@ -1,0 +1,30 @@
+#include "commands/named_shape.h"
+
+#include "commands/verb.h"
+#include "corpus.h"
+#include "error.h"
+#include "isolated.h"
+#include "paths.h"
+#include "shape_file.h"
+
+#include <fmt/format.h>
+
+namespace hausbench {
+
+LoadedShape load_named(const std::string& name) {
+    if (names_a_file(name)) return load_isolated(program_path(), name);
+    Catalogue models = catalogue();
+    add_tier_of(name, manifest_file(), models);
+    if (!models.has(name)) {
+        if (std::filesystem::exists(name)) return load_isolated(program_path(), name);
+        std::vector<std::string> names;
+        for (const ModelInfo& model : models.models()) names.push_back(model.name);
+        throw InputError(fmt::format("'{}' is neither a model nor a file{}", name, nearest_hint(name, names)));
+    }
+    const auto resolved = models.resolve(name);
+    if (const auto* missing = std::get_if<MissingModel>(&resolved))
+        throw InputError(fmt::format("model '{}': {}", name, missing->reason));
+    return read_shape(std::get<ResolvedModel>(resolved).shape_file);
+}
+
+}  // namespace hausbench

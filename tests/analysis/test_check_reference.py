@@ -1,0 +1,47 @@
+"""Bounds and counted work of a run against those that are kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from synthetic import ResultFile
+
+from analysis import check_reference
+
+
+def sweep(lower: float = 0.5, visits: int = 7, timeout: bool = False) -> ResultFile:
+    file = ResultFile("sweep")
+    for k, scene in enumerate("xy"):
+        file.case("guthe", scene, [1.0], lower=lower if scene == "x" else 0.25, upper=1.0, counters={"node_visits": visits + k, "point_distances": 2**60 + k})
+    file.case("guthe", "z", [1.0], status="timeout" if timeout else "ok", lower=0.1, upper=0.2)
+    return file
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(check_reference, "FOLDER", tmp_path / "counts")
+    return tmp_path
+
+
+def run(folder: Path, file: ResultFile, *more: str) -> int:
+    file.write(folder)
+    return check_reference.main(["sweep", "--results", str(folder), *more])
+
+
+def test_equal_rows_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(folder, sweep()) == 0 and "no row of it is kept" in capsys.readouterr().out
+    assert run(folder, sweep(), "--keep") == 0
+    assert run(folder, sweep()) == 0 and "equal the reference: 3 of 3 rows" in capsys.readouterr().out
+    assert run(folder, sweep(timeout=True)) == 0 and "2 of 2 rows" in capsys.readouterr().out
+
+
+def test_a_different_bound_or_count_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(folder, sweep(), "--keep")
+    assert run(folder, sweep(lower=0.5000000000000001)) == 1
+    said = capsys.readouterr().out
+    assert "2 of 3 rows" in said and "guthe on x, pose 0" in said and "lower 0.5 -> 0.5000000000000001" in said
+    assert run(folder, sweep(visits=8)) == 1
+    assert "node_visits 7 -> 8" in capsys.readouterr().out
+    assert run(folder, sweep(visits=8), "--keep") == 0 and run(folder, sweep(visits=8)) == 0
+    assert check_reference.main(["none", "--results", str(folder)]) == 2

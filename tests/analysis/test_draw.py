@@ -1,0 +1,127 @@
+"""`hausbench draw`: what it makes of results of any experiment, from files with known numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from synthetic import ResultFile, spread
+
+from analysis import draw
+from analysis.shared import style
+
+CLAIMS = """
+[[claim]]
+solver = "mine"
+faster_than = "guthe"
+by = 1.5
+[[claim]]
+solver = "guthe"
+faster_than = "mine"
+on = "every"
+"""
+
+
+@pytest.fixture(autouse=True)
+def looks_as_before() -> Iterator[None]:
+    yield
+    style.highlight("")
+    style._own.clear()
+
+
+def sweep(speed: float = 2.0, poses: int = 1, scenes: tuple[str, ...] = ("x", "y"), **columns: Any) -> ResultFile:
+    """`mine`, a plug-in's solver, takes a `speed`th of the time of guthe on each of three tolerances."""
+    file = ResultFile("own", meta={"title": "Mine against Guthe", "experiment_toml": CLAIMS,
+                                   "plugins": json.dumps([{"file": "libmine.so", "sha256": "0", "solvers": ["mine"], "titles": {"mine": "My solver"}}])})
+    for k, scene in enumerate(scenes):
+        for pose in range(poses):
+            for tolerance in (1e-2, 1e-3, 1e-4):
+                for solver, seconds in (("guthe", 0.1 * (k + 1)), ("mine", 0.1 * (k + 1) / speed)):
+                    file.case(solver, scene, spread(seconds, 6), tolerance=tolerance, pose_index=pose, lower=1.0, upper=1.0 + tolerance, certified=1,
+                              **columns)
+    return file
+
+
+def run(file: ResultFile, folder: Path, *arguments: str) -> int:
+    return draw.main([str(file.write(folder)), *arguments])
+
+
+def test_everything_that_a_result_holds_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(sweep(poses=3), tmp_path) == 0
+    for kind in ("error_against_time", "performance_profile", "motion"):
+        for folder, suffixes in (("figures", ("pdf", "png")), ("tables", ("csv", "md", "tex"))):
+            for suffix in suffixes:
+                assert (tmp_path / folder / f"own_{kind}.{suffix}").stat().st_size > 0
+    assert (tmp_path / "tables" / "own_table.tex").read_text(encoding="utf-8").isascii()
+    printed = capsys.readouterr().out
+    assert "own_motion.pdf" in printed
+    assert "Claim: My solver takes less time than Guthe 2005 on average, by a factor of 1.5. Here it holds" in printed
+    assert "Claim: Guthe 2005 takes less time than My solver on every case. Here it does not hold" in printed
+
+
+@pytest.mark.parametrize("speed,outcome", [(2.0, "holds"), (1.2, "does not hold")])
+def test_claims_of_an_experiment_are_judged_like_ours(tmp_path: Path, speed: float, outcome: str) -> None:
+    assert run(sweep(speed), tmp_path, "--as", "table") == 0
+    first, _ = json.loads((tmp_path / "tables" / "own_table.verdicts.json").read_text(encoding="utf-8"))
+    assert first["outcome"] == outcome and first["solver"] == "mine" and first["stem"] == "own_table"
+
+
+def test_a_claim_about_one_case_is_about_that_case(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = ResultFile("own", meta={"experiment_toml": CLAIMS})
+    for solver, seconds in (("guthe", 0.4), ("mine", 0.2)):
+        file.case(solver, "x", spread(seconds, 6), lower=1.0, upper=1.0)
+    assert run(file, tmp_path, "--as", "table") == 0
+    assert "mine takes less time than Guthe 2005 on every case, by a factor of 1.5. Here it holds" in capsys.readouterr().out
+    file.case("guthe", "y", spread(0.4, 6), lower=1.0, upper=1.0)
+    file.case("mine", "y", [], status="failed", reason="it crashed")
+    assert run(file, tmp_path, "--as", "table") == 0
+    assert "Here: not separated" in capsys.readouterr().out  # one of two cases has no ratio
+
+
+def test_the_table_has_every_answer(tmp_path: Path) -> None:
+    file = sweep(scenes=("x",), reported_seconds=0.05)
+    file.case("mine", "z", [], status="timeout", reason="60 s")
+    assert run(file, tmp_path, "--as", "table") == 0
+    with (tmp_path / "tables" / "own_table.csv").open(encoding="utf-8") as opened:
+        rows = list(csv.DictReader(opened))
+    assert len(rows) == 7 and rows[-1]["status"] == "timeout 1 of 1" and rows[-1]["reason"] == "60 s"
+    assert float(rows[0]["lower"]) == 1.0 and rows[0]["reported_seconds"] == "0.05" and rows[1]["name"] == "mine"
+    assert "reported, ms" in (tmp_path / "tables" / "own_table.md").read_text(encoding="utf-8")
+
+
+def test_a_profile_counts_cases_within_a_factor(tmp_path: Path) -> None:
+    file = sweep(speed=2.0)
+    file.case("guthe", "z", spread(0.1, 6), lower=1.0, upper=1.0)
+    file.case("mine", "z", [], status="timeout")
+    assert run(file, tmp_path, "--as", "performance-profile") == 0
+    text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
+    cells = {line.split(" | ")[0].strip("| "): line.strip("| ").split(" | ")[1:] for line in text.splitlines() if line.startswith("| ")}
+    assert cells["My solver"] == ["86 %", "86 %", "86 %", "86 %"]  # 6 of 7: the fastest, or nothing
+    assert cells["Guthe 2005"] == ["14 %", "100 %", "100 %", "100 %"]
+
+
+def test_what_a_result_does_not_hold_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(sweep(), tmp_path, "--as", "motion") == 2
+    assert "no scene has several poses" in capsys.readouterr().err
+    assert run(sweep(), tmp_path, "--highlight", "ours") == 2
+    assert "no solver is labelled 'ours': choose one of guthe, mine" in capsys.readouterr().err
+    assert draw.main([str(tmp_path / "none.h5")]) == 2
+    assert "none.h5" in capsys.readouterr().err
+
+
+def test_solvers_from_outside_have_titles_and_colours_of_their_own(tmp_path: Path) -> None:
+    file = sweep()
+    file.case("external", "x", spread(0.1, 6), label="metro")
+    file.case("external", "x", spread(0.1, 6), label="cloudcompare")
+    assert run(file, tmp_path, "--as", "table", "--highlight", "mine") == 0
+    mine, metro, other = style.look("mine", "mine"), style.look("external", "metro"), style.look("external", "cloudcompare")
+    assert (mine.title, metro.title, other.title) == ("My solver", "metro", "cloudcompare")
+    assert mine.colour not in {look.colour for look in style.LOOKS.values()}
+    assert metro.colour == style.look("guthe", "guthe").colour == "#BBBBBB" != mine.colour
+    style.highlight("")
+    assert len({look.colour for look in (style.look("mine"), style.look("external", "metro"), style.look("external", "cloudcompare"))}) == 3
+    assert style.look("guthe", "guthe").colour == style.LOOKS["guthe"].colour

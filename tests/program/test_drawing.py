@@ -1,0 +1,56 @@
+"""`hausbench draw`, from a plug-in, an experiment with claims of its own and no script to a figure and a verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from conftest import Program
+from test_plugin import head, outside, plugin  # noqa: F401  (fixtures)
+
+
+@pytest.fixture
+def own(plugin: Path, tmp_path: Path) -> Path:  # noqa: F811
+    """An experiment that names its plug-in by a path from its own folder."""
+    (tmp_path / "libmine.so").symlink_to(plugin)
+    file = tmp_path / "own.toml"
+    text = head().replace("repeats = 1", "repeats = 1\nrounds = 6")
+    file.write_text('plugins = ["libmine.so"]\n' + text + '\n[[solver]]\nname = "vertex_only"\n'
+                    '[[claim]]\nsolver = "vertex_only"\nfaster_than = "guthe"\non = "every"\n')
+    return file
+
+
+def test_an_own_experiment_is_drawn(hausbench: Program, own: Path, tmp_path: Path) -> None:
+    done = hausbench("run", own, "--results", tmp_path, "--quiet", "--no-reference")
+    assert done.returncode == 0, done.stderr
+    done = hausbench("draw", tmp_path / "own.h5", "--out", tmp_path / "paper", "--highlight", "vertex_only")
+    assert done.returncode == 0, done.stderr
+    assert "takes less time than Guthe 2005 on every case" in done.stdout and "Claim: " in done.stdout
+    for name, begin in (("figures/own_motion.pdf", b"%PDF"), ("figures/own_motion.png", b"\x89PNG"), ("tables/own_table.tex", b"% needs")):
+        assert (tmp_path / "paper" / name).read_bytes().startswith(begin)
+    assert "hausbench draw" in hausbench("draw", "--help").stdout
+    assert hausbench("draw", tmp_path / "none.h5").returncode == 2
+
+
+def test_what_claims_and_plugins_name_is_checked(hausbench: Program, own: Path, tmp_path: Path) -> None:
+    good = own.read_text()
+    for wrong, said in (('faster_than = "guhte"', "did you mean 'guthe'"), ('by = -1', "'by'"), ('on = "most"', "average or every"),
+                        ('because = 1', "unknown key")):
+        key = wrong.partition(" ")[0]
+        text = good.replace('faster_than = "guthe"\n' if key == "faster_than" else 'on = "every"\n', f"{wrong}\n")
+        own.write_text(text)
+        line = hausbench.fails("explain", own)
+        assert said in line and "own.toml:" in line, line
+    own.write_text(good.replace("libmine.so", "libyours.so"))
+    line = hausbench.fails("explain", own)
+    assert "own.toml:1" in line and "libyours.so" in line
+    own.write_text(good)
+    assert hausbench("explain", own, "--plugin", tmp_path / "libmine.so").returncode == 0  # named twice, loaded once
+
+
+def test_models_are_fetched_to_where_the_program_looks(hausbench: Program, tmp_path: Path) -> None:
+    done = hausbench("fetch", "--help")
+    assert done.returncode == 0 and "datasets/cache" in done.stdout
+    done = hausbench("fetch", "no_such_model")
+    assert done.returncode == 2 and "no_such_model" in done.stderr

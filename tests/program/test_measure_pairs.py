@@ -1,0 +1,98 @@
+"""`measure` of many pairs, as CSV with one exit code, and of models by name."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from conftest import Program
+
+
+@pytest.fixture
+def folders(hausbench: Program, tmp_path: Path) -> Path:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+    for name, here, there in (("one", "sphere1", "sphere2"), ("two", "sphere2", "sphere3")):
+        assert hausbench("export", here, tmp_path / "a" / f"{name}.off").returncode == 0
+        assert hausbench("export", there, tmp_path / "b" / f"{name}.obj").returncode == 0
+    return tmp_path
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_files_of_one_name_are_a_pair(hausbench: Program, folders: Path) -> None:
+    done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
+    assert done.returncode == 0, done.stderr
+    found = rows(done.stdout)
+    assert [(Path(row["A"]).stem, Path(row["B"]).stem) for row in found] == [("one", "one"), ("two", "two")]
+    for row in found:
+        alone = json.loads(hausbench("measure", row["A"], row["B"], "--json").stdout)
+        assert (float(row["lower"]), float(row["upper"])) == (alone["lower"], alone["upper"]) and row["solver"] == "cover" and row["error"] == ""
+    assert [row["B"] for row in rows(hausbench("measure", folders / "a" / "*.off", folders / "b" / "one.obj").stdout)] == [str(folders / "b" / "one.obj")] * 2
+    assert len(rows(hausbench("measure", folders / "a" / "one.off", folders / "b" / "*.obj").stdout)) == 2
+
+
+def test_one_bad_file_costs_one_line(hausbench: Program, folders: Path) -> None:
+    (folders / "a" / "two.off").write_text("OFF\n1 1 0\n0 0 0\n3 0 1 2\n")
+    done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
+    one, two = rows(done.stdout)
+    assert done.returncode == 1 and one["status"] == "converged" and two["status"] == "error" and "two.off:" in two["error"] and two["lower"] == ""
+
+
+def test_a_list_of_pairs_and_a_question(hausbench: Program, folders: Path) -> None:
+    pairs = folders / "pairs.csv"
+    pairs.write_text("# A, B\na/one.off, b/one.obj\n\nsphere1 sphere2  # models\na/two.off\tb/two.obj\n")
+    found = rows(hausbench("measure", "--pairs", pairs).stdout)
+    assert len(found) == 3 and found[0]["lower"] == found[1]["lower"] and found[1]["A"] == "sphere1"
+    done = hausbench("measure", "--pairs", pairs, "--cutoff", "0.03")
+    assert [row["above_cutoff"] for row in rows(done.stdout)] == ["yes", "yes", "no"] and done.returncode == 1
+    assert hausbench("measure", "--pairs", pairs, "--cutoff", "0.5").returncode == 0
+    pairs.write_text("a/one.off b/one.obj\nalone\n")
+    assert "pairs.csv:2: write A" in hausbench.fails("measure", "--pairs", pairs)
+    pairs.write_text("\n")
+    assert "has no pairs" in hausbench.fails("measure", "--pairs", pairs)
+
+
+def test_what_does_not_go_together(hausbench: Program, folders: Path) -> None:
+    a, b = folders / "a" / "*.off", folders / "b" / "*.obj"
+    for option, file in (("--fields", folders / "out.ply"), ("--certificate", folders / "proof")):
+        assert "not with several pairs" in hausbench.fails("measure", a, b, option, file)
+    assert "no file matches" in hausbench.fails("measure", folders / "a" / "*.stl", b)
+    (folders / "b" / "two.obj").unlink()
+    assert "no file of" in hausbench.fails("measure", a, b)
+    assert "name two shapes" in hausbench.fails("measure", folders / "a" / "one.off")
+    assert "name B, too" in hausbench.fails("measure", a)
+
+
+def test_models_have_names(hausbench: Program, tmp_path: Path) -> None:
+    for name in ("sphere1", "sphere2"):
+        assert hausbench("export", name, tmp_path / f"{name}.off").returncode == 0
+    named = json.loads(hausbench("measure", "sphere1", "sphere2", "--json").stdout)
+    files = json.loads(hausbench("measure", tmp_path / "sphere1.off", tmp_path / "sphere2.off", "--json").stdout)
+    assert (named["lower"], named["upper"]) == (files["lower"], files["upper"]) and named["source"]["file"] == "sphere1"
+    assert named["source_element"] == files["source_element"] >= 0
+    assert "did you mean 'sphere1'" in hausbench.fails("measure", "spere1", "sphere2")
+    proof = tmp_path / "proof"
+    assert hausbench("measure", "sphere1", "sphere2", "--certificate", proof).returncode == 0
+    assert hausbench("verify", "--certificate", proof).returncode == 0
+
+
+def test_another_unit_is_asked_about(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    small = tmp_path / "small.off"
+    small.write_text("OFF\n3 1 0\n0 0 0\n0.001 0 0\n0 0.001 0\n3 0 1 2\n")
+    done = hausbench("measure", tetrahedron, small)
+    assert done.returncode == 0 and "times as large as the other: are both in one unit?" in done.stdout
+    assert "one unit" not in hausbench("measure", tetrahedron, tetrahedron).stdout
+
+
+def test_errors_are_json_for_programs(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    done = hausbench("measure", tetrahedron, tmp_path / "none.off", "--json")
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+    said = json.loads(done.stdout)
+    assert said["exit_code"] == 2 and "none.off" in said["error"]
