@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -55,11 +57,12 @@ private:
 // half of the angles of A (Rivara 1984). Neighbours share the mark of their edge, so no gap opens between them. Lengths are scaled.
 class FieldCutter {
 public:
-    FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double resolution,
+    // `floor`: differences and lengths up to it are left to rounding.
+    FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
                 std::size_t most_pieces)
         : distance_to_(distance_to),
-          resolution_(resolution),
-          longest_(longest_edge * diagonal(vertices)),
+          floor_(floor),
+          longest_(std::max(floor, longest_edge * diagonal(vertices))),
           most_(std::max(most_pieces, static_cast<std::size_t>(triangles.rows()))) {
         for (Index i = 0; i < vertices.rows(); ++i) add(vertices.row(i).transpose(), i > 0 ? nearest.back() : -1);
         pieces.reserve(static_cast<std::size_t>(triangles.rows()));
@@ -86,8 +89,9 @@ public:
         pieces.push_back({{c, a, middle}, element, false});
     }
 
-    // Returns whether nothing is left to cut.
-    bool cut() {
+    // To this resolution. Returns whether nothing is left to cut.
+    bool cut(double resolution) {
+        resolution_ = std::max(resolution, floor_);
         while (true) {
             const auto wanted = compare_unsettled();
             if (wanted.empty()) return true;
@@ -139,17 +143,25 @@ private:
             if (piece.settled) continue;
             piece.settled = true;
             for (int k = 0; k < 3; ++k) edges.push_back(edge_of(piece, k));
-            if (const double off = off_at_centroid(piece); off > resolution_)
-                wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
+            const double off = off_at_centroid(piece);
+            if (off > resolution_ || is_long(piece)) wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
         }
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         for (const Edge edge : edges) {
             const double off = off_at_midpoint(edge);
-            if (off > resolution_ || squared_length_of(edge) > longest_ * longest_) wanted.emplace_back(off, edge);
+            if (off > resolution_) wanted.emplace_back(off, edge);
         }
         std::sort(wanted.begin(), wanted.end(), std::greater<>());
         return wanted;
+    }
+
+    // And no needle, of which only more needles would come.
+    bool is_long(const Piece& piece) const {
+        const double squared = squared_length_of(edge_of(piece, longest_of(piece)));
+        const auto corner = [&](int k) { return points[static_cast<std::size_t>(piece.corners[k])]; };
+        const double twice_area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+        return squared > longest_ * longest_ && twice_area > resolution_ * std::sqrt(squared);
     }
 
     double off_at_midpoint(Edge edge) const {
@@ -227,7 +239,7 @@ private:
     }
 
     const DistanceTo& distance_to_;
-    double resolution_, longest_;
+    double floor_, longest_, resolution_ = 0;
     std::size_t most_, due_ = 0;                           // pieces; due_: that the marks add
     std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
     std::unordered_map<Edge, Index> marks_;                // with the vertex in the middle
@@ -248,12 +260,12 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     const Shape& whole = source.shape();
     const auto* mesh = std::get_if<TriangleMesh>(&whole);
     const DistanceTo distance_to(to);
-    // Differences that rounding can make are no reason to cut.
-    const double resolution = std::ldexp(std::max(drawing.resolution, 4 * field_error(largest)), exponent);
-    FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, resolution,
+    const double floor = std::ldexp(4 * field_error(largest), exponent);  // rounding is no reason to cut
+    FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, floor,
                        drawing.most_pieces);
     DrawnField drawn;
-    if (mesh && std::isfinite(drawing.resolution)) {
+    if (mesh && std::isfinite(drawing.fraction)) {
+        const double farthest = *std::max_element(cutter.distances.begin(), cutter.distances.end());
         const Vec3 witness = drawing.witness.unaryExpr([&](double x) { return std::ldexp(x, exponent); });
         const Index element = drawing.witness_element;
         if (element >= 0 && element < mesh->triangles.rows() && witness.allFinite()) {
@@ -261,7 +273,8 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
             const double off = std::sqrt(closest_point(witness, triangle_of(scaled, 0)).squared_distance);
             if (off <= field_error(std::ldexp(largest, exponent))) cutter.insert(witness, element);
         }
-        drawn.resolved = cutter.cut();
+        const double lower = std::isfinite(drawing.lower) ? std::ldexp(drawing.lower, exponent) : 0;
+        drawn.resolved = cutter.cut(drawing.fraction * std::max(lower, farthest));
     }
     const auto count = static_cast<Index>(cutter.points.size()), pieces = static_cast<Index>(cutter.pieces.size());
     drawn.vertices.resize(count, 3);
@@ -279,10 +292,6 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
         drawn.elements.push_back(piece.element);
     }
     return drawn;
-}
-
-double resolution_for(double fraction, const Bounds& bounds) {
-    return fraction * (bounds.lower > 0 ? bounds.lower : bounds.upper);
 }
 
 Fields as_fields(const DrawnField& drawn) {
@@ -303,6 +312,15 @@ Fields as_fields(const DrawnField& drawn) {
     }
     fields.push_back(field("element", Field::Of::pieces, drawn.elements.begin(), drawn.elements.end()));
     return fields;
+}
+
+void add_own(Fields& fields, Fields own) {
+    constexpr std::string_view taken[] = {"distance", "nearest", "x", "y", "z", "a", "b", "c", "element"};
+    for (Field& field : own) {
+        if (std::find(std::begin(taken), std::end(taken), field.name) != std::end(taken))
+            field.name = "own " + field.name;
+        fields.push_back(std::move(field));
+    }
 }
 
 // Places of vertices that cuts add. The midpoint of two vertices is rounded by sqrt(3) uM and is off its triangle by that and the mean of
@@ -340,8 +358,8 @@ Fields as_fields(const DrawnField& drawn) {
 //    more than it is off T: 239 + 25 + 7 = 271.
 //
 // Over all triangles the smallest computed square wins once more, 25uM, and its triangle is within 7uM of q: 303uM. The distance is
-// computed with an error of 4u, 14uM, which is less. 320uM is more than all of it.
-double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1074; }
+// computed with an error of 4u, 14uM, which is less. 320uM is more than all of it. Coordinates and distances that are scaled back to subnormals are off by less than 2^-1072.
+double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
 
 std::string_view to_string(Field::Of of) {
     constexpr std::string_view names[] = {"vertices", "elements", "pieces"};

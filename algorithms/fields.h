@@ -10,9 +10,11 @@ namespace hausbench {
 
 // How finely A is cut before it is drawn.
 struct Drawing {
-    // Largest difference allowed between the distance and its linear interpolation, in the unit of the input. It is compared at the
-    // midpoint of every edge and at the centroid of every piece, so a spike in between can be missed. Infinity: A is not cut.
-    double resolution = infinity;
+    // Largest difference allowed between the distance and its linear interpolation, as a fraction of h: of the larger of `lower`, a lower
+    // bound of it, and the largest distance of a vertex of A. It is compared at the midpoint of every edge and at the centroid of every
+    // piece, so a spike in between can be missed. Infinity: A is not cut.
+    double fraction = infinity;
+    double lower = 0;
     // A point of A posed that becomes a vertex if it lies on this triangle of A; -1: no such point.
     Vec3 witness = Vec3::Zero();
     Index witness_element = -1;
@@ -33,7 +35,7 @@ struct DrawnField {
 };
 
 // Cuts where the field needs it, the largest differences first when pieces run out. No edge that is left is longer than 1/64 of the
-// diagonal of A posed. O((|A| + |pieces|) log |B|) on well-behaved shapes. The shapes must have the same exponent. Throws InputError
+// diagonal of A posed, but for needles. O((|A| + |pieces|) log |B|) on well-behaved shapes. The shapes must have the same exponent. Throws InputError
 // for a surface, or if a pose moves a point beyond the largest double.
 //
 // Error, u = 2^-53, M = max |coordinate| of A posed and B posed: a distance, and the distance to the element named, differ from the
@@ -42,11 +44,11 @@ struct DrawnField {
 DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
                          const Pose& target_pose, const Drawing& drawing = {});
 
-// The resolution that shows h to a fraction of it: of the lower bound, or of the upper one if the lower one is 0.
-double resolution_for(double fraction, const Bounds& bounds);
-
 // As results keep it: of vertices "distance", "nearest", "x", "y", "z"; of pieces "a", "b", "c" (vertices) and "element".
 Fields as_fields(const DrawnField& drawn);
+
+// Adds a solver's own fields to these. A name that as_fields() uses gets "own " before it.
+void add_own(Fields& fields, Fields own);
 
 double field_error(double magnitude);
 

@@ -55,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(printable(str(problem)), file=sys.stderr)
         return 2
+    except ValueError as problem:  # texts or times that no run writes
+        print(printable(f"{chosen.result}: cannot be drawn: {problem}: run its experiment again"), file=sys.stderr)
+        return 2
     except OSError as problem:
         print(printable(f"{chosen.result}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
         return 2

@@ -81,9 +81,10 @@ fs::path manifest_file() {
 fs::path results_folder(const fs::path& experiment) {
     if (std::getenv("HAUSBENCH_ROOT")) return project_root() / "results";
     std::error_code unreadable;
-    for (fs::path folder = fs::absolute(experiment).parent_path(); folder.has_relative_path();
-         folder = folder.parent_path()) {
-        if (fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return folder / "results";
+    const fs::path file = fs::weakly_canonical(fs::absolute(experiment), unreadable);
+    for (fs::path folder = file.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
+        const bool installed = folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
+        if (!installed && fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return folder / "results";
     }
     return "results";
 }

@@ -69,6 +69,15 @@ int run_verb(int argc, char** argv) {
     return code;
 }
 
+// Says what went wrong on standard error, and with --json as an object on standard output too. Returns the exit code.
+int give_up(int argc, char** argv, int code, const std::string& what) {
+    if (std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc)
+        fmt::print("{}\n", nlohmann::json{{"error", what}, {"exit_code", code}}.dump(
+                               -1, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print(stderr, "hausbench: {}\n", what);
+    return code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -76,16 +85,10 @@ int main(int argc, char** argv) {
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {
-        if (std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc)
-            fmt::print("{}\n", nlohmann::json{{"error", printable(error.what())}, {"exit_code", 2}}.dump(
-                                   -1, ' ', false, nlohmann::json::error_handler_t::replace));
-        fmt::print(stderr, "hausbench: {}\n", printable(error.what()));
-        return 2;
+        return give_up(argc, argv, 2, printable(error.what()));
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "hausbench: out of memory\n");
-        return 4;
+        return give_up(argc, argv, 4, "out of memory");
     } catch (const std::exception& error) {
-        fmt::print(stderr, "hausbench: internal error: {}\n", printable(error.what()));
-        return 3;
+        return give_up(argc, argv, 3, "internal error: " + printable(error.what()));
     }
 }

@@ -173,8 +173,8 @@ double area_of(const DrawnField& field) {
 TEST(DrawnFields, ShowWhatVerticesDoNot) {
     const PointSet b{right_angled().vertices};
     for (int scale : {0, -1000, 900}) {
-        const double unit = std::ldexp(1.0, scale), resolution = 0.05 * std::sqrt(4.5) * unit;
-        const DrawnField field = drawn(right_angled(), b, {resolution}, scale);
+        const double unit = std::ldexp(1.0, scale), lower = std::sqrt(4.5) * unit, resolution = 0.05 * lower;
+        const DrawnField field = drawn(right_angled(), b, {0.05, lower}, scale);
         EXPECT_TRUE(field.resolved);
         EXPECT_EQ(field.vertices.topRows(3), unit * right_angled().vertices);
         EXPECT_GE(field.largest(), 0.95 * std::sqrt(4.5) * unit);
@@ -200,7 +200,7 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
 }
 
 TEST(DrawnFields, HaveNoGapsBetweenPieces) {
-    const DrawnField field = drawn(tetrahedron(), PointSet{Points::Constant(1, 3, 0.3)}, {0.02, {0.2, 0.3, 0}, 0});
+    const DrawnField field = drawn(tetrahedron(), PointSet{Points::Constant(1, 3, 0.3)}, {0.02, 1, {0.2, 0.3, 0}, 0});
     std::map<std::pair<Index, Index>, int> uses;
     for (Index i = 0; i < field.pieces.rows(); ++i) {
         for (int k = 0; k < 3; ++k)
@@ -214,7 +214,7 @@ TEST(DrawnFields, HaveNoGapsBetweenPieces) {
 TEST(DrawnFields, NoEdgeIsLong) {
     TriangleMesh far = square();
     far.vertices.col(2).setConstant(5);
-    const DrawnField field = drawn(square(), far, {0.1});
+    const DrawnField field = drawn(square(), far, {0.02});
     for (Index i = 0; i < field.pieces.rows(); ++i) {
         for (int k = 0; k < 3; ++k)
             EXPECT_LE(
@@ -235,7 +235,7 @@ TEST(DrawnFields, CentroidsAreCompared) {
     TriangleMesh both{Points(6, 3), Triangles(2, 3)};
     both.vertices << a.vertices, far.vertices;
     both.triangles << 0, 1, 2, 3, 4, 5;
-    const DrawnField field = drawn(both, b, {0.002});
+    const DrawnField field = drawn(both, b, {0.002 / 4.4});  // of the far one
     EXPECT_GT(std::count(field.elements.begin(), field.elements.end(), 0), 3);
 }
 
@@ -245,11 +245,11 @@ TEST(DrawnFields, TheWitnessIsAVertex) {
         return (field.vertices.rowwise() - witness.transpose()).rowwise().norm().minCoeff() == 0;
     };
     const PointSet b{right_angled().vertices};
-    EXPECT_TRUE(has(drawn(right_angled(), b, {1, witness, 0})));
-    EXPECT_FALSE(has(drawn(right_angled(), b, {1})));
-    EXPECT_FALSE(has(drawn(right_angled(), b, {1, witness, 1})));  // no such triangle
+    EXPECT_TRUE(has(drawn(right_angled(), b, {1, 1, witness, 0})));
+    EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1})));
+    EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1, witness, 1})));  // no such triangle
     const Vec3 beside(1, 0.7, 1e-3);
-    const DrawnField field = drawn(right_angled(), b, {1, beside, 0});  // not on it
+    const DrawnField field = drawn(right_angled(), b, {1, 1, beside, 0});  // not on it
     EXPECT_EQ(field.vertices.col(2).cwiseAbs().maxCoeff(), 0);
 }
 
@@ -259,7 +259,7 @@ TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
     a.vertices << 0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 5, 0, 0, 5.02, 0, 0, 5, 0.02, 0;
     a.triangles << 0, 1, 2, 3, 4, 5;
     const PointSet b{a.vertices};
-    Drawing drawing{1e-4};
+    Drawing drawing{1e-4, 1};
     drawing.most_pieces = 5;
     const DrawnField field = drawn(a, b, drawing);
     EXPECT_FALSE(field.resolved);
@@ -271,16 +271,37 @@ TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
 
 TEST(DrawnFields, OfPointsAreNotCut) {
     const PointSet a{right_angled().vertices}, b{Points::Zero(1, 3)};
-    const DrawnField field = draw_distance(PreparedShape(a, 0), {}, PreparedShape(b, 0), {}, {0.1, {1, 0, 0}, 0});
+    const DrawnField field = draw_distance(PreparedShape(a, 0), {}, PreparedShape(b, 0), {}, {0.1, 1, {1, 0, 0}, 0});
     EXPECT_EQ(field.pieces.rows(), 0);
     EXPECT_EQ(field.distances, (std::vector<double>{0, 3, 3}));
     EXPECT_EQ(as_fields(field).size(), 5u);
 }
 
-TEST(DrawnFields, TheResolutionIsAPartOfTheDistance) {
-    EXPECT_EQ(resolution_for(0.5, {2, 3}), 1);
-    EXPECT_EQ(resolution_for(0.5, {0, 3}), 1.5);
-    EXPECT_EQ(resolution_for(0.5, {0, infinity}), infinity);
+TEST(DrawnFields, TheResolutionIsAPartOfTheLargerOfBothBounds) {
+    // The vertices of A are 1 away from B, and the lower bound says less, or nothing.
+    TriangleMesh a = right_angled();
+    a.vertices.col(2).setConstant(1);
+    const PointSet b{right_angled().vertices};
+    const auto pieces = [&](double lower) { return drawn(a, b, {0.1, lower}).pieces.rows(); };
+    EXPECT_EQ(pieces(1e-9), pieces(0));
+    EXPECT_EQ(pieces(std::nan("")), pieces(0));
+    EXPECT_LT(pieces(50), pieces(0));
+}
+
+TEST(DrawnFields, WhereRoundingLeavesNoMiddleNothingIsCut) {
+    TriangleMesh a{Points(3, 3), Triangles(1, 3)};
+    a.vertices << 1, 1, 1, 1 + 0x1p-52, 1, 1, 1, 1 + 0x1p-52, 1;
+    a.triangles << 0, 1, 2;
+    EXPECT_EQ(drawn(a, PointSet{Points::Zero(1, 3)}, {1e-12}).pieces.rows(), 1);
+}
+
+TEST(DrawnFields, NeedlesAreNotCutByTheirLength) {
+    TriangleMesh a{Points(6, 3), Triangles(2, 3)};
+    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the other has two corners at one place
+    a.triangles << 0, 1, 2, 3, 4, 5;
+    TriangleMesh far = square();
+    far.vertices.col(2).setConstant(3);
+    EXPECT_LT(drawn(a, far, {0.5}).pieces.rows(), 10);
 }
 
 class FieldFile : public testing::Test {
@@ -512,7 +533,31 @@ TEST_F(CheckDrawnFields, VerticesOfAComeFirst) {
     of("x")[2] = std::nextafter(of("x")[2], 9.0);
     expect(Verdict::unsound, "vertex 2 is not where A has it");
     of("x")[2] = std::nan("");
-    expect(Verdict::unsound, "vertex 2 is not a point");
+    expect(Verdict::unsound, "vertex 2 is not");
+}
+
+TEST_F(CheckDrawnFields, VerticesThatCutsAddedAreOnA) {
+    for (const double bad : {1e200, -1.7e308, std::nan("")}) {
+        SetUp();
+        of("x")[last()] = bad;
+        expect(Verdict::unsound, "is not on A");
+    }
+    SetUp();
+    std::erase_if(fields, [](const Field& field) { return field.of == Field::Of::pieces; });
+    expect(Verdict::unsound, "no pieces");
+}
+
+TEST_F(CheckDrawnFields, HoldAtEveryScale) {
+    for (const int scale : {-1060, -530, -400, 400, 1000}) {
+        TriangleMesh small = tetrahedron(), flat = square();
+        for (Points* points : {&small.vertices, &flat.vertices})
+            *points = points->unaryExpr([&](double x) { return std::ldexp(x, scale); });
+        a = small, b = flat;
+        pose = target_pose = {};
+        fields = as_fields(draw_distance(PreparedShape(a, 0), pose, PreparedShape(b, 0), target_pose, {0.1}));
+        EXPECT_GT(of("element").size(), 50u);
+        expect(Verdict::holds);
+    }
 }
 
 TEST_F(CheckDrawnFields, PiecesAreOfTheirTriangle) {
@@ -523,30 +568,15 @@ TEST_F(CheckDrawnFields, PiecesAreOfTheirTriangle) {
 }
 
 TEST_F(CheckDrawnFields, PiecesLieOnTheirTriangle) {
-    // Away from the triangle but in its plane, so that no area changes: turned over an edge.
-    const Index k = Index(of("c").back());
     fields = as_fields(draw_distance(PreparedShape(a, 0), pose, PreparedShape(b, 0), target_pose));
-    const double off = 0.25;
-    for (const char* name : {"x", "y", "z", "distance", "nearest"})
-        of(name).push_back(of(name)[std::size_t(of("a")[0])]);
-    ASSERT_GE(k, 0);
-    const double x = of("x").back();
-    of("a")[0] = double(last());
-    of("x").back() = x;
-    expect(Verdict::holds);  // the same corner again
-    // Along the opposite edge, the area stays.
-    const auto place = [&](const char* column, std::size_t i) { return of(column)[i]; };
-    const std::size_t from = std::size_t(of("b")[0]), to = std::size_t(of("c")[0]);
-    for (const char* column : {"x", "y", "z"}) of(column).back() += off * (place(column, to) - place(column, from));
-    const Vec3 p(of("x").back(), of("y").back(), of("z").back());
-    of("distance").back() = p.z() + 4;
-    of("nearest").back() = p.x() >= p.y() ? 0 : 1;
+    expect(Verdict::holds);
+    std::swap(of("element")[0], of("element")[1]);  // two faces of the same area
     expect(Verdict::unsound, "not on its element");
 }
 
 TEST_F(CheckDrawnFields, PiecesCoverTheirTriangle) {
     for (const char* name : {"a", "b", "c", "element"}) of(name).pop_back();
-    expect(Verdict::unsound, "its pieces have the area");
+    expect(Verdict::unsound, "its pieces have 0.");
     of("a").pop_back();
     expect(Verdict::unsound, "values for");
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +36,12 @@ def questions(results: Results) -> dict[Asked, dict[str, Cell]]:
     return {asked: {name: Cell(results, found) for name, found in by_name.items()} for asked, by_name in rows.items()}
 
 
+def measured(results: Results) -> dict[Asked, dict[str, Cell]]:
+    """The same without questions whose answers were all read off those to finer tolerances: they would count one measurement twice."""
+    return {question: by_name for question, by_name in questions(results).items()
+            if not all(results.cases.from_trace[row] for cell in by_name.values() for row in cell.cases)}
+
+
 def moving(results: Results) -> set[str]:
     """Scenes of more than one pose."""
     return {scene for scene in results.scenes if len({int(results.cases.pose_index[row]) for row in results.rows(scene=scene)}) > 1}
@@ -54,11 +59,12 @@ def make(results: Results) -> Report:
         table.rules.add(len(table.rows))
         for name, cell in by_name.items():
             row = cell.cases[0]
+            lower, upper = float(cases.lower[cell.cases].min()), float(cases.upper[cell.cases].max())  # of all seeds
             said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
             table.rows.append([question.title(question.scene in moves), tables.number(question.tolerance, 2), style.title(cases.solver[row], name),
-                               tables.number(float(cases.lower[row]), 7), tables.number(float(cases.upper[row]), 7),
+                               tables.number(lower, 7), tables.number(upper, 7),
                                tables.estimate(cell.time, scale), *[tables.number(said * scale)] * reported, cell.status()])
-            records.append({**question._asdict(), "solver": cases.solver[row], "name": name, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
+            records.append({**question._asdict(), "solver": cases.solver[row], "name": name, "lower": lower, "upper": upper,
                             **tables.seconds(cell.time), "reported_seconds": said, "status": cell.status(), "reason": cases.reason[row]})
     table.verdicts = stated.verdicts(results, asked)
     table.notes = [f"Tolerances are {units(results)}. {tables.coverage_note(known)}", f"Measured on {machine_line(results)}."]
@@ -70,8 +76,3 @@ def units(results: Results) -> str:
     words = {"diagonal": "fractions of the diagonal of A", "longest": "fractions of the longest side of A's box", "absolute": "lengths",
              "lower": "fractions of the lower bound"}
     return " or ".join(words.get(str(of), str(of)) for of in results.in_order("tolerance_of"))
-
-
-def cells_of(asked: dict[Asked, dict[str, Cell]], name: str, among: Sequence[Asked] = ()) -> list[Cell | None]:
-    """The cell of a solver for each question; None if it was not asked."""
-    return [asked[question].get(name) for question in among or asked]

@@ -14,7 +14,7 @@ from analysis.shared.comparable import reason_apart
 from analysis.shared.notes import clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.views.answers import questions
+from analysis.views.answers import measured
 
 SHOWN = (1.0, 2.0, 10.0)  # factors of the printed table
 
@@ -26,7 +26,7 @@ def factors(results: Results) -> dict[tuple[str, str], Floats]:
     """
     pairs = style.order(zip(results.cases.solver, results.names))
     columns = []
-    for by_name in questions(results).values():
+    for by_name in measured(results).values():
         if reason_apart(frozenset[Any]().union(*[cell.origins for cell in by_name.values() if cell.time.n])):
             continue
         costs = np.array([by_name[name].time.value if name in by_name and by_name[name].time.n else math.inf for _, name in pairs])

@@ -285,7 +285,9 @@ void take_references(std::vector<Row>& rows, const std::vector<Row>& references)
     std::map<Question, Bounds> narrowest;
     for (const Row& one : references) {
         const Bounds& bounds = one.outcome.bounds;
-        const bool usable = one.outcome.status != RowStatus::unsound && bounds.lower <= bounds.upper;  // not NaN
+        const auto proof = one.outcome.facts.find("certificate");
+        const bool refused = proof != one.outcome.facts.end() && proof->second.starts_with("refused");
+        const bool usable = one.outcome.status != RowStatus::unsound && !refused && bounds.lower <= bounds.upper;
         if (!usable || one.asked.source_hash.empty() || one.asked.target_hash.empty() || !finite(one.asked.pose) ||
             !finite(one.asked.target_pose))
             continue;

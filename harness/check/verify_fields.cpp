@@ -39,6 +39,8 @@ const Field* first(const Fields& fields, Field::Of of, std::string_view name) {
 class DrawnShape {
 public:
     DrawnShape(const Fields& fields, const Standing& source, double error) : source_(source), error_(error) {
+        const double largest = source.points().cwiseAbs().maxCoeff();
+        exponent_ = largest > 0 ? std::ilogb(largest) + 1 : 0;
         constexpr std::string_view of_vertices[] = {"x", "y", "z"}, of_pieces[] = {"a", "b", "c", "element"};
         for (int k = 0; k < 3; ++k) places_[k] = first(fields, Field::Of::vertices, of_vertices[k]);
         for (int k = 0; k < 4; ++k) pieces_[k] = first(fields, Field::Of::pieces, of_pieces[k]);
@@ -63,11 +65,17 @@ public:
 
     // All fields have the number of values that they should have.
     void check() const {
+        if (vertices() > own_vertices() && !cut_) throw Unsound{"vertices were added, but there are no pieces"};
+        const Vec3 low = source_.points().colwise().minCoeff().transpose();
+        const Vec3 high = source_.points().colwise().maxCoeff().transpose();
         for (std::size_t i = 0; i < vertices(); ++i) {
             const Vec3 p = vertex(i);
-            if (!p.allFinite()) throw Unsound{fmt::format("vertex {} is not a point", i)};
             if (i < own_vertices() && p != Vec3(source_.points().row(Eigen::Index(i))))
                 throw Unsound{fmt::format("vertex {} is not where A has it", i)};
+            for (int k = 0; k < 3; ++k) {
+                if (!(p[k] >= low[k] - 2 * error_ && p[k] <= high[k] + 2 * error_))  // NaN, too
+                    throw Unsound{fmt::format("vertex {} is not on A", i)};
+            }
         }
         if (!cut_) return;
         std::vector<double> areas(std::size_t(source_.count())), rough(areas.size());
@@ -81,9 +89,9 @@ public:
         for (std::size_t i : spread(pieces())) near_its_triangle(i);
         for (std::size_t t = 0; t < areas.size(); ++t) {
             const Element whole = source_[Index(t)];
-            if (std::abs(areas[t] - area(whole)) > rough[t] + rounding_of(whole) + 1e-12 * area(whole))
-                throw Unsound{fmt::format("element {}: its pieces have the area {:.9g}, and it has {:.9g}", t, areas[t],
-                                          area(whole))};
+            const double off = std::abs(areas[t] - area(whole));
+            if (!(off <= rough[t] + rounding_of(whole) + 1e-12 * area(whole)))
+                throw Unsound{fmt::format("element {}: its pieces have {:.9g} of its area", t, areas[t] / area(whole))};
         }
     }
 
@@ -104,20 +112,26 @@ private:
         }
     }
 
-    static double area(const Element& e) {
-        if (e.size() < 3) return 0;
-        const double scale = std::max({e[0].cwiseAbs().maxCoeff(), e[1].cwiseAbs().maxCoeff(), 1e-300});
-        return 0.5 * ((e[1] - e[0]) / scale).cross((e[2] - e[0]) / scale).norm() * scale * scale;
+    // Scaled so that coordinates are about 1: squares neither overflow nor underflow.
+    Vec3 side(const Element& e, int k) const {
+        const auto scaled = [&](const Vec3& p) -> Vec3 {
+            return p.unaryExpr([&](double x) { return std::ldexp(x, -exponent_); });
+        };
+        return scaled(e[std::size_t((k + 1) % 3)]) - scaled(e[std::size_t(k)]);
     }
+
+    double area(const Element& e) const { return e.size() < 3 ? 0 : side(e, 0).cross(side(e, 2)).norm() / 2; }
 
     // What moving its corners by 2e can do to its area.
     double rounding_of(const Element& e) const {
         if (e.size() < 3) return 0;
-        return 4 * error_ * ((e[1] - e[0]).norm() + (e[2] - e[1]).norm() + (e[0] - e[2]).norm() + error_);
+        const double error = std::ldexp(error_, -exponent_);
+        return 4 * error * (side(e, 0).norm() + side(e, 1).norm() + side(e, 2).norm() + error);
     }
 
     const Standing& source_;
     double error_;
+    int exponent_;  // of the largest coordinate of A
     const Field* places_[3];
     const Field* pieces_[4];
     bool moved_, cut_;

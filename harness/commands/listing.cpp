@@ -84,7 +84,7 @@ json experiment_json(const std::filesystem::path& file) {
     std::string title;
     std::set<std::string> labels;
     for (const char* profile : {"quick", "paper"}) {
-        const Experiment experiment = read_experiment(file, profile);
+        const Experiment experiment = read_experiment(file, profile, PlugIns::refused);
         title = experiment.title;
         for (const SolverPlan& solver : experiment.solvers) labels.insert(solver.label);
         for (const ScenePlan& s : experiment.scenes) {
@@ -104,6 +104,18 @@ json experiment_json(const std::filesystem::path& file) {
         if (!s.each.empty()) out["scenes"].back()["each"] = s.each;
     }
     return out;
+}
+
+// One that cannot be read is listed with the reason in place of its title.
+json experiment_or_error(const std::filesystem::path& file) {
+    try {
+        return experiment_json(file);
+    } catch (const InputError& error) {
+        return {{"stem", file.stem().string()},
+                {"title", error.what()},
+                {"scenes", json::array()},
+                {"solvers", json::array()}};
+    }
 }
 
 json model_json(const ModelInfo& m) {
@@ -269,7 +281,7 @@ json list_as_json(const std::string& what) {
     const auto root = find_project_root();
     if (root && std::filesystem::is_directory(*root / "experiments")) {
         for (const auto& file : experiment_files(*root / "experiments"))
-            out["experiments"].push_back(experiment_json(file));
+            out["experiments"].push_back(experiment_or_error(file));
     }
     if (manifest_file().empty()) return out;
     Catalogue catalogue(manifest_file(), cache_folder(), program_path());

@@ -170,6 +170,9 @@ Measured measure(const MeasureRequest& asked) {
         measured.warnings.push_back(
             fmt::format("{} is not written: {}", request.certificate.string(),
                         measured.why_not_proven.empty() ? "the solver did not say why" : measured.why_not_proven));
+    if (!measured.why_not_drawn.empty())
+        measured.warnings.push_back(
+            fmt::format("{}: not all fields are written: {}", request.fields.string(), measured.why_not_drawn));
     if (!measured.doubt.empty())
         measured.warnings.push_back(fmt::format("{}: {}", request.certificate.string(), measured.doubt));
     return measured;
@@ -190,7 +193,8 @@ std::string no_answer(const Measured& measured) {
 }
 
 int exit_code(const Measured& measured, const MeasureRequest& request) {
-    const bool proof = request.certificate.empty() || (measured.proven && measured.doubt.empty());
+    const bool proof =
+        (request.certificate.empty() || (measured.proven && measured.doubt.empty())) && measured.why_not_drawn.empty();
     if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
     if (!no_answer(measured).empty()) return 3;
     const Status status = measured.result.status;

@@ -81,6 +81,7 @@ struct Measured {
     std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
     std::string doubt = {};  // one line: why the certificate that was written may prove nothing; empty: it was checked
     std::vector<DrawnFile> drawn = {};  // A; with --symmetric B too
+    std::string why_not_drawn = {};     // one line: why not all were written
     std::vector<std::string> warnings = {};
 };
 

@@ -77,7 +77,11 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
         if (at == targets.end())
             throw InputError(fmt::format("{}: no file of {} has this name: give a list with --pairs", source, b));
         pairs.emplace_back(source, at->second);
+        targets.erase(at);
     }
+    if (!targets.empty())
+        throw InputError(
+            fmt::format("{}: no file of {} has this name: give a list with --pairs", targets.begin()->second, a));
     return pairs;
 }
 
@@ -88,10 +92,13 @@ NamedPairs read_pairs(const fs::path& list) {
     NamedPairs pairs;
     std::string line;
     const auto place = [&](const std::string& name) {
-        return names_a_file(name) ? (list.parent_path() / name).string() : name;  // else a model
+        const bool file = names_a_file(name) || fs::exists(list.parent_path() / name);
+        return file ? (list.parent_path() / name).string() : name;  // else a model
     };
     for (int number = 1; std::getline(in, line); ++number) {
-        line = line.substr(0, line.find('#'));
+        for (std::size_t at = line.find('#'); at != std::string::npos; at = line.find('#', at + 1)) {
+            if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t') line.resize(at);
+        }
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
         if (a.empty() || b.empty())
@@ -124,6 +131,9 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
                             above, measured.prepare_seconds + measured.solve_seconds, measured.solver, field(why));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
+            code = 1;
+            line += fmt::format(",,error,,,,{}\n", field(error.what()));
+        } catch (const fs::filesystem_error& error) {
             code = 1;
             line += fmt::format(",,error,,,,{}\n", field(error.what()));
         }

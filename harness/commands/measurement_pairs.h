@@ -19,7 +19,7 @@ bool is_pattern(const std::string& name);
 // InputError if nothing matches, or a file has no partner.
 NamedPairs pairs_of_patterns(const std::string& a, const std::string& b);
 
-// A line for each pair: A, then B, with a comma, a tab or blanks between; `#` begins a comment. Relative paths count from the folder of the
+// A line for each pair: A, then B, with a comma, a tab or blanks between; `#` at the begin of a line or after a blank begins a comment. Relative paths count from the folder of the
 // list. Throws InputError with the line.
 NamedPairs read_pairs(const std::filesystem::path& list);
 

@@ -128,6 +128,9 @@ public:
     Waiting(const MeasureWork& work, Child& child, Measured& measured)
         : limit_(work.request.time_limit),
           proof_wanted_(!work.request.certificate.empty()),
+          files_wanted_(work.request.fields.empty() ? 0
+                        : work.request.symmetric    ? 2
+                                                    : 1),
           child_(child),
           measured_(measured) {
         allow("it was not prepared");
@@ -160,15 +163,17 @@ private:
     void fail(RowStatus status, const std::string& reason) {
         child_.kill();
         ended_ = true;
-        if (!only_the_proof_is_missing())
+        if (!only_files_are_missing())
             measured_.failed = NoAnswer{status, reason};
+        else if (measured_.drawn.size() < files_wanted_)
+            measured_.why_not_drawn = reason;
         else if (!measured_.proven)
             measured_.why_not_proven = reason;
         else
             measured_.doubt = "it was not checked: " + reason;
     }
 
-    bool only_the_proof_is_missing() const { return answered_ && proof_wanted_; }
+    bool only_files_are_missing() const { return answered_ && (proof_wanted_ || files_wanted_ > 0); }
 
     void late() {
         fail(RowStatus::timeout, fmt::format("killed: {} within the time limit of {:g} s and {:g} s of grace", phase_,
@@ -197,7 +202,10 @@ private:
                 answered_ = true;
                 return allow("its fields or its certificate were not written");
             }
-            if (name == "drawn") return measured_.drawn.push_back(drawn_of(event));
+            if (name == "drawn") {
+                measured_.drawn.push_back(drawn_of(event));
+                return allow("its fields or its certificate were not written");
+            }
             if (name == "certificate") {
                 measured_.proven = number(event.at("proven"));
                 return allow("its certificate was not checked");
@@ -220,13 +228,15 @@ private:
         } catch (const std::exception&) {
             return fail(RowStatus::failed, "its process wrote something that is no answer");
         }
-        if (kind == Trouble::input && !only_the_proof_is_missing()) throw InputError(what);
+        if (kind == Trouble::input && !only_files_are_missing()) throw InputError(what);
         fail(kind == Trouble::memory ? RowStatus::out_of_memory : RowStatus::failed,
              kind == Trouble::memory ? "it was refused memory that it asked for" : what);
     }
 
     double limit_;
-    bool proof_wanted_, answered_ = false;
+    bool proof_wanted_;
+    std::size_t files_wanted_;
+    bool answered_ = false;
     Child& child_;
     Measured& measured_;
     const char* phase_ = "";

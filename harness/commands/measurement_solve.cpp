@@ -95,12 +95,13 @@ public:
 
     void write_fields(const std::function<void()>& drawn) {
         const auto& file = work_.request.fields;
-        const Result& there = measured_.forward ? *measured_.forward : measured_.result;
+        const bool alone = !work_.request.symmetric;
+        const Result there = alone ? measured_.result : of_direction(measured_.forward);
         write_fields(*forward_, *shapes_.source, *shapes_.target, there, there.witness.source_point,
                      there.witness.source_element, file);
         drawn();
         if (!work_.request.symmetric) return;
-        const Result& back = measured_.backward ? *measured_.backward : measured_.result;
+        const Result back = of_direction(measured_.backward);
         write_fields(*backward_, *shapes_.target, *shapes_.source, back, back.witness.target_point,
                      back.witness.target_element, file_of_way_back(file));
         drawn();
@@ -147,10 +148,17 @@ public:
     }
 
 private:
+    // A direction without an answer of its own is at most H.
+    Result of_direction(const std::optional<Result>& answer) const {
+        Result result;
+        result.bounds.upper = measured_.result.bounds.upper;
+        return answer.value_or(result);
+    }
+
     // The distances of one shape to the other. `witness`: the point of `from` that is farthest, as far as is known.
     void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
                       const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
-        const Drawing drawing{resolution_for(work_.request.resolution, answer.bounds), witness, witness_element};
+        const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
         Fields own;
         if (work_.entry.info.fields) {  // a second run, so that the time measured is the time of the bounds alone

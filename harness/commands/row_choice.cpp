@@ -60,6 +60,14 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
+// Of a run that is not finished, these columns are still empty.
+bool is_checked_afterwards(const std::string& name) {
+    const auto has = [&](const auto& columns) {
+        return std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; });
+    };
+    return has(check_columns()) || has(row_columns());
+}
+
 Condition condition_of(const std::string& where, const std::string& option) {
     const auto begin = where.find_first_of("=!<>");
     const auto end = begin == std::string::npos ? begin : begin + (where.compare(begin + 1, 1, "=") == 0 ? 2 : 1);
@@ -94,6 +102,9 @@ Condition condition_of(const std::string& where, const std::string& option) {
         throw InputError(fmt::format("{} {}: no column of single values is called '{}'{}", option, where, name,
                                      nearest_hint(name, names)));
     }
+    if (option != "--where" && (is_checked_afterwards(name) || (name == "status" && condition.wanted == "unsound")))
+        throw InputError(fmt::format("{} {}: '{}' is only known once the rows are checked: choose by another column",
+                                     option, where, condition.wanted.empty() ? name : name + "=" + condition.wanted));
     if (condition.text && (condition.sign[0] == '<' || condition.sign[0] == '>'))
         throw InputError(fmt::format("{} {}: '{}' holds texts: compare it with = or !=", option, where, name));
     if (condition.value) {

@@ -55,7 +55,8 @@ void refuse_with_slurm(const RunArguments& arguments) {
 bool any_failed(const std::vector<Row>& rows) {
     return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
         const RowStatus status = row.outcome.status;
-        return status == RowStatus::failed || status == RowStatus::signal || status == RowStatus::out_of_memory;
+        return status == RowStatus::failed || status == RowStatus::signal ||
+               (status == RowStatus::out_of_memory && !row.outcome.reason.starts_with(not_started));
     });
 }
 
@@ -71,6 +72,7 @@ int run(RunArguments& arguments) {
         if (const auto code = submit(arguments, plan, arguments.slurm)) return *code;
         arguments.collect = true;
     }
+    if (arguments.collect && !arguments.again.empty()) throw InputError("--collect runs nothing: leave out --again");
     if (arguments.collect) arguments.cluster = true;
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);

@@ -198,7 +198,7 @@ bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options) {
            std::any_of(info.parameters.begin(), info.parameters.end(), [&](const ParameterSpec& spec) {
                const auto at = options.find(spec.name);
                const auto* line = at == options.end() ? nullptr : std::get_if<std::string>(&at->second);
-               return spec.command && line && line->find("tolerance}") == std::string::npos;
+               return info.name == "external" && spec.command && line && line->find("tolerance}") == std::string::npos;
            });
 }
 

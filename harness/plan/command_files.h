@@ -19,7 +19,7 @@ struct CommandFiles {
 // are words with placeholders such as {A}, variables or wildcards, what ">" writes, and programs that a program starts itself.
 CommandFiles files_of_command(const std::string& line, const std::filesystem::path& folder);
 
-// Whether answers do not depend on the tolerance: the solver says so, or it runs a command line that does not name {tolerance}.
+// Whether answers do not depend on the tolerance: the solver says so, or it is `external` with a command line that does not name {tolerance}.
 bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options);
 
 }  // namespace hausbench

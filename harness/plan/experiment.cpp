@@ -259,7 +259,7 @@ std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, 
     return own_models(file, table, ExperimentTable(file, table, "", root_keys), profile);
 }
 
-Experiment read_experiment(const fs::path& file, const std::string& profile) {
+Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {
     Experiment experiment;
     experiment.file = file;
     experiment.stem = file.stem().string();
@@ -278,6 +278,8 @@ Experiment read_experiment(const fs::path& file, const std::string& profile) {
     const ExperimentTable root(file, table, "", root_keys);
     read_top(file, table, root, experiment);
     const auto profiles = profiles_of(table);
+    if (root.find("plugins") && plug_ins == PlugIns::refused)
+        throw InputError(fmt::format("{}: names plug-ins, which are loaded only to run it", file.string()));
     load_plugins(root, experiment.folder());
     const SceneNames names = read_scenes(file, root, profiles, experiment);
     const auto labels = read_solvers(file, root, profiles, names, experiment);

@@ -68,7 +68,10 @@ struct Experiment {
 // `each = "corpus"` takes the names of corpus.toml beside the manifest (paths.h).
 // Throws InputError naming file, line and key for anything unknown (with the nearest known name), missing or out of range:
 // keys, solvers, parameters and their values, own models, files of poses; names of models are checked by own_models.h.
-Experiment read_experiment(const std::filesystem::path& file, const std::string& profile);
+// Plug-ins that it names are loaded; with `refused`, naming one is an error.
+enum class PlugIns { loaded, refused };
+Experiment read_experiment(const std::filesystem::path& file, const std::string& profile,
+                           PlugIns plug_ins = PlugIns::loaded);
 
 // Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
 // or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.

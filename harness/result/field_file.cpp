@@ -80,7 +80,9 @@ struct Drawn {
     Properties of_vertices, of_cells;  // a cell is a piece, or a point
 };
 
-Drawn with_properties(const DrawnField& drawn, const Fields& own) {
+Drawn with_properties(const DrawnField& drawn, const Fields& given) {
+    Fields own;
+    add_own(own, given);
     const bool points = drawn.pieces.rows() == 0;
     Drawn all{drawn.vertices, drawn.pieces, {}, {}};
     all.of_vertices.push_back({"distance", "double", drawn.distances});

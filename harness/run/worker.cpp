@@ -35,7 +35,7 @@ namespace {
 
 // How fields in results are drawn: within a quarter of h, if so many pieces are enough. The witness is a vertex, so h is among the values.
 constexpr double resolution = 0.25;
-constexpr std::size_t most_pieces = 300'000;
+constexpr std::size_t most_pieces = 100'000;
 
 class Worker {
 public:
@@ -309,7 +309,7 @@ private:
         json stages = json::object();
         Fields all;
         if (wanted) {
-            Drawing drawing{resolution_for(resolution, first.bounds)};
+            Drawing drawing{resolution, first.bounds.lower};
             drawing.most_pieces = most_pieces;
             if (first.witness.direction == Witness::Direction::source_to_target) {
                 drawing.witness = first.witness.source_point;
@@ -328,7 +328,7 @@ private:
                 const auto* real = std::get_if<double>(&value);
                 if (real && name.starts_with(stage_prefix)) stages[one_line(name)] = number(*real);
             }
-            if (result.fields) std::move(result.fields->begin(), result.fields->end(), std::back_inserter(all));
+            if (result.fields) add_own(all, std::move(*result.fields));
         }
         const std::string sha256 = wanted ? write_fields(item.fields, all) : "";
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});

@@ -30,10 +30,20 @@ def run(folder: Path, file: ResultFile, *more: str) -> int:
 
 
 def test_equal_rows_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(folder, sweep()) == 0 and "no row of it is kept" in capsys.readouterr().out
+    assert run(folder, sweep()) == 0 and "none of the 0 rows" in capsys.readouterr().out
     assert run(folder, sweep(), "--keep") == 0
     assert run(folder, sweep()) == 0 and "equal the reference: 3 of 3 rows" in capsys.readouterr().out
     assert run(folder, sweep(timeout=True)) == 0 and "2 of 2 rows" in capsys.readouterr().out
+    text = (folder / "counts" / "sweep.csv").read_text()
+    (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0"))  # other cases
+    assert run(folder, sweep()) == 1 and "none of the" in capsys.readouterr().out
+
+
+def test_a_row_that_was_ok_and_fails_differs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(folder, sweep(), "--keep")
+    file = sweep()
+    file.cases[-1]["status"] = "signal"
+    assert run(folder, file) == 1 and "status ok -> signal" in capsys.readouterr().out
 
 
 def test_a_different_bound_or_count_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

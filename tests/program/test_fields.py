@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -370,3 +371,16 @@ def test_surfaces_have_no_fields(hausbench: Program, experiment: Path, tmp_path:
     experiment.write_text(f"fields = true\n{text}")
     file = run(hausbench, experiment, tmp_path)
     assert texts(file, "cases/status") == ["ok"] and fields_of(file) == {} and texts(file, "cases/fields_check") == ["not checked"]
+
+
+def test_an_answer_outlives_its_fields(hausbench: Program, tmp_path: Path) -> None:
+    """A place that cannot be written to any more costs the file alone: the bounds are printed, with a warning and exit code 1."""
+    for name in ("sphere1", "sphere2"):
+        assert hausbench("export", name, tmp_path / f"{name}.off").returncode == 0
+    out = tmp_path / "out.ply"
+    command = ["/bin/sh", "-c", 'ulimit -f 100; exec "$0" "$@"', hausbench.path, "measure", str(tmp_path / "sphere1.off"), str(tmp_path / "sphere2.off"),
+               "--json", "--fields", str(out)]
+    done = subprocess.run(command, cwd=tmp_path, env=hausbench.environment(), capture_output=True, text=True, timeout=60)
+    said = json.loads(done.stdout)
+    assert done.returncode == 1 and said["status"] == "converged" and said["upper"] > said["lower"] > 0, done
+    assert any("not all fields are written" in warning for warning in said["warnings"]) and not out.exists()
