@@ -300,6 +300,24 @@ TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
     }
 }
 
+// All of A is as far from B as the farthest point is, so nothing of it is covered within the distance that was found.
+TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
+    TriangleMesh a = soup(rows({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}));
+    const TriangleMesh b = soup(rows({{-9, -9, 0}, {9, -9, 0}, {0, 20, 0}}));
+    for (const double floor : {0.5, 0.0}) {
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-12};
+        query.floor = floor;
+        query.cutoff = 0.5;
+        query.time_limit = 5;
+        const Result result = answer(a, b, query);
+        EXPECT_EQ(result.status, Status::above_cutoff);
+        EXPECT_GT(result.bounds.lower, 0.999);
+        EXPECT_GE(result.bounds.upper, 1);
+        EXPECT_LT(result.counters.subdivisions, 100U);
+    }
+}
+
 // Tolerances that double precision cannot meet: it ends, near what can be met, and "is h above d?" has its answer.
 TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     Random random(45);

@@ -53,6 +53,8 @@ void CoverWorker::set_tau() {
     // "Is h above d?" has floor = cutoff = d, and the tolerance ends nothing.
     const bool asks = query.floor >= query.cutoff;
     tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
+    // The distance is above the cutoff, with room for what certifying it takes away: nothing that is left needs a better bound.
+    if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
 }
 
 MeasuredPoint CoverWorker::measure(const Vec3& point, Index near, Index source, int level) {

@@ -69,7 +69,8 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
         "--fields", request.fields,
         "write A, cut finely enough to show how far each place of it is from B, with the distance and the "
         "nearest element of each vertex, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView), "
-        "which also takes the solver's bounds of each triangle; with --symmetric, B too into NAME.back.ply");
+        "which also takes the solver's bounds of each triangle; with --symmetric, B too, into NAME.back.ply "
+        "or NAME.back.vtk");
     verb->add_option(
             "--resolution", request.resolution,
             "for --fields: how far drawn values may be from the distance, as a fraction of h; inf: A is not cut")
