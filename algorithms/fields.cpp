@@ -89,7 +89,7 @@ public:
         pieces.push_back({{c, a, middle}, element, false});
     }
 
-    // To this resolution. Returns whether nothing is left to cut.
+    // Cuts to this resolution. Returns whether nothing is left to cut.
     bool cut(double resolution) {
         resolution_ = std::max(resolution, floor_);
         while (true) {
@@ -124,7 +124,7 @@ private:
     Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
     double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
 
-    // Of edges of equal length, the one with the larger number: then a chain of longer edges ends.
+    // Breaks ties by the larger number, so that following longer and longer edges ends.
     int longest_of(const Piece& piece) const {
         int best = 0;
         std::pair<double, Edge> most{-1, 0};
@@ -156,7 +156,7 @@ private:
         return wanted;
     }
 
-    // And no needle, of which only more needles would come.
+    // Excludes needles: cutting one makes more needles.
     bool is_long(const Piece& piece) const {
         const double squared = squared_length_of(edge_of(piece, longest_of(piece)));
         const auto corner = [&](int k) { return points[static_cast<std::size_t>(piece.corners[k])]; };
@@ -260,7 +260,7 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     const Shape& whole = source.shape();
     const auto* mesh = std::get_if<TriangleMesh>(&whole);
     const DistanceTo distance_to(to);
-    const double floor = std::ldexp(4 * field_error(largest), exponent);  // rounding is no reason to cut
+    const double floor = std::ldexp(4 * field_error(largest), exponent);  // never cuts because of rounding
     FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, floor,
                        drawing.most_pieces);
     DrawnField drawn;

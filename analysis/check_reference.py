@@ -2,7 +2,7 @@
 
 Bounds and counters are the same on every machine, so each row must have them to the last digit. A stem's file has a line for each row that
 ended by itself: the identity of the case (which holds the shapes, the solver and its parameters), then what it is in words, its bounds and its
-counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces those of the same cases.
+counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces rows of the same cases.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
 
 
 def check(stem: str, results: Results) -> tuple[str, bool]:
-    """What to say, and whether all is equal. A kept row that is here but did not end by itself differs, unless it ran out of time."""
+    """Returns the lines to print, and whether all rows are equal. A kept row that is here but did not end by itself differs, unless it ran out of time."""
     here, there, cases = rows_of(results), kept(stem), results.cases
     lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases)) if cases.status[row] not in ("ok", "timeout")}
     both = [identity for identity in there if identity in here or identity in lost]

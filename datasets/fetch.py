@@ -65,7 +65,7 @@ class Mesh:
 
 
 def cache_folder() -> Path:
-    """Where the program looks for models, as datasets/paths.cpp finds it: HAUSBENCH_CACHE, the checkout's own, or the user's."""
+    """Returns the folder in which the program looks for models (datasets/paths.cpp): HAUSBENCH_CACHE, datasets/cache of a checkout, or the user's cache."""
     if chosen := os.environ.get("HAUSBENCH_CACHE"):
         return Path(chosen)
     if (HERE.parent / "CMakeLists.txt").exists():

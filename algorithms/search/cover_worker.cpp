@@ -53,7 +53,8 @@ void CoverWorker::set_tau() {
     // "Is h above d?" has floor = cutoff = d, and the tolerance ends nothing.
     const bool asks = query.floor >= query.cutoff;
     tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
-    // The distance is above the cutoff, with room for what certifying it takes away: nothing that is left needs a better bound.
+    // Ends the search once the distance is above the cutoff. The margin exceeds what certifying the witness takes away; if it did not,
+    // the status would be `stalled`, since only the certified bound can answer the question.
     if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
 }
 

@@ -81,7 +81,7 @@ class Drawn(Mesh):
     """A posed, cut finely enough to show how far each place of it is from B."""
 
     elements: Indices  # for each triangle here, the triangle of A that it is part of
-    distances: Floats  # of each corner to B; those of A's own vertices first
+    distances: Floats  # from each corner to B, A's own vertices first
 
     @property
     def colours(self) -> Floats:

@@ -72,7 +72,7 @@ def make(results: Results) -> Report:
 
 
 def units(results: Results) -> str:
-    """What tolerances are fractions of, for a sentence."""
+    """Names the unit of the tolerances, for a sentence."""
     words = {"diagonal": "fractions of the diagonal of A", "longest": "fractions of the longest side of A's box", "absolute": "lengths",
              "lower": "fractions of the lower bound"}
     return " or ".join(words.get(str(of), str(of)) for of in results.in_order("tolerance_of"))

@@ -122,7 +122,7 @@ private:
 
     double area(const Element& e) const { return e.size() < 3 ? 0 : side(e, 0).cross(side(e, 2)).norm() / 2; }
 
-    // What moving its corners by 2e can do to its area.
+    // Bounds the change of its area if its corners move by 2e.
     double rounding_of(const Element& e) const {
         if (e.size() < 3) return 0;
         const double error = std::ldexp(error_, -exponent_);

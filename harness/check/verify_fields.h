@@ -3,7 +3,7 @@
 // `distance` and `nearest`, proven: all of B posed is at least distance - e away from the vertex, and the element named at most
 // distance + e, with e = field_error() of fields.h.
 //
-// Of a drawn A (fields `x`, `y`, `z` of vertices; `a`, `b`, `c`, `element` of pieces): the vertices of A posed come first, to the bit,
+// A drawn A (fields `x`, `y`, `z` of vertices; `a`, `b`, `c`, `element` of pieces): its vertices in its pose come first, to the bit,
 // and `distance` and `nearest` go on to the vertices that cuts added. The corners of a piece lie within 2e of its triangle of A. The
 // pieces of a triangle have its area.
 //

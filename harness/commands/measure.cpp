@@ -80,7 +80,7 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--json", json, "print one JSON object");
 }
 
-// What many pairs cannot share, or what CSV cannot hold.
+// Refuses options that are for a single pair.
 void check_batch(const MeasureRequest& request, const std::filesystem::path& pairs, bool json) {
     if (!pairs.empty() && !request.source.empty())
         throw InputError("--pairs: the list names the shapes: leave out A and B");

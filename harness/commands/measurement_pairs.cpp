@@ -1,5 +1,6 @@
 #include "commands/measurement_pairs.h"
 
+#include "commands/row_texts.h"
 #include "commands/verb.h"
 #include "error.h"
 
@@ -25,13 +26,6 @@ std::vector<std::string> matches_of(const std::string& pattern) {
     ::globfree(&found);
     if (files.empty()) throw InputError(fmt::format("{}: no file matches", pattern));
     return files;
-}
-
-std::string field(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + '"';
 }
 
 std::string number_field(double value) {
@@ -116,7 +110,7 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
         MeasureRequest one = request;
         one.source = a;
         one.target = b;
-        std::string line = fmt::format("{},{},", field(a), field(b));
+        std::string line = fmt::format("{},{},", csv_field(a), csv_field(b));
         try {
             const Measured measured = measure(one);
             const int its_code = exit_code(measured, one);
@@ -128,14 +122,14 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
                 fmt::format("{},{},{},{},{:.6f},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
                             known ? number_field(measured.result.bounds.upper) : "",
                             measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status),
-                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver, field(why));
+                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver, csv_field(why));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;
-            line += fmt::format(",,error,,,,{}\n", field(error.what()));
+            line += fmt::format(",,error,,,,{}\n", csv_field(error.what()));
         } catch (const fs::filesystem_error& error) {
             code = 1;
-            line += fmt::format(",,error,,,,{}\n", field(error.what()));
+            line += fmt::format(",,error,,,,{}\n", csv_field(error.what()));
         }
         print(line);
         std::fflush(stdout);

@@ -52,10 +52,7 @@ nlohmann::ordered_json row_object(const Row& row) {
 std::string csv_field(const nlohmann::ordered_json& value) {
     const std::string text =
         value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, json::error_handler_t::replace);
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + '"';
+    return hausbench::csv_field(text);
 }
 
 std::string as_csv(const ResultFile& result, const std::vector<std::size_t>& rows) {

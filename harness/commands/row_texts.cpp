@@ -84,6 +84,13 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
     return reasons.empty() ? "" : fmt::format("not all of these times compare: some are {}", fmt::join(reasons, ", "));
 }
 
+std::string csv_field(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + '"';
+}
+
 double gap_of(const Outcome& outcome) { return outcome.bounds.upper - outcome.bounds.lower; }
 
 std::string answer_of(const Row& row) {

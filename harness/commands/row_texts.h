@@ -26,6 +26,9 @@ std::string gap_text(double gap);               // two digits; empty for NaN
 // Says for the end of a table which rows have times that do not compare, and why; empty if all compare.
 std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs);
 
+// A field of CSV: quoted if it has a comma, a quote or a line break.
+std::string csv_field(const std::string& text);
+
 double gap_of(const Outcome& outcome);
 Colour colour_of(RowStatus status);
 
