@@ -6,6 +6,7 @@
 #include "random.h"
 #include "surfaces/surface_mesh.h"
 
+#include <boost/pending/disjoint_sets.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -229,6 +230,24 @@ TriangleMesh weld(const TriangleMesh& mesh) {
     const std::vector<Index> first = first_equal(mesh.vertices);
     return without_unused(mesh.vertices,
                           mesh.triangles.unaryExpr([&](Index v) { return first[static_cast<std::size_t>(v)]; }));
+}
+
+std::vector<Index> connected_parts(const TriangleMesh& mesh) {
+    const std::vector<Index> vertex = first_equal(mesh.vertices);
+    const auto corner = [&](Eigen::Index t, int k) { return vertex[static_cast<std::size_t>(mesh.triangles(t, k))]; };
+    boost::disjoint_sets_with_storage<> sets(vertex.size());
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        for (int k = 1; k < 3; ++k)
+            sets.union_set(static_cast<std::size_t>(corner(t, 0)), static_cast<std::size_t>(corner(t, k)));
+    }
+    std::vector<Index> number(vertex.size(), -1), parts;
+    Index next = 0;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        Index& part = number[sets.find_set(static_cast<std::size_t>(corner(t, 0)))];
+        if (part < 0) part = next++;
+        parts.push_back(part);
+    }
+    return parts;
 }
 
 TriangleMesh subdivide(const TriangleMesh& mesh) {

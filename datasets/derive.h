@@ -66,6 +66,10 @@ TriangleMesh without_unused(const Points& vertices, const Triangles& triangles);
 // Merges vertices with equal coordinates into the first of them.
 TriangleMesh weld(const TriangleMesh& mesh);
 
+// The connected part of each triangle, numbered from 0 in the order of their first triangles. Triangles that have a corner with equal
+// coordinates are in one part. O(n) expected.
+std::vector<Index> connected_parts(const TriangleMesh& mesh);
+
 // In derive_cgal.cpp. They first make the soup a manifold: weld it, orient the faces, split edges of more than two faces.
 TriangleMesh simplify(const TriangleMesh& mesh, Index triangles);
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);

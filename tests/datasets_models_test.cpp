@@ -280,6 +280,17 @@ TEST(Derive, VerticesAndWeld) {
     EXPECT_EQ(points_of(derived("weld", {}, derived("vertices", {}, soup).shape).shape).rows(), 4);
 }
 
+TEST(Derive, ConnectedParts) {
+    TriangleMesh soup;  // the first and the last share a corner by coordinates only (0 = -0); the second is apart
+    soup.vertices.resize(9, 3);
+    soup.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5, 6, 5, 5, 5, 6, 5, -0.0, 0, -0.0, -1, 0, 0, 0, -1, 0;
+    soup.triangles.resize(3, 3);
+    soup.triangles << 0, 1, 2, 3, 4, 5, 6, 7, 8;
+    EXPECT_EQ(connected_parts(soup), (std::vector<Index>{0, 1, 0}));
+    EXPECT_EQ(connected_parts(sphere(3)), std::vector<Index>(std::size_t(sphere(3).triangles.rows()), 0));
+    EXPECT_TRUE(connected_parts({}).empty());
+}
+
 TEST(Derive, SampleSpreadsByArea) {
     TriangleMesh mesh;  // a large triangle at z = 0, one of a ninth of its area at z = 1, one of none
     mesh.vertices.resize(6, 3);

@@ -3,6 +3,7 @@
 #include "check/certificate_file.h"
 #include "commands/measurement_solve.h"
 #include "commands/named_shape.h"
+#include "derive.h"
 #include "error.h"
 #include "plan/plan.h"
 #include "process/whole_file.h"
@@ -64,6 +65,7 @@ void check(const MeasureRequest& request) {
 
 MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded) {
     const Points& points = points_of(loaded.shape);
+    const auto* mesh = std::get_if<TriangleMesh>(&loaded.shape);
     const double largest = magnitude(points);
     // 24 bits; the smallest exponent of a normal float32 is -126.
     const int exponent = largest > 0 ? std::max(std::ilogb(largest), -126) : -126;
@@ -73,7 +75,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             element_count(loaded.shape),
             static_cast<Index>(points.rows()),
             diagonal(points),
-            std::ldexp(1.0, exponent - 23)};
+            std::ldexp(1.0, exponent - 23),
+            mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
 
 // As a length, or as a fraction of the lower bound. A tolerance that nobody gave has to mean something for every legal input.

@@ -105,12 +105,12 @@ NamedPairs read_pairs(const fs::path& list) {
 
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
-    print("A,B,lower,upper,status,above_cutoff,seconds,solver,error\n");
+    print("A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,error\n");
     for (const auto& [a, b] : pairs) {
         MeasureRequest one = request;
         one.source = a;
         one.target = b;
-        std::string line = fmt::format("{},{},", csv_field(a), csv_field(b));
+        std::string line = fmt::format("{},{},{},", csv_field(a), csv_field(b), to_string(request.quantity()));
         try {
             const Measured measured = measure(one);
             const int its_code = exit_code(measured, one);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hausbench {
@@ -21,8 +22,20 @@ json fraction(double length, double diagonal) {
     return diagonal > 0 && std::isfinite(diagonal) ? number(length / diagonal) : json();
 }
 
+Index count_parts(const MeasuredShape& s) {
+    return s.parts.empty() ? 0 : *std::max_element(s.parts.begin(), s.parts.end()) + 1;
+}
+
+// -1 where none is known.
+Index part_of(const MeasuredShape& s, Index element) {
+    return element < 0 || element >= Index(s.parts.size()) ? -1 : s.parts[std::size_t(element)];
+}
+
+json known(Index number) { return number < 0 ? json() : json(number); }
+
 // The distance of one kind or direction.
-json answer_json(const Result& r, double diagonal) {
+json answer_json(const Result& r, const Measured& m) {
+    const double diagonal = m.source.diagonal;
     return {{"lower", number(r.bounds.lower)},
             {"upper", number(r.bounds.upper)},
             {"lower_of_diagonal", fraction(r.bounds.lower, diagonal)},
@@ -31,8 +44,10 @@ json answer_json(const Result& r, double diagonal) {
             {"note", r.note},
             {"source_point", point_json(r.witness.source_point)},
             {"target_point", point_json(r.witness.target_point)},
-            {"source_element", r.witness.source_element < 0 ? json() : json(r.witness.source_element)},
-            {"target_element", r.witness.target_element < 0 ? json() : json(r.witness.target_element)},
+            {"source_element", known(r.witness.source_element)},
+            {"target_element", known(r.witness.target_element)},
+            {"source_part", known(part_of(m.source, r.witness.source_element))},
+            {"target_part", known(part_of(m.target, r.witness.target_element))},
             {"witness_direction", to_string(r.witness.direction)}};
 }
 
@@ -41,6 +56,7 @@ json shape_json(const MeasuredShape& s) {
             {"kind", to_string(s.kind)},
             {"elements", s.elements},
             {"vertices", s.vertices},
+            {"parts", s.kind == ShapeKind::mesh ? json(count_parts(s)) : json()},
             {"diagonal", number(s.diagonal)},
             {"format", s.report.format},
             {"precision", s.report.precision},
@@ -52,7 +68,7 @@ json shape_json(const MeasuredShape& s) {
 json directions_json(const Measured& m, const MeasureRequest& request) {
     json all = json::array();
     const auto add = [&](const char* name, const Result& r, double seconds) {
-        json one = answer_json(r, m.source.diagonal);
+        json one = answer_json(r, m);
         one["direction"] = name;
         one["solve_seconds"] = seconds;
         all.push_back(std::move(one));
@@ -93,6 +109,7 @@ std::string shape_text(const MeasuredShape& s) {
     text += fmt::format(", {} {}{}", s.elements, s.kind == ShapeKind::points ? "point" : "triangle",
                         s.elements == 1 ? "" : "s");
     if (s.kind == ShapeKind::mesh) text += fmt::format(", {} vertices", s.vertices);
+    if (const Index parts = count_parts(s); parts > 1) text += fmt::format(", {} connected parts", parts);
     text += fmt::format(", diagonal {:.9g}", s.diagonal);
     if (s.report.precision != "float64") text += fmt::format(", {} coordinates", s.report.precision);
     if (s.report.unreferenced.value_or(0) > 0)
@@ -120,21 +137,25 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
                               r.note.empty() ? "" : ": " + r.note);
 }
 
-std::string witness_text(const Result& r) {
+std::string witness_text(const Result& r, const Measured& m) {
     const Vec3 &p = r.witness.source_point, &q = r.witness.target_point;
-    const auto point = [](const Vec3& v, Index element) {
-        return fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]) +
-               (element < 0 ? "" : fmt::format(" [element {}]", element));
+    const auto point = [](const Vec3& v, const MeasuredShape& on, Index element) {
+        if (!v.allFinite()) return std::string("unknown");
+        std::string text = fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]);
+        if (element < 0) return text;
+        const Index part = part_of(on, element);
+        return text + (part >= 0 && count_parts(on) > 1 ? fmt::format(" [element {} of part {}]", element, part)
+                                                        : fmt::format(" [element {}]", element));
     };
     if (!p.allFinite() && !q.allFinite()) return "";
-    return fmt::format("witness    {} on A, {} on B\n", p.allFinite() ? point(p, r.witness.source_element) : "unknown",
-                       q.allFinite() ? point(q, r.witness.target_element) : "unknown");
+    return fmt::format("witness    {} on A, {} on B\n", point(p, m.source, r.witness.source_element),
+                       point(q, m.target, r.witness.target_element));
 }
 
 }  // namespace
 
 json to_json(const Measured& m, const MeasureRequest& request) {
-    json out = answer_json(m.result, m.source.diagonal);
+    json out = answer_json(m.result, m);
     if (m.failed) {
         out["status"] = to_string(m.failed->status);
         out["note"] = m.failed->reason;
@@ -172,16 +193,16 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     if (m.failed) return text + fmt::format("distance   no answer: {}\n", m.failed->reason);
     if (request.symmetric) {
         for (const auto& [name, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
-            if (*one) text += answer_text(name, **one, m.source.diagonal) + witness_text(**one);
+            if (*one) text += answer_text(name, **one, m.source.diagonal) + witness_text(**one, m);
         }
         text += answer_text("H(A,B)", m.result, m.source.diagonal);
         if (m.forward && m.backward)
-            text += "           the larger of the two, each to the full tolerance\n";
+            text += "           the larger of the two\n";
         else
-            text += witness_text(m.result);
+            text += witness_text(m.result, m);
     } else {
         text +=
-            answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) + witness_text(m.result);
+            answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) + witness_text(m.result, m);
     }
     if (request.cutoff) {
         constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};

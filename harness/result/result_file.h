@@ -36,7 +36,11 @@ public:
 // hausbench.
 ResultFile read_result(const std::filesystem::path& file);
 
-// Throws NewerResult if the file is one; a missing or damaged file passes.
-void refuse_newer_result(const std::filesystem::path& file);
+// The experiment that an earlier result is of: its file and its text. Both are empty for a missing or damaged file, the file's name
+// also for an old one. Throws NewerResult.
+struct EarlierExperiment {
+    std::string file, toml;
+};
+EarlierExperiment experiment_of(const std::filesystem::path& result);
 
 }  // namespace hausbench

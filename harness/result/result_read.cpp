@@ -290,17 +290,26 @@ ResultFile read_result(const fs::path& file) {
     }
 }
 
-void refuse_newer_result(const fs::path& file) {
+EarlierExperiment experiment_of(const fs::path& result) {
     std::error_code gone;
-    if (!fs::is_regular_file(file, gone)) return;
+    if (!fs::is_regular_file(result, gone)) return {};
+    EarlierExperiment of;
+    const auto look = [&] {
+        const h5::File in(result, h5::Open::read);
+        expect_result(result, in);
+        of.toml = in.text_attribute("meta", "experiment_toml");
+        if (in.has_attribute("meta", "experiment_file")) of.file = in.text_attribute("meta", "experiment_file");
+    };
     try {
-        h5::check_seal(file);
-        const auto look = [&] { expect_result(file, h5::File(file, h5::Open::read)); };
-        if (read_in_a_copy(file, look)) look();  // throws
+        h5::check_seal(result);
+        read_in_a_copy(result, look);
+        look();
     } catch (const NewerResult&) {
         throw;
-    } catch (const std::exception&) {  // damaged: put aside when the result is written
+    } catch (const std::exception&) {  // put aside when the result is written
+        return {};
     }
+    return of;
 }
 
 }  // namespace hausbench

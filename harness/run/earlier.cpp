@@ -1,6 +1,7 @@
 #include "run/earlier.h"
 
 #include "error.h"
+#include "printable.h"
 #include "process/interrupts.h"
 #include "record/profiles.h"
 #include "result/provenance.h"
@@ -238,6 +239,19 @@ std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesy
         if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
         return {fmt::format("{}; it is {} now", error.what(), put_aside(file).string())};
     }
+}
+
+void refuse_to_replace(const std::filesystem::path& file, const Experiment& experiment, bool fresh) {
+    const EarlierExperiment earlier = experiment_of(file);
+    std::error_code gone;
+    if (fresh || earlier.file.empty() || earlier.toml == experiment.toml ||
+        !std::filesystem::exists(earlier.file, gone) ||
+        std::filesystem::equivalent(earlier.file, experiment.file, gone))
+        return;
+    throw InputError(
+        fmt::format("{}: is the result of {}, another experiment of this name: name another folder with --results, or "
+                    "replace it with --fresh",
+                    file.string(), printable(earlier.file)));
 }
 
 void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places) {

@@ -32,6 +32,10 @@ std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, con
 std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
                                            const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
+// Throws InputError where `file` is the result of another experiment: one of another text, whose file is still there and is not that of
+// `experiment`. With `fresh` it may be replaced. Throws NewerResult for the file of a newer program; a damaged file passes.
+void refuse_to_replace(const std::filesystem::path& file, const Experiment& experiment, bool fresh);
+
 // Sorts the rows by their places.
 void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places);
 

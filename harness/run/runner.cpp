@@ -48,7 +48,7 @@ public:
 
     RunSummary run() {
         const HoldInterrupts hold;
-        refuse_newer_result(file());
+        refuse_to_replace(file(), plan_.experiment, options_.fresh);
         sweep();
         take_references();
         return finish();

@@ -50,6 +50,8 @@ def test_a_list_of_pairs_and_a_question(hausbench: Program, folders: Path) -> No
     pairs.write_text("# A, B\na/one.off, b/one.obj\n\nsphere1 sphere2  # models\na/two.off\tb/two.obj\n")
     found = rows(hausbench("measure", "--pairs", pairs).stdout)
     assert len(found) == 3 and found[0]["lower"] == found[1]["lower"] and found[1]["A"] == "sphere1"
+    assert {row["quantity"] for row in found} == {"directed"}
+    assert rows(hausbench("measure", "--pairs", pairs, "--symmetric").stdout)[0]["quantity"] == "symmetric"
     done = hausbench("measure", "--pairs", pairs, "--cutoff", "0.03")
     assert [row["above_cutoff"] for row in rows(done.stdout)] == ["yes", "yes", "no"] and done.returncode == 1
     assert hausbench("measure", "--pairs", pairs, "--cutoff", "0.5").returncode == 0
@@ -81,6 +83,18 @@ def test_models_have_names(hausbench: Program, tmp_path: Path) -> None:
     proof = tmp_path / "proof"
     assert hausbench("measure", "sphere1", "sphere2", "--certificate", proof).returncode == 0
     assert hausbench("verify", "--certificate", proof).returncode == 0
+
+
+def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
+    a, b = tmp_path / "a.obj", tmp_path / "b.obj"
+    one = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    a.write_text(one + "v 0 0 5\nv 1 0 5\nv 0 1 5\nf 4 5 6\n")
+    b.write_text(one)
+    said = json.loads(hausbench("measure", a, b, "--json").stdout)
+    assert (said["source_element"], said["source_part"], said["target_part"]) == (1, 1, 0)
+    assert (said["source"]["parts"], said["target"]["parts"]) == (2, 1)
+    text = hausbench("measure", a, b).stdout
+    assert "2 connected parts" in text and "[element 1 of part 1] on A" in text and "[element 0] on B" in text
 
 
 def test_another_unit_is_asked_about(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:

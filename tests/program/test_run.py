@@ -86,6 +86,26 @@ def test_same_command_again_runs_nothing(hausbench: Program, experiment: Path, t
     assert not np.array_equal(first, numbers(file, "repeats/wall_seconds"))
 
 
+def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    file = run(hausbench, experiment, tmp_path)
+    before = file.read_bytes()
+    other = tmp_path / "other" / experiment.name
+    other.parent.mkdir()
+    other.write_text(experiment.read_text())
+    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text: it was copied, or moved
+    run(hausbench, experiment, tmp_path)
+    other.write_text(experiment.read_text() + "# edited\n")
+    said = hausbench.fails("run", other, "--results", tmp_path)
+    assert f"is the result of {experiment}, another experiment" in said and "--results" in said and "--fresh" in said
+    assert file.stat().st_size == len(before)
+    experiment.write_text(other.read_text() + "# edited in place\n")
+    run(hausbench, experiment, tmp_path)
+    run(hausbench, other, tmp_path, "--fresh")
+    experiment.unlink()
+    other.rename(experiment)
+    run(hausbench, experiment, tmp_path)
+
+
 def test_structures_are_built_once_for_all_poses(hausbench: Program, tmp_path: Path) -> None:
     experiment = tmp_path / "moved.toml"
     experiment.write_text("""\
