@@ -196,6 +196,7 @@ endef
 
 experiments: build
 	$(call walk,$(WALKED),$(call fetch_for,$(WALKED)))
+	@[ ! -f analysis/paper_page.py ] || $(PYTHON) -m analysis.paper_page
 	@[ ! -f analysis/opposite.py ] || $(PYTHON) -m analysis.opposite
 
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
@@ -219,6 +220,7 @@ figures: $(DEPS)
 	    none=; echo "== $$stem"; $(PYTHON) -m analysis "$$stem" || failed+=" $$stem"; \
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
+	[ -n "$$none" ] || $(PYTHON) -m analysis.paper_page || failed+=" the pages of the papers"; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 
 # A run says it too; here a difference is an error.

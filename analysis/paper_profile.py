@@ -6,7 +6,7 @@ writes results/reference/zhang2017_paper_profile.md; a single stem, such as poin
 `corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
 Their verdicts are kept beside it, in NAME.verdicts.json.
 Stems of the group without a result here keep the tables and the verdicts that the files have, so that a long group may be measured in parts.
-README's table of winners is written again from these files.
+README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are written again from these files.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from analysis import winners
+from analysis import paper_page, winners
 from analysis.shared import claims, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
@@ -125,9 +125,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tables.write_whole(path, text)
     claims.save(judged, path.with_suffix(claims.SUFFIX))
     print(path)
-    if chosen.out == REFERENCE and path.name in winners.SOURCES:
-        return winners.main()
-    return 0
+    if chosen.out != REFERENCE:
+        return 0
+    return paper_page.main(["--kept"]) or (winners.main() if path.name in winners.SOURCES else 0)
 
 
 if __name__ == "__main__":

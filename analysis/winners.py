@@ -3,7 +3,7 @@ writes it between two marks in README.md; analysis.paper_profile does so wheneve
 
 A solver wins a scene where its interval lies below the interval of every other. Nobody wins where a solver has a single time,
 which has no interval, or where the note of the table promises less than 95 % for its intervals; a line below the table says how
-many scenes that are. Claims are the verdicts beside the tables (NAME.verdicts.json), each in the row of its solver.
+many scenes that are.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +18,6 @@ from typing import Final
 
 from analysis.points.points_speed import TITLES
 from analysis.shared import style, tables
-from analysis.shared.claims import SUFFIX, Record, read
 from analysis.shared.load import REFERENCE
 from analysis.shared.notes import APART
 
@@ -30,8 +28,6 @@ SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_pa
 # Stem, how its rows of times are marked and in which column, and what it is called.
 RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
                 ("mesh_peers", "ms", 3, "pairs of real meshes"))
-ORDER: Final = ("`scan`", "`earlybreak`", "`ohd`", "`nohd`", "`adaptive`", "`inc`",
-                "`cover`", "`guthe`", "`sacht`", "`zheng`", "`tang`", "`kang`")  # then the others
 
 
 @dataclass
@@ -139,47 +135,13 @@ def unjudged(found: dict[str, Section]) -> list[str]:
     return lines
 
 
-def left_out(found: Sequence[Record]) -> str:
-    """How many claims the table does not show, and where they are."""
-    many = Counter(str(verdict["stem"]) for verdict in found if not verdict["solver"])
-    if not many:
-        return ""
-    return (f"{sum(many.values())} more claims, and what came out, are below the tables in `results/reference`: "
-            + ", ".join(f"{stem} ({count})" for stem, count in many.items()) + ".")
-
-
-def verdicts(found: Sequence[Record]) -> dict[str, list[str]]:
-    """By solver, its claims in the order of the tables; one claim of several scenes is one text."""
-    grouped: dict[str, dict[str, dict[str, list[str]]]] = {}
-    for verdict in found:
-        if verdict["solver"]:
-            owner = ", ".join(f"`{solver}`" for solver in str(verdict["solver"]).split(", "))
-            outcomes = grouped.setdefault(owner, {}).setdefault(str(verdict["claim"]), {})
-            outcomes.setdefault(str(verdict["outcome"]), []).append(str(verdict["place"]))
-
-    def named(outcomes: dict[str, list[str]]) -> bool:
-        """Whether the scenes are told: what came out differs between them, or the claim is of a single one."""
-        return len(outcomes) > 1 or all(len(scenes) == 1 and scenes[0] for scenes in outcomes.values())
-
-    return {owner: [f"{text}: " + ", ".join(outcome + (f" ({'; '.join(scenes)})" if named(outcomes) else "")
-                                            for outcome, scenes in outcomes.items())
-                    for text, outcomes in texts.items()] for owner, texts in grouped.items()}
-
-
 def table(folder: Path = REFERENCE) -> str:
     found: dict[str, Section] = {}
-    judged: list[Record] = []
     for name in SOURCES:
-        path = folder / name
-        found |= sections(path.read_text(encoding="utf-8"))
-        judged += read(path.with_suffix(SUFFIX))
-    won, told = victories(found), verdicts(judged)
-    solvers = list(dict.fromkeys([*ORDER, *won, *told]))
-    lines = ["| solver | fastest | what is claimed for or of it, and what came out here |", "| --- | --- | --- |"]
-    for solver in solvers:
-        lines.append(f"| {solver} | {'; '.join(won.get(solver, ['nowhere']))} | {'; '.join(told.get(solver, [])) or tables.NOTHING} |")
-    notes = [*unjudged(found), left_out(judged)]
-    return "\n".join(lines + [line for note in notes if note for line in ("", note)])
+        found |= sections((folder / name).read_text(encoding="utf-8"))
+    won = victories(found)
+    lines = ["| solver | fastest on |", "| --- | --- |", *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won]]
+    return "\n".join(lines + [line for note in unjudged(found) for line in ("", note)])
 
 
 def rewritten(readme: str, text: str) -> str:

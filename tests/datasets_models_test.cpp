@@ -287,7 +287,8 @@ TEST(Derive, ConnectedParts) {
     soup.triangles.resize(3, 3);
     soup.triangles << 0, 1, 2, 3, 4, 5, 6, 7, 8;
     EXPECT_EQ(connected_parts(soup), (std::vector<Index>{0, 1, 0}));
-    EXPECT_EQ(connected_parts(sphere(3)), std::vector<Index>(std::size_t(sphere(3).triangles.rows()), 0));
+    const Shape ball = sphere(3);
+    EXPECT_EQ(connected_parts(mesh_of(ball)), std::vector<Index>(std::size_t(element_count(ball)), 0));
     EXPECT_TRUE(connected_parts({}).empty());
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,7 +11,7 @@ from analysis.shared.cells import MEASURES
 from analysis.shared.comparable import Origin, apart, origins
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, few, why
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, few, why
 
 ENDED: Final = ("ok", "floor")  # a row that ended by itself
 STOPPED: Final = ("timeout", "budget")
@@ -102,11 +103,11 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
     if x.n:
         scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)
         outcome = OPEN if not scaled.separated else HOLDS if scaled.low > 1 else FAILS
-        return Verdict(claim, outcome, f"ratio {tables.estimate(x)}{few([x])}{against}")
+        return Verdict(claim, outcome, f"ratio {tables.estimate(x)}{few([x])}{against}", ratio=Ratio.of(scaled))
     if ratio.at_least:
         return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
-                       f"ratio above {tables.number(ratio.at_least)}, for the slower was stopped{against}")
+                       f"ratio above {tables.number(ratio.at_least)}, for the slower was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))
     if ratio.at_most < float("inf"):
         return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
-                       f"ratio below {tables.number(ratio.at_most)}, for the faster was stopped{against}")
+                       f"ratio below {tables.number(ratio.at_most)}, for the faster was stopped{against}", ratio=Ratio(math.nan, 0.0, ratio.at_most / times))
     return Verdict(claim, UNTESTED, f"no ratio{why([x])}")

@@ -2,12 +2,13 @@
 
 A table in such a file is one claim: `claim` (the words that tables print, perhaps with {blanks}), `stem` (or a list of them) that judges it,
 `judged_as` (average, every pair, most, never, ...), and the sentence of the paper, `quote`, with its `section`. Claims of our own are in
-hausbench.toml and have neither. `solver` is the row of README's table that shows the claim; without one README only counts it.
+hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, where that is known.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -16,11 +17,11 @@ from pathlib import Path
 from typing import Final
 
 from analysis.shared import tables
-from analysis.shared.verdicts import Verdict
+from analysis.shared.verdicts import Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
-KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "solver"})
+KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs"})
 SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
 Record = dict[str, object]
 
@@ -36,7 +37,8 @@ class Entry:
     section: str
     quote: str
     judged_as: str
-    solver: str
+    counts: bool  # its ratio is of counted work, not of time
+    differs: str  # why it does not hold here, where that is known
 
 
 class Claim(str):
@@ -44,7 +46,6 @@ class Claim(str):
 
     entry: Entry
     place: str
-    solver: str
 
 
 @cache
@@ -63,7 +64,7 @@ def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
         raise ValueError(f"{path}: claim '{name}' has the unknown key '{unknown[0]}': remove it")
     stems = table["stem"] if isinstance(table["stem"], list) else [table["stem"]]
     return Entry(path.stem, name, tuple(map(str, stems)), str(table["claim"]), str(table.get("section", "")), str(table.get("quote", "")),
-                 str(table["judged_as"]), str(table.get("solver", "")))
+                 str(table["judged_as"]), bool(table.get("counts", False)), str(table.get("differs", "")))
 
 
 def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
@@ -71,7 +72,7 @@ def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
     entry = entries(paper)[name]
     text = entry.text.format(**blanks)
     claim = Claim(f"{place}: {text}" if place else text)
-    claim.entry, claim.place, claim.solver = entry, place, entry.solver.format(**blanks)
+    claim.entry, claim.place = entry, place
     return claim
 
 
@@ -83,9 +84,15 @@ def record(verdict: Verdict, stem: str, profile: str) -> Record:
     if stem not in claim.entry.stems:
         raise ValueError(f"{stem} judges the claim {claim.entry.paper}/{claim.entry.id}: add it to its `stem`")
     return {"paper": claim.entry.paper, "id": claim.entry.id, "stem": stem, "claim": claim.removeprefix(f"{claim.place}: "), "place": claim.place,
-            "solver": claim.solver, "section": claim.entry.section, "quote": claim.entry.quote, "judged_as": claim.entry.judged_as,
+            "section": claim.entry.section, "quote": claim.entry.quote, "judged_as": claim.entry.judged_as,
             "outcome": verdict.outcome, "evidence": verdict.evidence,
-            "counted": {what: {"outcome": one.outcome, "evidence": one.evidence} for what, one in verdict.counted.items()}, "profile": profile}
+            "ratio": _ratio(verdict.ratio), "counted": {what: {"outcome": one.outcome, "evidence": one.evidence, "ratio": _ratio(one.ratio)}
+                                                        for what, one in verdict.counted.items()}, "profile": profile}
+
+
+def _ratio(ratio: Ratio | None) -> list[float | None] | None:
+    """Value, least and greatest; None for what is unknown or without a limit, and where there is no ratio."""
+    return [x if math.isfinite(x) else None for x in (ratio.value, ratio.low, ratio.high)] if ratio else None
 
 
 def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record]:

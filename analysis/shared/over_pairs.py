@@ -20,7 +20,7 @@ import scipy.stats
 from analysis.shared import tables
 from analysis.shared.columns import Floats
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
-from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, why
+from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, why
 
 Wins = npt.NDArray[np.bool_]  # one a pair
 
@@ -91,7 +91,7 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with both")
     known = mean.has_interval and mean.coverage >= CONFIDENCE
     outcome = HOLDS if known and mean.low >= bar else FAILS if known and mean.high < bar else OPEN
-    return Verdict(claim, outcome, f"{what} {tables.estimate(mean)} over {mean.n} pairs")
+    return Verdict(claim, outcome, f"{what} {tables.estimate(mean)} over {mean.n} pairs", ratio=Ratio.of(mean, bar))
 
 
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:

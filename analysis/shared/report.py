@@ -53,6 +53,15 @@ class Report:
         return paths + save_figure(self.draw(), out, stem, table.caption, footnote) if self.draw else paths
 
 
+def save_png(figure: Any, path: Path) -> Path:
+    """As a PNG alone, for a page; the same numbers give the same bytes."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png", metadata={"Software": None})
+    tables.write_whole(path, drawn.getvalue())
+    plt.close(figure)
+    return path
+
+
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:
     """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes. A footnote stands
     below all else, and makes the figure higher.

@@ -29,11 +29,27 @@ RARE: Final = 0.1  # a rate that cases without a failure must rule out before a 
 
 
 @dataclass(frozen=True)
+class Ratio:
+    """What was measured over what is claimed: above 1 speaks for the claim. `value` is NaN where there are several, of which `low` and `high` are
+    the least and the greatest; otherwise these are the ends of its interval: NaN for a single time, both the value for a count.
+    """
+
+    value: float
+    low: float
+    high: float
+
+    @staticmethod
+    def of(x: Estimate, claimed: float = 1.0) -> Ratio:
+        return Ratio(x.value / claimed, x.low / claimed, x.high / claimed)
+
+
+@dataclass(frozen=True)
 class Verdict:
     claim: str
     outcome: str
     evidence: str
     counted: dict[str, Verdict] = field(default_factory=dict)  # by what was counted
+    ratio: Ratio | None = None  # of claims about one
 
     def with_counts(self, counted: dict[str, Verdict]) -> Verdict:
         return replace(self, counted=counted)
@@ -67,7 +83,7 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
         + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}{why(ratios)}"] * bool(lost) \
         + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
-    return Verdict(claim, outcome, ", ".join(part for part in parts if part))
+    return Verdict(claim, outcome, ", ".join(part for part in parts if part), ratio=Ratio(math.nan, least, most))
 
 
 def why(ratios: Iterable[Estimate]) -> str:
@@ -100,7 +116,7 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
     outcome = HOLDS if simes(above[n // 2:]) <= ERROR else FAILS if simes(below[(n + 1) // 2 - 1:]) <= ERROR else OPEN
     clear = [sum(chance <= ERROR / 2 for chance in chances) for chances in (above, below)]
     return Verdict(claim, outcome, f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
-                   f"ratio {tables.number(min(known))} to {tables.number(max(known))}")
+                   f"ratio {tables.number(min(known))} to {tables.number(max(known))}", ratio=Ratio(math.nan, min(known), max(known)))
 
 
 def least_of(ratios: Sequence[Estimate]) -> Estimate:
@@ -118,7 +134,7 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     if not ratio.n:
         return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
-    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}")
+    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}", ratio=Ratio.of(ratio))
 
 
 def few(ratios: Sequence[Estimate]) -> str:

@@ -12,7 +12,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.results import Results
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict
 
 BATCHES: Final = 8
 CUT: Final = "seconds: cut"
@@ -91,4 +91,5 @@ def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) ->
     if not spent.has_interval:
         return Verdict(claim, OPEN, f"{value} against {printed:g} ms, of too few frames for an interval")
     low, high = 1e3 * spent.low, 1e3 * spent.high
-    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} [{low:.3g}, {high:.3g}] against {printed:g} ms")
+    return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} [{low:.3g}, {high:.3g}] against {printed:g} ms",
+                   ratio=Ratio(printed / (1e3 * spent.value), printed / high, printed / low))

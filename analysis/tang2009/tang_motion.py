@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
@@ -19,7 +20,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.comparable import Origin, origins, reason_apart
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, most_of, rising_by_run
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, most_of, rising_by_run
 
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
@@ -125,7 +126,7 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
         return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing of {len(values)} {what}")
     over = sum(value > most for value in values)
     return Verdict(claim, FAILS if over else HOLDS, f"{tables.number(scale * min(values))} to {tables.number(scale * max(values))} on {len(values)} {what}"
-                   + (f", more on {over}" if over else ""))
+                   + (f", more on {over}" if over else ""), ratio=Ratio(math.nan, *(most / x if x else math.inf for x in (max(values), min(values)))))
 
 
 def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
@@ -136,7 +137,7 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
         verdict = most_of(claims.of("tang2009", "culling", side=side), [below(share, 1 - AIM_OF_CULLING) for share in left])
         known = [100 * share for share in left if math.isfinite(share)]
         spread = f"; left: {tables.number(min(known))} to {tables.number(max(known))} %" if known else ""
-        verdicts.append(Verdict(verdict.claim, verdict.outcome, verdict.evidence + spread))
+        verdicts.append(replace(verdict, evidence=verdict.evidence + spread))
     return verdicts
 
 
@@ -153,7 +154,7 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
     shares, known = [100 * share for share in deep if math.isfinite(share)], np.concatenate(deepest) if deepest else np.empty(0)
     spread = f"; ten times or more at {tables.number(min(shares))} to {tables.number(max(shares))} % of the poses" if shares else ""
     most = f"; at most {tables.number(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
-    return Verdict(verdict.claim, verdict.outcome, f"{verdict.evidence}{spread}{most}")
+    return replace(verdict, evidence=f"{verdict.evidence}{spread}{most}")
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:

@@ -28,8 +28,8 @@ def _judged(results: Results, stated: Mapping[str, Any], number: int, asked: Map
     every = stated.get("on") == "every" or len(both) == 1  # one case has no average
     claim = claims.Claim(f"{_title(results, fast)} takes less time than {_title(results, slow)} {'on every case' if every else 'on average'}"
                          + (f", by a factor of {by:g}" if by != 1 else ""))
-    claim.entry = claims.Entry(PAPER, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", "")
-    claim.place, claim.solver = "", fast
+    claim.entry = claims.Entry(PAPER, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", False, "")
+    claim.place = ""
     if every:
         return everywhere(claim, [compare(cells[slow], cells[fast], by) for cells in both], "cases")
     return on_average(claim, [compare(cells[slow], cells[fast]) for cells in both], by)

@@ -1,0 +1,94 @@
+"""The forest plot of all claims that are about one ratio: what was measured over what is claimed, on a logarithmic axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+
+from analysis.shared import claims, style
+
+CAPTION: Final = ("Each claim that is about a ratio: what was measured over what is claimed. Right of 1 it speaks for the claim. Filled: in time; hollow: in "
+                  "counted work. A marker with a line is a value and its interval; a line with ends alone goes from the least to the greatest of several ratios.")
+LEAST, MOST = 1e-2, 1e2  # of the axis; what is beyond has an arrow
+ROW: Final = 0.122  # inches
+WORK: Final = "distances, bounds and nodes"
+WIDTH: Final = 104  # letters of a claim; END of them at its end
+END: Final = 22
+PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
+
+Bar = tuple[float, float, float]  # value, least, greatest; NaN: several, or unknown
+
+
+def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
+    """Whether it is of time, and the ratio: at most one of either kind."""
+    def bar(found: object) -> Bar | None:
+        if not isinstance(found, list):
+            return None
+        value, least, most = (math.nan if x is None else float(x) for x in found)
+        if math.isnan(value):  # of several: None is an end that is not known
+            return value, 0.0 if math.isnan(least) else least, math.inf if math.isnan(most) else most
+        return value, least, most
+
+    counted = one["counted"] if isinstance(one["counted"], Mapping) else {}
+    work = counted.get(WORK) or next(iter(counted.values()), None) or {}
+    entry = claims.entries(str(one["paper"])).get(str(one["id"]))
+    in_time = entry is None or not entry.counts
+    found = [(in_time, bar(one.get("ratio"))), (False, bar(work.get("ratio")) if in_time else None)]
+    return [(kind, one_bar) for kind, one_bar in found if one_bar is not None]
+
+
+def draw(found: Sequence[claims.Record]) -> Any:
+    """One row a claim, in the order given; a heading where the paper changes."""
+    shown = [one for one in found if bars(one)]
+    heights, at, heads, before = [], 0.0, [], ""
+    for one in shown:
+        if one["paper"] != before:
+            before = str(one["paper"])
+            heads.append((at, before))
+            at += 1
+        heights.append(at)
+        at += 1
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, ROW * at + 0.55))
+    ax = figure.add_subplot()
+    ax.set(xscale="log", xlim=(LEAST, MOST), ylim=(at, -1), yticks=[])
+    ax.axvline(1, color="black", linewidth=0.8)
+    left = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "center", "clip_on": False}
+    for one, y in zip(shown, heights):
+        ax.axhline(y, color="#EEEEEE", linewidth=0.5, zorder=0)
+        ax.text(-0.02, y, name_of(one), fontsize=5.2, **left)
+        both = len(bars(one)) > 1
+        for k, (in_time, bar) in enumerate(bars(one)):
+            _draw_bar(ax, y + (0.4 * k - 0.2 if both else 0.0), bar, in_time)
+    for y, paper in heads:
+        ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5, fontweight="bold", **left)
+    ax.set_xlabel("measured / claimed")
+    entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work", **_marker(False)),
+               plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
+    ax.legend(handles=entries, loc="lower right", bbox_to_anchor=(1, 1), ncol=3, frameon=False)
+    return figure
+
+
+def name_of(one: claims.Record) -> str:
+    text = f"{one['place']}: {one['claim']}" if one["place"] else str(one["claim"])
+    return text if len(text) <= WIDTH else f"{text[:WIDTH - END - 3].rstrip()} … {text[-END:].lstrip()}"  # the end may name the solver
+
+
+def _marker(in_time: bool) -> dict[str, Any]:
+    return {"marker": "o", "markersize": 3.2, "linestyle": "none", "color": "black", "markerfacecolor": "black" if in_time else "white", "markeredgewidth": 0.7}
+
+
+def _draw_bar(ax: Any, y: float, bar: Bar, in_time: bool) -> None:
+    value, least, most = bar
+    line = {"color": "black" if in_time else "#777777", "linewidth": 0.8, "zorder": 2}
+    if not math.isnan(least):
+        ends = [min(max(x, LEAST), MOST) for x in (least, most)]
+        ax.plot(ends, [y, y], **line)
+        for x, inside, mark in ((least, least > LEAST, "<"), (most, most < MOST, ">")):
+            if math.isnan(value) or not inside:
+                ax.plot([min(max(x, LEAST), MOST)], [y], marker="|" if inside else mark, markersize=3.5, clip_on=False, **line)
+    if not math.isnan(value):
+        shape = {} if LEAST < value < MOST else {"marker": "<" if value < 1 else ">", "clip_on": False}
+        ax.plot([min(max(value, LEAST), MOST)], [y], **(_marker(in_time) | shape | {"color": line["color"], "zorder": 3}))

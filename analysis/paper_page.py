@@ -1,0 +1,183 @@
+"""One page a paper: its tables and figures, its sentences that can be checked, and what came out. And a picture of all claims.
+
+    python3 -m analysis.paper_page                 writes results/tables/PAPER_claims.md and .tex, results/figures/claims.pdf and .png
+    python3 -m analysis.paper_page --kept          writes results/reference/PAPER_claims.md and docs/claims.png, from the kept verdicts alone
+
+A claim's line has the verdict of the results at hand if they test it; else the one that is kept in results/reference, marked so. Claims of our
+own are a page too (`hausbench`). analysis.paper_profile writes the kept pages whenever it keeps verdicts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from analysis import forest
+from analysis.shared import claims, report, tables
+from analysis.shared.load import REFERENCE
+from analysis.shared.printable import printable
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
+
+ROOT: Final = REFERENCE.parent.parent
+TITLES: Final = {**forest.PAPERS, claims.OWN: "Claims of our own"}
+HEADER: Final = ("section", "the sentence, and how it is judged", "verdict", "measured", "counted work", "stem")
+
+
+@dataclass(frozen=True)
+class Line:
+    """A claim at one place, with its verdict if there is one."""
+
+    entry: claims.Entry
+    verdict: claims.Record | None = None
+    kept: bool = False
+
+    @property
+    def outcome(self) -> str:
+        return str(self.verdict["outcome"]) if self.verdict else UNTESTED
+
+    @property
+    def name(self) -> str:
+        if self.verdict is None:
+            return self.entry.text
+        place = str(self.verdict["place"])
+        return f"{place}: {self.verdict['claim']}" if place else str(self.verdict["claim"])
+
+
+def _key(one: claims.Record) -> tuple[str, ...]:
+    return tuple(str(one[name]) for name in ("paper", "id", "stem", "place", "claim"))
+
+
+def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
+    """In the order of the paper's file of claims. A claim without any verdict has a line, too."""
+    tested = {_key(one): Line(claims.entries(paper)[str(one["id"])], one) for one in now
+              if one["paper"] == paper and one["outcome"] != UNTESTED and one["id"] in claims.entries(paper)}
+    before = {_key(one): Line(claims.entries(paper)[str(one["id"])], one, True) for one in kept
+              if one["paper"] == paper and one["id"] in claims.entries(paper)}
+    found = list((before | tested).values())
+    return [line for entry in claims.entries(paper).values() for line in ([line for line in found if line.entry.id == entry.id] or [Line(entry)])]
+
+
+def why(line: Line) -> str:
+    """What the counted work says of a verdict in time, and what is known of the difference from the paper."""
+    if line.verdict is None:
+        return "no verdict yet"
+    counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
+    said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
+    if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:
+        said.append("The counted work agrees with the paper: a unit of work takes another time here.")
+    elif line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
+        said.append("The counted work says the same, so it is not this machine.")
+    return " ".join(said)
+
+
+def _counted(line: Line) -> str:
+    counted = dict(line.verdict["counted"]) if line.verdict else {}  # type: ignore[call-overload]
+    return "; ".join(f"{what}: {one['outcome']} ({one['evidence']})" for what, one in counted.items())
+
+
+def cells(lines: Sequence[Line]) -> list[list[str]]:
+    """The rows of a page. A sentence that several claims quote stands once."""
+    rows, quoted = [], ""
+    for line in lines:
+        entry, same = line.entry, bool(line.entry.quote) and line.entry.quote == quoted
+        quoted = entry.quote
+        sentence = "" if same or not entry.quote else f"“{entry.quote}” "
+        measured = str(line.verdict["evidence"]) if line.verdict else ""
+        rows.append([entry.section, f"{sentence}{line.name} ({entry.judged_as})", line.outcome + (" (kept)" if line.kept else ""),
+                     ". ".join(filter(None, [measured.rstrip("."), why(line)])), _counted(line),
+                     str(line.verdict["stem"]) if line.verdict else ", ".join(entry.stems)])
+    return rows
+
+
+def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
+    """The paper's tables and figures that have a stem, and what the stem measures."""
+    rows = []
+    for file in sorted((folder / paper).glob("*.toml"), key=lambda file: (file.stem.rstrip("0123456789"), len(file.stem), file.stem)):
+        with file.open("rb") as text:
+            rows.append([file.stem, str(tomllib.load(text).get("title", ""))])
+    return rows
+
+
+def count(lines: Sequence[Line]) -> str:
+    outcomes = [line.outcome for line in lines]
+    return ", ".join(f"{outcomes.count(each)} {each}" for each in (HOLDS, NOT_REFUTED, FAILS, OPEN, UNTESTED) if each in outcomes)
+
+
+def markdown(paper: str, lines: Sequence[Line], kept: bool) -> str:
+    def row(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+    stems = items(paper)
+    parts = [f"# {TITLES.get(paper, paper)}", "", f"{len(lines)} verdicts: {count(lines)}." + ("" if kept else " Those marked (kept) are from results/reference."), ""]
+    if stems:
+        parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems], ""]
+    marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells([line if not kept else _unmarked(line) for line in lines])]
+    return "\n".join([*parts, row(HEADER), "| --- " * len(HEADER) + "|", *map(row, marked)]) + "\n"
+
+
+def _unmarked(line: Line) -> Line:
+    return Line(line.entry, line.verdict)
+
+
+def latex(paper: str, lines: Sequence[Line]) -> str:
+    """A longtable, as wide as the page."""
+    widths = (0.07, 0.31, 0.1, 0.24, 0.28)
+    columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
+    head = " & ".join(HEADER[:5]) + r" \\"
+    rows = [" & ".join(map(tables.tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]
+    return "\n".join([r"% needs \usepackage{booktabs,longtable,array}", r"{\footnotesize", rf"\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
+                      rf"\caption{{{tables.tex_escape(TITLES.get(paper, paper))}: {count(lines)}.}}\label{{tab:{paper}_claims}}\\", r"\toprule", head,
+                      r"\midrule\endfirsthead", r"\toprule", head, r"\midrule\endhead", r"\bottomrule\endfoot", *rows, r"\end{longtable}}", ""])
+
+
+def papers() -> list[str]:
+    """Those with claims; ours last."""
+    return sorted((path.stem for path in claims.FOLDER.glob("*.toml")), key=lambda name: (name == claims.OWN, name))
+
+
+def records(folder: Path) -> list[claims.Record]:
+    return [one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)]
+
+
+def write_kept(folder: Path = REFERENCE, picture: Path = ROOT / "docs" / "claims.png") -> list[Path]:
+    kept, paths, all_lines = records(folder), [], []
+    for paper in papers():
+        lines = lines_of(paper, [], kept)
+        all_lines += lines
+        paths.append(folder / f"{paper}_claims.md")
+        tables.write_whole(paths[-1], printable(markdown(paper, lines, True), lines=True))
+    return [*paths, report.save_png(forest.draw([line.verdict for line in all_lines if line.verdict]), picture)]
+
+
+def write(out: Path) -> list[Path]:
+    now, kept, paths, all_lines = records(out / "tables"), records(REFERENCE), [], []
+    for paper in papers():
+        lines = lines_of(paper, now, kept)
+        all_lines += lines
+        for suffix, text in (("md", markdown(paper, lines, False)), ("tex", latex(paper, lines))):
+            paths.append(out / "tables" / f"{paper}_claims.{suffix}")
+            paths[-1].parent.mkdir(parents=True, exist_ok=True)
+            tables.write_whole(paths[-1], printable(text, lines=True))
+    return [*paths, *report.save_figure(forest.draw([line.verdict for line in all_lines if line.verdict]), out, "claims", forest.CAPTION)]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.paper_page", description="One page a paper: what it claims, and what came out.")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (results)")
+    parser.add_argument("--kept", action="store_true", help="from the kept verdicts alone, into results/reference and docs")
+    chosen = parser.parse_args(arguments)
+    try:
+        print(*(write_kept() if chosen.kept else write(chosen.out)), sep="\n")
+    except (OSError, ValueError) as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
