@@ -10,7 +10,7 @@ from analysis.shared import claims, style
 from analysis.shared.cells import Cell, compare
 from analysis.shared.over_pairs import on_average
 from analysis.shared.results import Results
-from analysis.shared.verdicts import Verdict, everywhere
+from analysis.shared.verdicts import UNTESTED, Verdict, everywhere
 
 PAPER = "experiment"  # in place of a paper's name, in the file of verdicts
 
@@ -30,6 +30,10 @@ def _judged(results: Results, stated: Mapping[str, Any], number: int, asked: Map
                          + (f", by a factor of {by:g}" if by != 1 else ""))
     claim.entry = claims.Entry(PAPER, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", False, "")
     claim.place = ""
+    for name in (fast, slow):
+        labels = list(dict.fromkeys(label for cells in asked.values() for label in cells))
+        if name not in labels and (swept := [label for label in labels if label.startswith(f"{name}(")]):
+            return Verdict(claim, UNTESTED, f"'{name}' is not one solver here: it was run as {', '.join(swept)}; name one of these in the claim")
     if every:
         return everywhere(claim, [compare(cells[slow], cells[fast], by) for cells in both], "cases")
     return on_average(claim, [compare(cells[slow], cells[fast]) for cells in both], by)

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double start_seconds = 0.02;         // of a worker, loading a middling shape included
+constexpr double start_seconds = 0.022;  // of a worker, and of the check of its answers
+constexpr double load_seconds = 1e-7;    // an element of either shape
 constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
 constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
 
@@ -152,11 +153,12 @@ JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
     const Experiment& e = plan.experiment;
     if (!memory_) memory_ = std::make_unique<Memory>(results_);
     JobEstimate out;
-    double prepare = 0, besides = 0;
+    double prepare = 0, besides = 0, load = 0;
     for (std::size_t row : job.cases) {
         const Case& asked = plan.cases[row];
         const Known known = memory_->of(asked);
         prepare = std::max(prepare, known.prepare);
+        load = std::max(load, elements(asked));
         const double bytes = memory_->bytes_of(asked) * elements(asked);
         besides = std::max(besides, bytes > 0 ? bytes : guessed_bytes(asked));
         out.known += known.answered;
@@ -166,7 +168,7 @@ JobEstimate Estimates::of(const Plan& plan, const Job& job) const {
             in_time ? std::min(e.repeats * std::max(once, 5e-4), 2 * asked.limits.case_seconds + once) : 0;
         out.seconds += e.rounds * (once + repeats) + (e.trace && !plan.marks(row).empty() ? once : 0);
     }
-    out.seconds += e.rounds * (start_seconds + prepare);
+    out.seconds += e.rounds * (start_seconds + load_seconds * load + prepare);
     out.bytes = loaded_bytes(plan, job) + std::int64_t(besides);
     return out;
 }

@@ -82,6 +82,14 @@ def test_a_claim_about_one_case_is_about_that_case(tmp_path: Path, capsys: pytes
     assert "Here: not separated" in capsys.readouterr().out  # one of two cases has no ratio
 
 
+def test_a_claim_about_a_solver_that_was_run_with_several_parameters_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = ResultFile("own", meta={"experiment_toml": CLAIMS})
+    for label, seconds in (("guthe", 0.4), ("mine(step=1)", 0.2), ("mine(step=2)", 0.1)):
+        file.case(label.partition("(")[0], "x", spread(seconds, 6), label=label, lower=1.0, upper=1.0)
+    assert run(file, tmp_path, "--as", "table") == 0
+    assert "not tested ('mine' is not one solver here: it was run as mine(step=1), mine(step=2); name one of these in the claim)" in capsys.readouterr().out
+
+
 def test_the_table_has_every_answer(tmp_path: Path) -> None:
     file = sweep(scenes=("x",), reported_seconds=0.05)
     file.case("mine", "z", [], status="timeout", reason="60 s")
