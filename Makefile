@@ -197,6 +197,7 @@ endef
 experiments: build
 	$(call walk,$(WALKED),$(call fetch_for,$(WALKED)))
 	@[ ! -f analysis/paper_page.py ] || $(PYTHON) -m analysis.paper_page
+	@[ ! -f analysis/ledger.py ] || $(PYTHON) -m analysis.ledger
 	@[ ! -f analysis/opposite.py ] || $(PYTHON) -m analysis.opposite
 
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))

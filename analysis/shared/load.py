@@ -127,7 +127,7 @@ def load(path: Path, profile: str = "") -> Results:
     """Opens a result file read-only and reads it whole; of its rows it keeps those of one profile: that of the latest run, unless
     one is named. Throws ResultError for a missing, damaged or foreign file, or one of a newer schema.
     """
-    stem = path.stem
+    stem = path.stem.removesuffix(".everything")  # of `run --leave-nothing-out`
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
     again = f"delete it and measure again with 'make {stem}'"

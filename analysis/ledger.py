@@ -1,0 +1,171 @@
+"""What was left out of all runs, how much time that saved, and why it was safe: the ledgers of results/*.h5 in one picture and one table.
+
+    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and .tex, and says it in one line
+
+Time that is not known, such as that of a structure that was never built, counts as none. Where S.everything.h5 lies beside S.h5 (`run
+--leave-nothing-out`), the table says how many answers of the two are the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.load import load
+from analysis.shared.report import save_figure
+from analysis.shared.results import ResultError, Results
+
+# By what the ledger says of an entry, or by its kind: how the table calls it, and the colour and hatch of its bar.
+KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer run", "#56B4E9", ""),
+                "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
+                "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
+                "not_prepared": ("structures that the scene does not need", "#CC79A7", "xx"),
+                "not_run": ("cases that a solver does not take, and references not asked for", "#999999", ".."),
+                "not_built": ("solvers that this build does not have", "#0072B2", "++"),
+                "prepared_again": ("nothing: structures over a target that moves were built again", "#D55E00", ""),
+                "reference": ("nothing: reference answers, which took time", "#000000", "")}
+COSTS: Final = ("reference",)  # of these the saving is negative: they are added to the time that was run
+EVERYTHING: Final = ".everything.h5"
+
+
+@dataclass
+class Stem:
+    name: str
+    run: float  # seconds in solvers: structures, first answers, repeats
+    entries: Counter[str] = field(default_factory=Counter)  # by key of KINDS
+    saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, likewise
+    reasons: dict[str, Counter[str]] = field(default_factory=dict)
+    proof: str = ""
+
+    @property
+    def seconds_saved(self) -> float:
+        return sum(seconds for key, seconds in self.saved.items() if key not in COSTS)
+
+
+def seconds_run(results: Results) -> float:
+    """Structures count once for each process that built them, however many poses it answered."""
+    cases, prepared = results.cases, results.preparation
+    built = {(cases.label[case], cases.scene[case], number, name, seconds)
+             for case, number, name, seconds, shared in zip(prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared) if not shared}
+    return float(np.nansum(results.answers.wall_seconds) + np.nansum(results.repeats.wall_seconds * results.repeats.iterations)
+                 + sum(seconds for *_, seconds in built if np.isfinite(seconds)))
+
+
+def same_answers(one: Results, other: Results) -> tuple[int, int]:
+    """How many rows have equal bounds in both, and how many are in both."""
+    def bounds(results: Results) -> dict[tuple[Any, ...], tuple[float, float]]:
+        cases = results.cases
+        return {(cases.identity[i], cases.scene[i], cases.label[i]): (cases.lower[i], cases.upper[i]) for i in range(len(cases)) if results.is_bounded(i)}
+
+    ours, theirs = bounds(one), bounds(other)
+    both = ours.keys() & theirs.keys()
+    return sum(ours[key] == theirs[key] for key in both), len(both)
+
+
+def read(path: Path) -> Stem:
+    results = load(path)
+    found = Stem(path.stem, seconds_run(results))
+    ledger = results.ledger
+    for kind, what, reason, seconds in zip(ledger.kind, ledger.what, ledger.reason, ledger.seconds_saved):
+        key = what if what in KINDS and kind != "prepared_again" else kind
+        found.entries[key] += 1
+        found.saved[key] += float(seconds) if np.isfinite(seconds) else 0.0
+        found.reasons.setdefault(key, Counter())[reason] += 1
+    found.run -= sum(found.saved[key] for key in COSTS)
+    if (everything := path.with_name(path.stem + EVERYTHING)).exists():
+        equal, both = same_answers(results, load(everything))
+        found.proof = f"{equal} of {both} answers are the same with nothing left out"
+    return found
+
+
+def stems_in(folder: Path) -> list[Stem]:
+    """Of all results, the longest first. Raises ResultError if there is none; a damaged file is not for here to say."""
+    found = []
+    for path in sorted(folder.glob("*.h5")):
+        if "." in path.stem:
+            continue
+        try:
+            found.append(read(path))
+        except ResultError as problem:
+            print(problem, file=sys.stderr)
+    if not found:
+        raise ResultError(f"{folder}: no results: 'make experiments' makes them")
+    return sorted(found, key=lambda stem: -(stem.run + stem.seconds_saved))
+
+
+def table(stems: Sequence[Stem]) -> tables.Table:
+    entries, saved, reasons = Counter[str](), defaultdict[str, float](float), dict[str, Counter[str]]()
+    for stem in stems:
+        entries += stem.entries
+        for key, seconds in stem.saved.items():
+            saved[key] += seconds
+        for key, texts in stem.reasons.items():
+            reasons.setdefault(key, Counter()).update(texts)
+    known = [key for key in KINDS if entries[key]] + sorted(key for key in entries if key not in KINDS)
+    rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", tables.number(saved[key])] for key in known]
+    proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
+    return tables.Table("What all runs left out, why that is safe, and the seconds that it saved (negative: that it took).",
+                        ["left out", "the most usual reason", "entries", "s"], rows,
+                        ["A saving that is not known counts as none." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
+                         "table then says how many answers are the same.")] + proofs, left=2)
+
+
+def _most(reasons: Counter[str]) -> str:
+    first, *others = [text for text, _ in reasons.most_common()]
+    return first + (f" (and {len(others)} more)" if others else "")
+
+
+def line(stems: Sequence[Stem]) -> str:
+    entries, saved, run = (sum(values) for values in zip(*((sum(stem.entries.values()), stem.seconds_saved, stem.run) for stem in stems)))
+    return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved beside {run:,.0f} s in solvers"
+
+
+def draw(stems: Sequence[Stem]) -> Any:
+    """Bars of the time in solvers and of what was saved, a stem each."""
+    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
+    places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])
+    ax.barh(places, left, color="#333333", height=0.7, label="time in solvers")
+    for key, (title, colour, hatch) in KINDS.items():
+        saved = np.array([stem.saved[key] for stem in stems])
+        if key in COSTS or not (saved > 0).any():
+            continue
+        ax.barh(places, saved, left=left, color=colour, hatch=hatch, height=0.7, edgecolor="white", linewidth=0.3, label=f"saved: {title}")
+        left = left + saved
+    ax.set_yticks(places, [f"{stem.name} ({sum(stem.entries.values()):,})" for stem in stems], fontsize=6)
+    ax.set(xlabel="s in solvers, and s saved (in brackets: entries of the ledger)", ylim=(len(stems) - 0.4, -0.6))
+    ax.tick_params(axis="y", length=0)
+    ax.legend(loc="lower right", fontsize=6.5)
+    return figure
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.ledger", description="What all runs left out.")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (that of the results)")
+    chosen = parser.parse_args(arguments)
+    out = chosen.out or chosen.results
+    try:
+        stems = stems_in(chosen.results)
+    except ResultError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    found = table(stems)
+    records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "seconds_saved": stem.saved[key]}
+                                    for stem in stems for key in stem.entries]
+    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", found.caption)]:
+        print(path)
+    print(line(stems))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
