@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 from analysis.shared import claims, style
 
 CAPTION: Final = ("Each claim that is about a ratio: what was measured over what is claimed. Right of 1 it speaks for the claim. Filled: in time; hollow: in "
-                  "counted work. A marker with a line is a value and its interval; a line with ends alone goes from the least to the greatest of several ratios.")
+                  "counted work, or memory. A marker with a line is a value and its interval; a line with ends alone goes from the least to the greatest of several ratios.")
 LEAST, MOST = 1e-2, 1e2  # of the axis; what is beyond has an arrow
 ROW: Final = 0.122  # inches
 WORK: Final = "distances, bounds and nodes"
@@ -65,7 +65,7 @@ def draw(found: Sequence[claims.Record]) -> Any:
     for y, paper in heads:
         ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5, fontweight="bold", **left)
     ax.set_xlabel("measured / claimed")
-    entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work", **_marker(False)),
+    entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work, or memory", **_marker(False)),
                plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
     ax.legend(handles=entries, loc="lower right", bbox_to_anchor=(1, 1), ncol=3, frameon=False)
     return figure

@@ -21,6 +21,7 @@ from analysis.shared.verdicts import UNTESTED, Verdict
 
 FAST, SLOW = "sacht", "zheng"
 PAPER = 16.0  # times as fast, on average
+TENS = 10.0  # "tens of times"
 SIZES = ((0, 1_000), (1_000, 5_000), (5_000, 20_000), (20_000, 10**12))  # triangles of A
 NEVER_RAN = ("skipped", "failed", "not_built")
 
@@ -98,6 +99,7 @@ def verdicts(found: Pairs) -> list[Verdict]:
         means("faster", geometric_mean, 1.0, "geometric mean"),
         means("sixteen_geometric", geometric_mean, PAPER, "geometric mean"),
         means("sixteen_arithmetic", arithmetic_mean, PAPER, "arithmetic mean"),
+        means("tens", geometric_mean, TENS, "geometric mean"),
         wins_more(claims.of("sacht2024", "ends_on_more"), {"Sacht": done[FAST]}, {"Zheng": done[SLOW]},
                   "ends on"),
     ]

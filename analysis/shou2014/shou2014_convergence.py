@@ -7,11 +7,13 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.statistics import exact as exactly
+from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.shou2014.shou2014_example import Joined, join
 
 FORMS = ("natural", "centred", "affine", "modified_affine")
@@ -69,6 +71,7 @@ def make(results: Results) -> Report:
                            tables.number(one.solve), f"{one.distances:,}", tables.NOTHING, tables.NOTHING])
         records.append({"method": "surface_enclosure", "tolerance": tolerance, **one.record()})
     table.rules = {rule}
+    table.verdicts = verdicts(published, exact)
     different = sorted({depth for depth in depths
                         if len({(o.lower, o.upper) for (label, _, d), o in published.items()
                                 if d == depth and label == "pruned pairs"}) > 1})
@@ -80,6 +83,15 @@ def make(results: Results) -> Report:
         "The forms give different intervals at " + ", ".join(f"{2**d}^3" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]
     return Report(lambda: draw(published, ours, exact, depths), table, records)
+
+
+def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
+    """Of the paper's arithmetic, with the pairs that can matter. Nothing here is timed, so widths are exact."""
+    widths = {depth: one.upper - one.lower for (label, form, depth), one in published.items() if (label, form) == ("pruned pairs", "modified_affine")}
+    steps = [exactly(widths[depth] / widths[depth + 1]) for depth in sorted(widths) if depth + 1 in widths]
+    outside = sum(not one.lower <= exact <= one.upper for one in published.values())
+    return [everywhere(claims.of("shou2014", "any_precision"), steps, "steps"),
+            all_of(claims.of("shou2014", "holds_distance"), outside, len(published), len(published), "intervals")]
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:

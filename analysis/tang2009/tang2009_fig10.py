@@ -13,7 +13,8 @@ from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.verdicts import Verdict
+from analysis.shared.statistics import NO_DATA, exact
+from analysis.shared.verdicts import Verdict, everywhere
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
 MOST: Final = 0.03  # of the longest side: where the paper's models overlap
@@ -35,7 +36,13 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
         claim = claims.of("tang2009", name)
         return in_time_and_work(lambda what: on_average(claim, [pairs.ratio(scene, "guthe", "tang", what) for scene in scenes], times))
 
-    return [judge("tenth", TIMES), judge("outperforms", 1)]
+    return [judge("tenth", TIMES), judge("outperforms", 1), memory(pairs)]
+
+
+def memory(pairs: Pairs) -> Verdict:
+    """Peaks are one number a pair, and not a sample."""
+    peaks = [[pairs.cells[scene, label].peak if (scene, label) in pairs.cells else -1 for label in ("guthe", "tang")] for scene in pairs.scenes]
+    return everywhere(claims.of("tang2009", "memory"), [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in peaks])
 
 
 def make(results: Results) -> Report:
@@ -58,7 +65,7 @@ def make(results: Results) -> Report:
                      **tables.seconds(cell.time), "peak_bytes": cell.peak, **cell.counters}
                     for (_, label), cell in zip(pairs.labels, own) if cell]
     table.verdicts = verdicts(pairs)
-    table.notes = ["The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe's program used an octree; here both search BVHs, with the same kernels.",
+    table.notes = ["The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe searches octrees, as his program did, and Tang BVHs of swept spheres, with the same kernels.",
                    tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round.", "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
     return Report(lambda: draw(pairs, clock_word(results)), table, records)
 

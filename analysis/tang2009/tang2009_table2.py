@@ -22,7 +22,7 @@ HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", 
 
 
 def verdicts(found: list[Motion]) -> list[Verdict]:
-    return [*tang_motion.culling(found, "tang"), tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"),
+    return [*tang_motion.culling(found, "tang"), tang_motion.fraction_of_a_second(found, "tang"), tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"),
             *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM]]
 
 

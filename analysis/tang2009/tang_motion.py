@@ -17,10 +17,10 @@ import numpy as np
 from analysis.shared import claims, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
 from analysis.shared.columns import Floats
-from analysis.shared.comparable import Origin, origins, reason_apart
+from analysis.shared.comparable import Origin, apart, origins, reason_apart
 from analysis.shared.results import Results
-from analysis.shared.statistics import NO_DATA, Estimate, exact, median
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, most_of, rising_by_run
+from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, everywhere, most_of, rising_by_run
 
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
@@ -155,6 +155,15 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
     spread = f"; ten times or more at {tables.number(min(shares))} to {tables.number(max(shares))} % of the poses" if shares else ""
     most = f"; at most {tables.number(float(np.nanmax(known)))} times" if np.isfinite(known).any() else ""
     return replace(verdict, evidence=f"{verdict.evidence}{spread}{most}")
+
+
+def fraction_of_a_second(found: Sequence[Motion], label: str) -> Verdict:
+    """The mean over the poses of a pair, one number a round, against a second."""
+    def ratio(run: Run) -> Estimate:
+        means = {number: float(times.mean()) for number, times in run.by_round.items()}
+        return apart(run.origins) or ratio_by_round(dict.fromkeys(means, 1.0), means)
+
+    return everywhere(claims.of("tang2009", "fraction"), [ratio(motion.runs[label]) for motion in found if label in motion.runs])
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:

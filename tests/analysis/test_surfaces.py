@@ -12,7 +12,9 @@ from synthetic import ResultFile, spread
 
 from analysis.__main__ import main
 from analysis.shared.load import load
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED
 from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
+from analysis.shou2014.shou2014_example import Joined
 
 BOX = 3 * [-2.0, 2.0]
 DIRECTIONS = (("first to second", 0.64, 0.85), ("second to first", 0.73, 0.90))
@@ -62,6 +64,16 @@ def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:
     assert {key[0] for key in published} == {"pruned pairs"} and len(published) == 8 and sorted(ours) == [1e-4, 1e-2]
     assert len(records(tmp_path, file.stem)) == 10
     assert "All four forms give the same interval" in (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+
+
+def test_convergence_is_judged_by_exact_widths() -> None:
+    def outcomes(widths: list[float], exact: float = 0.5) -> list[str]:
+        published = {("pruned pairs", "modified_affine", 4 + k): Joined(0.5 - width / 2, 0.5 + width / 2, 1.0, 1.0, 1, 1, "ok") for k, width in enumerate(widths)}
+        return [verdict.outcome for verdict in shou2014_convergence.verdicts(published, exact)]
+
+    assert outcomes([0.4, 0.2, 0.1]) == [HOLDS, HOLDS]
+    assert outcomes([0.4, 0.4, 0.1]) == [OPEN, HOLDS] and outcomes([0.4, 0.5, 0.1]) == [FAILS, HOLDS]
+    assert outcomes([0.4, 0.2, 0.1], 0.61) == [HOLDS, FAILS] and outcomes([]) == [UNTESTED, UNTESTED]
 
 
 def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:

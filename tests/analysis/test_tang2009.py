@@ -82,6 +82,15 @@ def test_depth_is_typical(make: Make, poses: range, outcome: str) -> None:
     assert claim(text, "fewer than ten times").startswith(outcome)
 
 
+@pytest.mark.parametrize(("wall", "outcome"), [(1.0, " it holds"), (1e6, " it does not hold")])
+def test_a_fraction_of_a_second(make: Make, wall: float, outcome: str) -> None:
+    file = motion("tang2009_table2", PAIRS, ALL)
+    for row in [*file.repeats, *file.answers]:
+        for column in ("wall_seconds", "cpu_seconds"):
+            row[column] *= wall
+    assert claim(make(file)[2], "less than a second").startswith(outcome)
+
+
 @pytest.mark.parametrize(("slower", "outcome"), [(1.0, " it holds"), (-1.0, " it does not hold"), (0.0, ": not separated")])
 def test_time_rises(make: Make, slower: float, outcome: str) -> None:
     for stem in ("tang2009_table2", "tang2009_fig9"):
@@ -125,6 +134,15 @@ def test_fig10_an_order_of_magnitude(make: Make, tang: float, rounds: int, tenth
 def test_fig10_counts_work(make: Make) -> None:
     assert "in distances it holds" in claim(make(synthetic_tang.fig10(work=50))[2], "less than a tenth").replace("Counted in", "in")
     assert "in distances it does not hold" in claim(make(synthetic_tang.fig10(work=200))[2], "less than a tenth").replace("Counted in", "in")
+
+
+@pytest.mark.parametrize(("peak", "outcome"), [(2**21, " it holds"), (2**23, " it does not hold")])
+def test_fig10_compares_memory(make: Make, peak: int, outcome: str) -> None:
+    file = synthetic_tang.fig10()
+    for case in file.cases:
+        if case["label"] == "tang":
+            case["peak_bytes"] = peak
+    assert claim(make(file)[2], "less memory").startswith(outcome)
 
 
 def test_fig10_where_one_timed_out(make: Make) -> None:
