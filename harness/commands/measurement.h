@@ -43,7 +43,7 @@ struct MeasuredShape {
     ShapeKind kind{};
     Index elements = 0, vertices = 0;
     double diagonal = 0;
-    double float32_spacing = 0;    // of float32 at its largest coordinate
+    double float32_spacing = 0;     // of float32 at its largest coordinate
     std::vector<Index> parts = {};  // of a mesh: the connected part of each triangle
 };
 

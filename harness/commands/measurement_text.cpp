@@ -201,8 +201,8 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
         else
             text += witness_text(m.result, m);
     } else {
-        text +=
-            answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) + witness_text(m.result, m);
+        text += answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) +
+                witness_text(m.result, m);
     }
     if (request.cutoff) {
         constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};

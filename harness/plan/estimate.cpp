@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double start_seconds = 0.022;  // of a worker, and of the check of its answers
-constexpr double load_seconds = 1e-7;    // an element of either shape
+constexpr double start_seconds = 0.022;        // of a worker, and of the check of its answers
+constexpr double load_seconds = 1e-7;          // an element of either shape
 constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
 constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
 
