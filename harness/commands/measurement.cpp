@@ -131,6 +131,17 @@ void warn_of_units(Measured& measured) {
             fmt::format("{} is {:.3g} times as large as the other: are both in one unit?", a > b ? "A" : "B", ratio));
 }
 
+// As of a file that was cut short after its vertices.
+void warn_of_unreferenced(Measured& measured) {
+    for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
+        const std::int64_t dropped = shape->report.unreferenced.value_or(0);
+        if (dropped > shape->vertices)
+            measured.warnings.push_back(
+                fmt::format("{} of the {} vertices of {} belong to no triangle and do not count: is the file whole?",
+                            dropped, dropped + shape->vertices, name));
+    }
+}
+
 }  // namespace
 
 Measured measure(const MeasureRequest& asked) {
@@ -169,6 +180,7 @@ Measured measure(const MeasureRequest& asked) {
         solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
     warn_of_units(measured);
+    warn_of_unreferenced(measured);
     if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
         measured.warnings.push_back(
             fmt::format("{} is not written: {}", request.certificate.string(),

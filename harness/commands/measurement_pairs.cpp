@@ -5,6 +5,7 @@
 #include "error.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <glob.h>
 
@@ -66,7 +67,11 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
         for (const auto& [stem, target] : targets) pairs.emplace_back(a, target);
         return pairs;
     }
+    std::map<std::string, std::string> names;
     for (const std::string& source : sources) {
+        const auto [before, fresh] = names.emplace(fs::path(source).stem(), source);
+        if (!fresh)
+            throw InputError(fmt::format("{} and {} have one name: give a list with --pairs", before->second, source));
         const auto at = targets.find(fs::path(source).stem());
         if (at == targets.end())
             throw InputError(fmt::format("{}: no file of {} has this name: give a list with --pairs", source, b));
@@ -105,7 +110,7 @@ NamedPairs read_pairs(const fs::path& list) {
 
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
-    print("A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,error\n");
+    print("A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error\n");
     for (const auto& [a, b] : pairs) {
         MeasureRequest one = request;
         one.source = a;
@@ -119,17 +124,18 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
             const bool known = why.empty();
             const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
             line +=
-                fmt::format("{},{},{},{},{:.6f},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
+                fmt::format("{},{},{},{},{:.6f},{},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
                             known ? number_field(measured.result.bounds.upper) : "",
                             measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status),
-                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver, csv_field(why));
+                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver,
+                            csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;
-            line += fmt::format(",,error,,,,{}\n", csv_field(error.what()));
+            line += fmt::format(",,error,,,,,{}\n", csv_field(error.what()));
         } catch (const fs::filesystem_error& error) {
             code = 1;
-            line += fmt::format(",,error,,,,{}\n", csv_field(error.what()));
+            line += fmt::format(",,error,,,,,{}\n", csv_field(error.what()));
         }
         print(line);
         std::fflush(stdout);

@@ -97,6 +97,25 @@ def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
     assert "2 connected parts" in text and "[element 1 of part 1] on A" in text and "[element 0] on B" in text
 
 
+def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None:
+    """Of another unit, and of a file that was cut short after its vertices."""
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    whole = "".join(f"v {x} {x * x} 0\n" for x in range(9)) + "f 1 2 3\nf 4 5 6\nf 7 8 9\n"
+    (tmp_path / "a" / "one.obj").write_text(whole[:whole.index("f 4") + 1])
+    (tmp_path / "b" / "one.obj").write_text(whole)
+    (tmp_path / "a" / "two.obj").write_text("v 0 0 0\nv 0.001 0 0\nv 0 0.001 0\nf 1 2 3\n")
+    (tmp_path / "b" / "two.obj").write_text(whole)
+    done = hausbench("measure", tmp_path / "a" / "*.obj", tmp_path / "b" / "*.obj")
+    one, two = rows(done.stdout)
+    assert "6 of the 9 vertices of A belong to no triangle" in one["warnings"] and "one unit" in two["warnings"]
+    assert one["error"] == two["error"] == "" and one["status"] == "converged"
+    assert len(json.loads(hausbench("measure", tmp_path / "a" / "one.obj", tmp_path / "b" / "one.obj", "--json").stdout)["warnings"]) == 1
+    assert rows(hausbench("measure", tmp_path / "b" / "*.obj", tmp_path / "b" / "*.obj").stdout)[0]["warnings"] == ""
+    (tmp_path / "a" / "two.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    assert "have one name" in hausbench.fails("measure", tmp_path / "a" / "*", tmp_path / "b" / "*")
+
+
 def test_another_unit_is_asked_about(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
     small = tmp_path / "small.off"
     small.write_text("OFF\n3 1 0\n0 0 0\n0.001 0 0\n0 0.001 0\n3 0 1 2\n")
