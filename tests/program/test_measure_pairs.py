@@ -83,6 +83,7 @@ def test_models_have_names(hausbench: Program, tmp_path: Path) -> None:
     proof = tmp_path / "proof"
     assert hausbench("measure", "sphere1", "sphere2", "--certificate", proof).returncode == 0
     assert hausbench("verify", "--certificate", proof).returncode == 0
+    assert "is a certificate: add --certificate" in hausbench.fails("verify", proof)
 
 
 def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
