@@ -222,6 +222,7 @@ figures: $(DEPS)
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
 	[ -n "$$none" ] || $(PYTHON) -m analysis.paper_page || failed+=" the pages of the papers"; \
+	[ -n "$$none" ] || $(PYTHON) -m analysis.ledger || failed+=" the ledger"; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 
 # A run says it too; here a difference is an error.

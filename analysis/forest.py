@@ -1,4 +1,4 @@
-"""The forest plot of all claims that are about one ratio: what was measured over what is claimed, on a logarithmic axis."""
+"""Forest plot of the claims about ratios: measured / claimed, on a logarithmic axis."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ import matplotlib.pyplot as plt
 
 from analysis.shared import claims, style
 
-CAPTION: Final = ("Each claim that is about a ratio: what was measured over what is claimed. Right of 1 it speaks for the claim. Filled: in time; hollow: in "
-                  "counted work, or memory. A marker with a line is a value and its interval; a line with ends alone goes from the least to the greatest of several ratios.")
-LEAST, MOST = 1e-2, 1e2  # of the axis; what is beyond has an arrow
+CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values above 1 support the claim. Filled: time; hollow: counted work, or memory. "
+                  "A marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest.")
+LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
 ROW: Final = 0.122  # inches
 WORK: Final = "distances, bounds and nodes"
-WIDTH: Final = 104  # letters of a claim; END of them at its end
+WIDTH: Final = 104  # letters; a longer claim is shortened in the middle and keeps its last END letters
 END: Final = 22
 PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
 
-Bar = tuple[float, float, float]  # value, least, greatest; NaN: several, or unknown
+Bar = tuple[float, float, float]  # value (NaN: a range of several ratios), lower end, upper end (NaN: unknown)
 
 
 def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
-    """Whether it is of time, and the ratio: at most one of either kind."""
+    """Returns the ratio in time and the ratio in counted work, as far as the verdict has them. The first of a pair is True for time."""
     def bar(found: object) -> Bar | None:
         if not isinstance(found, list):
             return None
         value, least, most = (math.nan if x is None else float(x) for x in found)
-        if math.isnan(value):  # of several: None is an end that is not known
+        if math.isnan(value):  # a range: None stands for an unlimited end
             return value, 0.0 if math.isnan(least) else least, math.inf if math.isnan(most) else most
         return value, least, most
 
@@ -41,7 +41,7 @@ def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
 
 
 def draw(found: Sequence[claims.Record]) -> Any:
-    """One row a claim, in the order given; a heading where the paper changes."""
+    """Draws one row per claim, in the given order, and a heading above each paper."""
     shown = [one for one in found if bars(one)]
     heights, at, heads, before = [], 0.0, [], ""
     for one in shown:

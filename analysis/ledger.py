@@ -1,9 +1,9 @@
-"""What was left out of all runs, how much time that saved, and why it was safe: the ledgers of results/*.h5 in one picture and one table.
+"""Summarises the ledgers of results/*.h5, which list skipped work: one figure and one table with the reasons and the time saved.
 
-    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and .tex, and says it in one line
+    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and .tex; prints the totals
 
-Time that is not known, such as that of a structure that was never built, counts as none. Where S.everything.h5 lies beside S.h5 (`run
---leave-nothing-out`), the table says how many answers of the two are the same.
+An unknown saving, such as the time of a structure that was never built, counts as zero. If S.everything.h5 (from `run --leave-nothing-out`)
+lies beside S.h5, the table says how many answers the two files have in common.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from analysis.shared.load import load
 from analysis.shared.report import save_figure
 from analysis.shared.results import ResultError, Results
 
-# By what the ledger says of an entry, or by its kind: how the table calls it, and the colour and hatch of its bar.
+# Title in the table, colour and hatch of the bar. The key is the column `what` of the ledger, or else `kind`.
 KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer run", "#56B4E9", ""),
                 "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
                 "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
                 "not_prepared": ("structures that the scene does not need", "#CC79A7", "xx"),
                 "not_run": ("cases that a solver does not take, and references not asked for", "#999999", ".."),
                 "not_built": ("solvers that this build does not have", "#0072B2", "++"),
-                "prepared_again": ("nothing: structures over a target that moves were built again", "#D55E00", ""),
-                "reference": ("nothing: reference answers, which took time", "#000000", "")}
-COSTS: Final = ("reference",)  # of these the saving is negative: they are added to the time that was run
+                "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
+                "reference": ("nothing: time spent on reference answers", "#000000", "")}
+COSTS: Final = ("reference",)  # kinds with a negative saving; they count as time in solvers
 EVERYTHING: Final = ".everything.h5"
 
 
@@ -52,7 +52,7 @@ class Stem:
 
 
 def seconds_run(results: Results) -> float:
-    """Structures count once for each process that built them, however many poses it answered."""
+    """Returns the wall time of structures, first answers and repeats. A structure counts once per process, however many poses use it."""
     cases, prepared = results.cases, results.preparation
     built = {(cases.label[case], cases.scene[case], number, name, seconds)
              for case, number, name, seconds, shared in zip(prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared) if not shared}
@@ -61,7 +61,7 @@ def seconds_run(results: Results) -> float:
 
 
 def same_answers(one: Results, other: Results) -> tuple[int, int]:
-    """How many rows have equal bounds in both, and how many are in both."""
+    """Returns the number of rows with equal bounds in both results, and the number of rows in both."""
     def bounds(results: Results) -> dict[tuple[Any, ...], tuple[float, float]]:
         cases = results.cases
         return {(cases.identity[i], cases.scene[i], cases.label[i]): (cases.lower[i], cases.upper[i]) for i in range(len(cases)) if results.is_bounded(i)}
@@ -88,7 +88,7 @@ def read(path: Path) -> Stem:
 
 
 def stems_in(folder: Path) -> list[Stem]:
-    """Of all results, the longest first. Raises ResultError if there is none; a damaged file is not for here to say."""
+    """Reads every result of a folder and sorts them by time, longest first. Prints a line for a damaged file and skips it. Raises ResultError if nothing is left."""
     found = []
     for path in sorted(folder.glob("*.h5")):
         if "." in path.stem:
@@ -113,9 +113,9 @@ def table(stems: Sequence[Stem]) -> tables.Table:
     known = [key for key in KINDS if entries[key]] + sorted(key for key in entries if key not in KINDS)
     rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", tables.number(saved[key])] for key in known]
     proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
-    return tables.Table("What all runs left out, why that is safe, and the seconds that it saved (negative: that it took).",
+    return tables.Table("Work that all runs skipped, why skipping it is safe, and the seconds saved (negative: seconds spent).",
                         ["left out", "the most usual reason", "entries", "s"], rows,
-                        ["A saving that is not known counts as none." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
+                        ["An unknown saving counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
                          "table then says how many answers are the same.")] + proofs, left=2)
 
 
@@ -130,7 +130,7 @@ def line(stems: Sequence[Stem]) -> str:
 
 
 def draw(stems: Sequence[Stem]) -> Any:
-    """Bars of the time in solvers and of what was saved, a stem each."""
+    """Draws one bar per stem: time in solvers, then time saved by kind."""
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])
     ax.barh(places, left, color="#333333", height=0.7, label="time in solvers")
@@ -150,7 +150,7 @@ def draw(stems: Sequence[Stem]) -> Any:
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="analysis.ledger", description="What all runs left out.")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
-    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (that of the results)")
+    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
     try:

@@ -1,10 +1,10 @@
-"""One page a paper: its tables and figures, its sentences that can be checked, and what came out. And a picture of all claims.
+"""Writes one page per paper, with every sentence that is checked and its verdict, and a figure of all claims.
 
     python3 -m analysis.paper_page                 writes results/tables/PAPER_claims.md and .tex, results/figures/claims.pdf and .png
     python3 -m analysis.paper_page --kept          writes results/reference/PAPER_claims.md and docs/claims.png, from the kept verdicts alone
 
-A claim's line has the verdict of the results at hand if they test it; else the one that is kept in results/reference, marked so. Claims of our
-own are a page too (`hausbench`). analysis.paper_profile writes the kept pages whenever it keeps verdicts.
+A claim shows the verdict of the current results if they test it; otherwise the verdict from results/reference, marked "(kept)". Our own claims
+have a page too (`hausbench`). analysis.paper_profile calls this with --kept.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import argparse
 import sys
 import tomllib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -63,7 +63,7 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
 
 
 def why(line: Line) -> str:
-    """What the counted work says of a verdict in time, and what is known of the difference from the paper."""
+    """Explains a verdict that does not hold: the reason from the claims file, and whether counted work agrees."""
     if line.verdict is None:
         return "no verdict yet"
     counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
@@ -81,7 +81,7 @@ def _counted(line: Line) -> str:
 
 
 def cells(lines: Sequence[Line]) -> list[list[str]]:
-    """The rows of a page. A sentence that several claims quote stands once."""
+    """Returns the rows of a page. A sentence quoted by consecutive claims is printed once."""
     rows, quoted = [], ""
     for line in lines:
         entry, same = line.entry, bool(line.entry.quote) and line.entry.quote == quoted
@@ -108,20 +108,16 @@ def count(lines: Sequence[Line]) -> str:
     return ", ".join(f"{outcomes.count(each)} {each}" for each in (HOLDS, NOT_REFUTED, FAILS, OPEN, UNTESTED) if each in outcomes)
 
 
-def markdown(paper: str, lines: Sequence[Line], kept: bool) -> str:
+def markdown(paper: str, lines: Sequence[Line]) -> str:
     def row(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
     stems = items(paper)
-    parts = [f"# {TITLES.get(paper, paper)}", "", f"{len(lines)} verdicts: {count(lines)}." + ("" if kept else " Those marked (kept) are from results/reference."), ""]
+    parts = [f"# {TITLES.get(paper, paper)}", "", f"{len(lines)} verdicts: {count(lines)}." + (" Those marked (kept) are from results/reference." if any(line.kept for line in lines) else ""), ""]
     if stems:
         parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems], ""]
-    marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells([line if not kept else _unmarked(line) for line in lines])]
+    marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells(lines)]
     return "\n".join([*parts, row(HEADER), "| --- " * len(HEADER) + "|", *map(row, marked)]) + "\n"
-
-
-def _unmarked(line: Line) -> Line:
-    return Line(line.entry, line.verdict)
 
 
 def latex(paper: str, lines: Sequence[Line]) -> str:
@@ -147,10 +143,10 @@ def records(folder: Path) -> list[claims.Record]:
 def write_kept(folder: Path = REFERENCE, picture: Path = ROOT / "docs" / "claims.png") -> list[Path]:
     kept, paths, all_lines = records(folder), [], []
     for paper in papers():
-        lines = lines_of(paper, [], kept)
+        lines = [replace(line, kept=False) for line in lines_of(paper, [], kept)]
         all_lines += lines
         paths.append(folder / f"{paper}_claims.md")
-        tables.write_whole(paths[-1], printable(markdown(paper, lines, True), lines=True))
+        tables.write_whole(paths[-1], printable(markdown(paper, lines), lines=True))
     return [*paths, report.save_png(forest.draw([line.verdict for line in all_lines if line.verdict]), picture)]
 
 
@@ -159,7 +155,7 @@ def write(out: Path) -> list[Path]:
     for paper in papers():
         lines = lines_of(paper, now, kept)
         all_lines += lines
-        for suffix, text in (("md", markdown(paper, lines, False)), ("tex", latex(paper, lines))):
+        for suffix, text in (("md", markdown(paper, lines)), ("tex", latex(paper, lines))):
             paths.append(out / "tables" / f"{paper}_claims.{suffix}")
             paths[-1].parent.mkdir(parents=True, exist_ok=True)
             tables.write_whole(paths[-1], printable(text, lines=True))

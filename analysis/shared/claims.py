@@ -91,7 +91,7 @@ def record(verdict: Verdict, stem: str, profile: str) -> Record:
 
 
 def _ratio(ratio: Ratio | None) -> list[float | None] | None:
-    """Value, least and greatest; None for what is unknown or without a limit, and where there is no ratio."""
+    """Returns [value, low, high] for JSON, with None for NaN and infinity; None if there is no ratio."""
     return [x if math.isfinite(x) else None for x in (ratio.value, ratio.low, ratio.high)] if ratio else None
 
 

@@ -30,8 +30,8 @@ RARE: Final = 0.1  # a rate that cases without a failure must rule out before a 
 
 @dataclass(frozen=True)
 class Ratio:
-    """What was measured over what is claimed: above 1 speaks for the claim. `value` is NaN where there are several, of which `low` and `high` are
-    the least and the greatest; otherwise these are the ends of its interval: NaN for a single time, both the value for a count.
+    """Measured / claimed; values above 1 support the claim. `low` and `high` are the ends of the interval: NaN for a single time, equal to `value`
+    for a count. If `value` is NaN, this is a range of several ratios, from `low` to `high`.
     """
 
     value: float

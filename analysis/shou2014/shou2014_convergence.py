@@ -86,7 +86,7 @@ def make(results: Results) -> Report:
 
 
 def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
-    """Of the paper's arithmetic, with the pairs that can matter. Nothing here is timed, so widths are exact."""
+    """Judges the widths of the pruned pairs with modified affine arithmetic, and every published interval. Widths are not times, so they are exact."""
     widths = {depth: one.upper - one.lower for (label, form, depth), one in published.items() if (label, form) == ("pruned pairs", "modified_affine")}
     steps = [exactly(widths[depth] / widths[depth + 1]) for depth in sorted(widths) if depth + 1 in widths]
     outside = sum(not one.lower <= exact <= one.upper for one in published.values())

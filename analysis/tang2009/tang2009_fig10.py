@@ -40,7 +40,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
 
 def memory(pairs: Pairs) -> Verdict:
-    """Peaks are one number a pair, and not a sample."""
+    """Compares peak memory on every pair. Each peak is a single number without an interval."""
     peaks = [[pairs.cells[scene, label].peak if (scene, label) in pairs.cells else -1 for label in ("guthe", "tang")] for scene in pairs.scenes]
     return everywhere(claims.of("tang2009", "memory"), [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in peaks])
 

@@ -158,7 +158,7 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
 
 
 def fraction_of_a_second(found: Sequence[Motion], label: str) -> Verdict:
-    """The mean over the poses of a pair, one number a round, against a second."""
+    """Compares the mean time of a pose with one second, for every pair. The unit is the round."""
     def ratio(run: Run) -> Estimate:
         means = {number: float(times.mean()) for number, times in run.by_round.items()}
         return apart(run.origins) or ratio_by_round(dict.fromkeys(means, 1.0), means)

@@ -131,13 +131,13 @@ void warn_of_units(Measured& measured) {
             fmt::format("{} is {:.3g} times as large as the other: are both in one unit?", a > b ? "A" : "B", ratio));
 }
 
-// As of a file that was cut short after its vertices.
+// Catches files that were cut short after their vertices.
 void warn_of_unreferenced(Measured& measured) {
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         const std::int64_t dropped = shape->report.unreferenced.value_or(0);
         if (dropped > shape->vertices)
             measured.warnings.push_back(
-                fmt::format("{} of the {} vertices of {} belong to no triangle and do not count: is the file whole?",
+                fmt::format("{} of the {} vertices of {} belong to no triangle and are ignored: is the file complete?",
                             dropped, dropped + shape->vertices, name));
     }
 }

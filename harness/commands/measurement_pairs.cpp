@@ -71,7 +71,8 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
     for (const std::string& source : sources) {
         const auto [before, fresh] = names.emplace(fs::path(source).stem(), source);
         if (!fresh)
-            throw InputError(fmt::format("{} and {} have one name: give a list with --pairs", before->second, source));
+            throw InputError(
+                fmt::format("{} and {} have the same name: give a list with --pairs", before->second, source));
         const auto at = targets.find(fs::path(source).stem());
         if (at == targets.end())
             throw InputError(fmt::format("{}: no file of {} has this name: give a list with --pairs", source, b));

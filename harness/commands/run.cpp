@@ -167,7 +167,8 @@ void add_run(CLI::App& app, int& code) {
         ->allow_extra_args(false);
     verb->add_flag("--strict", arguments.strict, "exit code 1 also if a case failed, crashed or ran out of memory");
     verb->add_flag("--fresh", arguments.fresh,
-                   "run every case asked for again, also those that are finished; other rows of the result stay");
+                   "run every requested case again, even if it is finished; also replaces the result of another "
+                   "experiment of the same name");
     verb->add_flag("--any-build", arguments.any_build,
                    "keep rows that were measured by another build or on another machine");
     verb->add_flag(

@@ -25,7 +25,7 @@ def record(outcome: str, evidence: str, profile: str = "paper", **more: object) 
 
 
 def line(now: list[claims.Record], kept: list[claims.Record]) -> list[str]:
-    page = paper_page.markdown("zhang2017", paper_page.lines_of("zhang2017", now, kept), False)
+    page = paper_page.markdown("zhang2017", paper_page.lines_of("zhang2017", now, kept))
     return [text for text in page.splitlines() if "the framework takes less time than INC" in text]
 
 
@@ -39,7 +39,7 @@ def test_the_kept_pages_are_what_the_kept_verdicts_give(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("paper", paper_page.papers())
 def test_every_claim_has_a_line_and_every_quote_stands_once(paper: str) -> None:
-    page = paper_page.markdown(paper, paper_page.lines_of(paper, [], []), False)
+    page = paper_page.markdown(paper, paper_page.lines_of(paper, [], []))
     for entry in claims.entries(paper).values():
         assert f"{entry.text} ({entry.judged_as})".replace("|", "\\|") in page and (not entry.quote or f"“{entry.quote}”" in page)
     assert page.count(f"**{UNTESTED}**") == len(claims.entries(paper))
@@ -51,7 +51,7 @@ def test_a_verdict_of_this_run_stands_before_the_kept_one() -> None:
     assert "**holds (kept)** | before" in line([small], [kept])[0]
     assert len(line([now], [kept])) == 1
     other = claims.record(Verdict(claims.of("zhang2017", "peak", "torus", solver="INC"), HOLDS, "x"), "zhang2017_fig10", "paper")
-    assert "torus: the time of INC peaks" in paper_page.markdown("zhang2017", paper_page.lines_of("zhang2017", [other], [kept]), False)
+    assert "torus: the time of INC peaks" in paper_page.markdown("zhang2017", paper_page.lines_of("zhang2017", [other], [kept]))
 
 
 def test_counted_work_says_whether_it_is_the_machine() -> None:

@@ -114,7 +114,7 @@ def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None
     assert len(json.loads(hausbench("measure", tmp_path / "a" / "one.obj", tmp_path / "b" / "one.obj", "--json").stdout)["warnings"]) == 1
     assert rows(hausbench("measure", tmp_path / "b" / "*.obj", tmp_path / "b" / "*.obj").stdout)[0]["warnings"] == ""
     (tmp_path / "a" / "two.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    assert "have one name" in hausbench.fails("measure", tmp_path / "a" / "*", tmp_path / "b" / "*")
+    assert "have the same name" in hausbench.fails("measure", tmp_path / "a" / "*", tmp_path / "b" / "*")
 
 
 def test_another_unit_is_asked_about(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
