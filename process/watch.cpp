@@ -5,12 +5,18 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <fstream>
+#include <future>
+#include <string>
 #include <thread>
+#include <utility>
 
 namespace hausbench {
 
@@ -36,6 +42,20 @@ int start_watch() {
     return child < 0 ? -1 : talk[1];
 }
 
+// Waits, for a second at most, until this thread of ours sleeps. On a busy machine its start could otherwise fall into a timed solve, which then
+// looked as if it had two threads.
+void wait_until_asleep(pid_t thread) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+    while (std::chrono::steady_clock::now() < end) {
+        std::ifstream in(fmt::format("/proc/self/task/{}/stat", thread));
+        std::string line;
+        std::getline(in, line);
+        const std::size_t name_ends = line.rfind(')');  // "7 (name) S ...": the name may hold anything
+        if (name_ends == std::string::npos || line.compare(name_ends, 3, ") S") == 0) return;
+        ::sched_yield();
+    }
+}
+
 }  // namespace
 
 void watch_group(pid_t group) {
@@ -52,7 +72,10 @@ void end_family_with_parent() {
     sigaddset(&signals, parent_ended);
     sigaddset(&signals, SIGHUP);  // sent, with SIGCONT, if this process is stopped when its parent ends
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    std::thread([=] {
+    std::promise<pid_t> start;
+    std::future<pid_t> started = start.get_future();
+    std::thread([start = std::move(start), parent, signals]() mutable {
+        start.set_value(::gettid());
         for (;;) {
             int signal = 0;
             ::sigwait(&signals, &signal);
@@ -63,6 +86,7 @@ void end_family_with_parent() {
     }).detach();
     ::prctl(PR_SET_PDEATHSIG, parent_ended);
     if (::getppid() != parent) ::raise(parent_ended);  // it ended meanwhile
+    wait_until_asleep(started.get());
 }
 
 }  // namespace hausbench
