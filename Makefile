@@ -53,7 +53,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test test-slurm hostile certificates mutants types experiments figures check-reference tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test searches test-slurm hostile certificates mutants types experiments figures check-reference tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -78,6 +78,7 @@ help:
 	@echo 'make fuzz-short   the kept inputs of all fuzz targets, then a few seconds each; .ci/run runs it too'
 	@echo 'make track        has anything become slower? work counters, instructions, then times beside the commit BASE (default: HEAD)'
 	@echo 'make track-counts the tiers of it that need no clock; .ci/run runs them too'
+	@echo 'make searches     the random searches of the tests whole, of which make test tries a fifth'
 	@echo 'make history      draw how times and counts have changed (results/history.csv); REVS="v1 v2" measures these commits first'
 	@echo 'make bisect       CASE="guthe on mesh to its half" GOOD=v1 BAD=v2: the commit that changed its counters or instructions'
 	@echo 'make mutants      lose each term of tests/mutants.toml in turn, in a copy of the tree, and expect its test to fail'
@@ -240,6 +241,11 @@ test: build/release/build.ninja
 	@$(MAKE) --no-print-directory types
 	$(PYTHON) -m pytest -q -n $(JOBS) --dist loadfile tests
 
+# The programs that search at random, a fifth of which is in `make test`.
+searches: build/release/build.ninja
+	$(call compile,release,all)
+	HAUSBENCH_SEARCHES=all ctest --preset release -j $(JOBS) -R '^($(shell grep -l '"searches.h"' tests/*_test.cpp | xargs -n1 basename -s .cpp | paste -sd '|'))$$'
+
 # A Slurm of one machine with two nodes; what it needs is installed for it alone. A test that is skipped has failed.
 test-slurm: build
 	$(if $(SKIP_DEPS),,$(call install,slurm-wlm munge))
@@ -255,12 +261,13 @@ certificates: build
 	$(PYTHON) tests/certificates.py --solver guthe --pairs 8
 	$(PYTHON) tests/certificates.py --solver sacht --pairs 8
 
+# Each with a cache of its own: with other options, mypy throws away what it knew.
 types: $(DEPS)
-	MYPYPATH=datasets $(PYTHON) -m mypy --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py datasets/list_tier.py tests/analysis tests/datasets_py tests/hostile tests/tracking
-	MYPYPATH=tests/program $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/program
-	MYPYPATH=tests $(PYTHON) -m mypy --strict --explicit-package-bases tests/conftest.py tests/test_insist.py tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
-	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
-	MYPYPATH=tests/slurm $(PYTHON) -m mypy --strict --explicit-package-bases --ignore-missing-imports tests/slurm
+	MYPYPATH=datasets $(PYTHON) -m mypy --cache-dir .mypy_cache/analysis --config-file analysis/mypy.ini analysis bench datasets/fetch.py datasets/packages.py datasets/letters.py datasets/list_tier.py tests/analysis tests/datasets_py tests/hostile tests/tracking
+	MYPYPATH=tests/program $(PYTHON) -m mypy --cache-dir .mypy_cache/program --strict --explicit-package-bases --ignore-missing-imports tests/program
+	MYPYPATH=tests $(PYTHON) -m mypy --cache-dir .mypy_cache/tests --strict --explicit-package-bases tests/conftest.py tests/test_insist.py tests/certificates.py tests/mutants.py tests/test_mutants.py tests/rooms.py tests/test_rooms.py
+	MYPYPATH=tests/fuzz $(PYTHON) -m mypy --cache-dir .mypy_cache/fuzz --strict --explicit-package-bases tests/fuzz/fuzz.py tests/fuzz/report.py
+	MYPYPATH=tests/slurm $(PYTHON) -m mypy --cache-dir .mypy_cache/slurm --strict --explicit-package-bases --ignore-missing-imports tests/slurm
 
 mutants: $(DEPS)
 	$(PYTHON) tests/mutants.py --jobs $(JOBS) $${MUTANTS:+"$$MUTANTS"}

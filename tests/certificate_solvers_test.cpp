@@ -8,6 +8,7 @@
 #include "registry.h"
 #include "scenes.h"
 #include "search/piece_proofs.h"
+#include "searches.h"
 #include "session.h"
 #include "small_scenes.h"
 
@@ -181,7 +182,7 @@ TEST_P(Certificates, WhateverTheStatus) {
 TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
     Tally tally;
     Random random(91);
-    for (int i = 0; i < (slow ? 200 : 5000); ++i) {
+    for (int i = 0; i < tries(slow ? 200 : 5000); ++i) {
         Query query;
         query.tolerance.value = slow ? 0.01 : i % 2 ? 1e-3 : 1e-8;
         ask({"soup " + std::to_string(i), small_scene(random, i), {Pose{}}}, query, tally, "h");

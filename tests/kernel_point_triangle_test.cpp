@@ -4,6 +4,7 @@
 #include "kernel/point_triangle.h"
 #include "kernel/rounding.h"
 #include "kernel/textbook.h"
+#include "searches.h"
 #include "triangle_samples.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ constexpr int samples = 1'000'000;
 
 TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
     Random random(1);
-    const int samples_per_kind = samples / static_cast<int>(kinds().size()) + 1;
+    const int samples_per_kind = tries(samples) / static_cast<int>(kinds().size()) + 1;
     for (const Kind& kind : kinds()) {
         long double worst = 0, worst_loss = 0, worst_under = 0;
         for (int i = 0; i < samples_per_kind; ++i) {

@@ -3,6 +3,7 @@
 #include "exact.h"
 #include "quick_options.h"
 #include "registry.h"
+#include "searches.h"
 #include "session.h"
 #include "small_scenes.h"
 
@@ -87,7 +88,7 @@ TEST(MeshSoups, IntervalsHoldBothReferencesAndOverlap) {
     constexpr double tolerance = 1e-5;
     std::map<std::string, int> converged;
     int count = 0;
-    for (int i = 0; i < 5000; ++i) {
+    for (int i = 0; i < tries(5000); ++i) {
         const bool large = i % 10 == 9;
         const Scene scene = large ? middling_scene(random, i) : small_scene(random, i);
         const TriangleMesh &a = mesh_of(scene.source), &b = mesh_of(scene.target);

@@ -132,7 +132,7 @@ class Tree:
         copy_tree(root, self.folder)
 
     def run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
-        environment = dict(os.environ, HAUSBENCH_PROGRAM=str(self.build_folder / "hausbench"), CCACHE_BASEDIR=str(self.folder))
+        environment = dict(os.environ, HAUSBENCH_PROGRAM=str(self.build_folder / "hausbench"), HAUSBENCH_SEARCHES="all", CCACHE_BASEDIR=str(self.folder))
         return subprocess.run(command, cwd=self.folder, env=environment, timeout=TEST_SECONDS if command[0] != "cmake" else None,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
 

@@ -3,6 +3,7 @@
 #include "error.h"
 #include "quadric_reference.h"
 #include "registry.h"
+#include "searches.h"
 #include "session.h"
 
 #include <map>
@@ -60,7 +61,7 @@ TEST(QuadricReference, HoldsWhatIsKnown) {
 }
 
 TEST(SurfaceSolvers, RandomQuadricPairs) {
-    constexpr int pairs = 200;
+    const int pairs = tries(200);
     constexpr double precision = 0.02, tolerance = 0.01;
     Random random(11);
     std::map<std::string, int> kinds;
@@ -126,7 +127,7 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
     EXPECT_GE(empty, 1);
     EXPECT_GE(swapped_apart, pairs / 20);
     EXPECT_GE(closed, pairs / 20);
-    EXPECT_GE(published_misses, 1);  // it is not certified, and this shows it
+    if (whole_searches()) EXPECT_GE(published_misses, 1);  // it is not certified, and this shows it
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import shutil
 import signal
 import subprocess
 from pathlib import Path
@@ -95,3 +97,63 @@ def experiment(tmp_path: Path) -> Path:
     file = tmp_path / "tiny.toml"
     file.write_text(EXPERIMENT)
     return file
+
+
+# --- solvers from outside the tree ------------------------------------------------------------------------------------
+
+SOURCES = ROOT / "tests" / "outside_plugin"
+RECIPE = ["cmake", "-S", "sources", "-B", "build", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
+
+
+def built(command: list[str | Path], folder: Path) -> str:
+    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="session")
+def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with the built plug-ins, made from nothing but what `cmake --install` puts down. Tests that run side by side share one."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:  # then the folder above belongs to all workers of this run
+        shared = shared.parent
+    folder = shared / "outside"
+    with open(shared / "outside.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "done").exists():
+            shutil.rmtree(folder, ignore_errors=True)  # of a worker that failed
+            shutil.copytree(SOURCES, folder / "sources")
+            built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
+            said = built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
+            assert said.count("CMAKE_BUILD_TYPE is not set: building Release") == 1
+            built(["cmake", "--build", "build", "--parallel", "2"], folder)
+            (folder / "done").touch()
+    return folder / "build"
+
+
+@pytest.fixture(scope="session")
+def plugin(outside: Path) -> Path:
+    return outside / "libmisbehaving.so"
+
+
+HEAD = """\
+title = "solvers that misbehave at the second of four poses"
+tolerances = [2.0]
+of = "absolute"
+repeats = 1
+limits = { case_seconds = CASE_SECONDS, memory_mb = 400 }
+
+[[scene]]
+name = "moved"
+source = "sphere1"
+target = "sphere1"
+motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 4, of = "absolute" }
+
+[[solver]]
+name = "guthe"
+"""
+
+
+def head(case_seconds: float = 60) -> str:
+    """So long that no limit is met but by a solver that hangs, however busy the machine is."""
+    return HEAD.replace("CASE_SECONDS", str(case_seconds))

@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 
 from conftest import Program
-from test_plugin import outside, plugin  # noqa: F401  (fixtures)
 
 File = tuple[dict[str, Any], bytes]
 
@@ -52,7 +51,7 @@ def cut(edge: int, t: float, corner: int) -> bytes:
 
 
 @pytest.fixture
-def proof(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> Path:  # noqa: F811
+def proof(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> Path:
     file = tmp_path / "proof"
     done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--plugin", plugin, "--certificate", file)
     assert done.returncode == 0, done.stderr
@@ -79,7 +78,7 @@ def test_a_proof_is_written_and_accepted(hausbench: Program, proof: Path, tetrah
     assert "is not the shape" in hausbench.fails("verify", "--certificate", proof, raised, moved)
 
 
-def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path) -> None:
     spike = tmp_path / "spike.off"
     spike.write_text(tetrahedron.read_text().replace("0 0 1\n3", "0 0 3\n3", 1))
     for of in ("diagonal", "lower"):
@@ -187,7 +186,7 @@ def test_a_changed_byte_is_damage(hausbench: Program, proof: Path, tmp_path: Pat
         assert "it does not end in its SHA-256" in hausbench.fails("verify", "--certificate", bad)
 
 
-def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Path, tmp_path: Path) -> None:
     assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path / "missing")
     assert "cannot be read" in hausbench.fails("verify", "--certificate", tmp_path)
     assert "A and B" in hausbench.fails("verify", "--certificate", proof, tetrahedron)
@@ -216,7 +215,7 @@ def test_mesh_solvers_write_proofs(hausbench: Program, tetrahedron: Path, raised
 
 @pytest.mark.parametrize("in_process", [False, True])
 @pytest.mark.parametrize("how", ["lower above", "false proof", ""])
-def test_measure_warns_if_its_own_proof_is_refused(hausbench: Program, outside: Path, tetrahedron: Path, raised: Path,  # noqa: F811
+def test_measure_warns_if_its_own_proof_is_refused(hausbench: Program, outside: Path, tetrahedron: Path, raised: Path,
                                                    tmp_path: Path, how: str, in_process: bool) -> None:
     file = tmp_path / "mine"
     deed = ("--set", "at=0", "--set", f"how={how}") if how else ()

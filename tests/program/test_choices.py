@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program
-from test_plugin import head, outside, plugin  # noqa: F401  (fixtures)
+from conftest import ROOT, Program, head
 from test_run import numbers, run, texts
 from test_show import result, seen  # noqa: F401  (fixtures)
 
@@ -20,7 +19,7 @@ def chosen(hausbench: Program, file: Path, *where: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(hausbench("show", file, "--csv", *arguments).stdout)))
 
 
-def test_numbers_are_compared(hausbench: Program, result: Path) -> None:  # noqa: F811
+def test_numbers_are_compared(hausbench: Program, result: Path) -> None:
     upper = sorted(float(row["upper"]) for row in chosen(hausbench, result, "status=ok"))
     middle = upper[len(upper) // 2]
     assert len(upper) == 4 and len(chosen(hausbench, result, f"upper>{middle!r}")) == sum(x > middle for x in upper)
@@ -33,7 +32,7 @@ def test_numbers_are_compared(hausbench: Program, result: Path) -> None:  # noqa
         assert said in hausbench.fails("show", result, "--where", wrong)
 
 
-def test_what_a_file_says_of_the_whole(hausbench: Program, result: Path) -> None:  # noqa: F811
+def test_what_a_file_says_of_the_whole(hausbench: Program, result: Path) -> None:
     text = hausbench("show", result, "--meta").stdout
     assert "title              a test\n" in text and 'name = "guthe"' in text and "machine" in text
     assert json.loads(hausbench("show", result, "--meta", "--json").stdout)["stem"] == "seen"
@@ -42,14 +41,14 @@ def test_what_a_file_says_of_the_whole(hausbench: Program, result: Path) -> None
     assert {entry["kind"] for entry in json.loads(hausbench("show", result, "--ledger", "--json").stdout)} >= {"not_run"}
 
 
-def test_rows_with_a_question_show_their_answer(hausbench: Program, seen: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_rows_with_a_question_show_their_answer(hausbench: Program, seen: Path, tmp_path: Path) -> None:
     seen.write_text(seen.read_text().replace('of = "diagonal"', 'of = "diagonal"\nfloor = 0.3\ncutoff = 0.3'))
     file = run(hausbench, seen, tmp_path)
     assert "h <= floor" in hausbench("show", file).stdout
     assert {row["answer"] for row in chosen(hausbench, file, "status=ok")} == {"h <= floor"}
 
 
-def test_scenes_and_profiles_are_compared_apart(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_scenes_and_profiles_are_compared_apart(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:
     assert hausbench("run", seen, "--results", tmp_path, "--profile", "paper").returncode == 0
     whole = hausbench("compare", result, result).stdout
     part = hausbench("compare", result, result, "--scene", "clouds of points").stdout
@@ -59,7 +58,7 @@ def test_scenes_and_profiles_are_compared_apart(hausbench: Program, seen: Path, 
     assert "no such scene" in hausbench.fails("compare", result, result, "--scene", "cones")
 
 
-def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:
     before = numbers(result, "repeats/wall_seconds")
     assert hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=0.01").returncode == 0
     changed = numbers(result, "repeats/wall_seconds") != before
@@ -68,7 +67,7 @@ def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path
     assert "did you mean 'status'" in hausbench.fails("run", seen, "--results", tmp_path, "--again", "staus=ok")
 
 
-def test_a_strict_run_fails_where_a_case_did(hausbench: Program, plugin: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_a_strict_run_fails_where_a_case_did(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
     file = tmp_path / "crash.toml"
     file.write_text(head() + '\n[[solver]]\nname = "crashes"\n')
     ask = ("run", file, "--results", tmp_path, "--plugin", plugin, "--no-reference", "--quiet")

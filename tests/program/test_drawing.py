@@ -6,12 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from conftest import Program
-from test_plugin import head, outside, plugin  # noqa: F401  (fixtures)
+from conftest import Program, head
 
 
 @pytest.fixture
-def own(plugin: Path, tmp_path: Path) -> Path:  # noqa: F811
+def own(plugin: Path, tmp_path: Path) -> Path:
     """An experiment that names its plug-in by a path from its own folder."""
     (tmp_path / "libmine.so").symlink_to(plugin)
     file = tmp_path / "own.toml"

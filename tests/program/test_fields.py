@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from conftest import Program
-from test_plugin import outside, plugin  # noqa: F401  (fixtures)
 from test_run import numbers, run, same_answers, texts
 
 Fields = dict[tuple[int, str], Any]
@@ -167,7 +166,7 @@ def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path
     assert {case for case, _ in fields} == set(np.flatnonzero(from_trace == 0))
 
 
-def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp_path: Path) -> None:
     """A plug-in's bounds for each triangle, in the unit of the input; the shapes are scaled, and B is posed."""
     text = MOVED.replace("tolerances = [1e-2, 1e-3]", "tolerances = [2.0]").replace('"diagonal"', '"absolute"').replace("guthe", "vertex_only")
     for quantity in ("symmetric", "directed"):
@@ -213,7 +212,7 @@ def read_ply(file: Path) -> tuple[Any, Any]:
     return arrays[0], arrays[1] if len(arrays) > 1 else None
 
 
-def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
     plain = hausbench("measure", tetrahedron, raised, "--json")
     out = tmp_path / "out.ply"
     done = hausbench("measure", tetrahedron, raised, "--json", "--resolution", "inf", "--fields", out)

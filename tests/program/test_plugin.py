@@ -14,37 +14,8 @@ from typing import Any
 import h5py
 import pytest
 
-from conftest import ROOT, Program
+from conftest import RECIPE, SOURCES, Program, built, head
 from test_run import wait_for
-
-SOURCES = ROOT / "tests" / "outside_plugin"
-
-
-def built(command: list[str | Path], folder: Path) -> str:
-    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-RECIPE = ["cmake", "-S", "sources", "-B", "build", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
-
-
-@pytest.fixture(scope="session")
-def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder with the built plug-ins, made from nothing but what `cmake --install` puts down."""
-    folder = tmp_path_factory.mktemp("outside")
-    shutil.copytree(SOURCES, folder / "sources")
-    built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
-    said = built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
-    assert said.count("CMAKE_BUILD_TYPE is not set: building Release") == 1
-    built(["cmake", "--build", "build", "--parallel", "2"], folder)
-    return folder / "build"
-
-
-@pytest.fixture(scope="session")
-def plugin(outside: Path) -> Path:
-    return outside / "libmisbehaving.so"
-
 
 def compiled(results: Path) -> dict[str, str]:
     """How each plug-in of a result was compiled, by file name."""
@@ -283,23 +254,6 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
     assert "libwith_octree.so" in line and "'octree'" in line and "build it again" in line
 
 
-HEAD = """\
-title = "solvers that misbehave at the second of four poses"
-tolerances = [2.0]
-of = "absolute"
-repeats = 1
-limits = { case_seconds = CASE_SECONDS, memory_mb = 400 }
-
-[[scene]]
-name = "moved"
-source = "sphere1"
-target = "sphere1"
-motion = { kind = "translation", from = [0, 0, 0], to = [3, 0, 0], steps = 4, of = "absolute" }
-
-[[solver]]
-name = "guthe"
-"""
-
 # solver, how -> status at the second pose, what the reason says
 DEEDS = {
     ("crashes", ""): ("signal", "signal 11"),
@@ -331,11 +285,6 @@ def label(solver: str, how: str) -> str:
 
 
 WRONG = [label(*deed) for deed, (status, _) in DEEDS.items() if status == "unsound"]
-
-
-def head(case_seconds: float = 60) -> str:
-    """So long that no limit is met but by a solver that hangs, however busy the machine is."""
-    return HEAD.replace("CASE_SECONDS", str(case_seconds))
 
 
 def sweep(hanging: bool) -> str:

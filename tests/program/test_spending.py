@@ -13,7 +13,6 @@ import h5py
 import pytest
 
 from conftest import Program
-from test_plugin import outside, plugin  # noqa: F401  (fixtures)
 
 MEGABYTE = 1 << 20
 # What else may differ between two processes that do the same: pages of the program touched for the first time, what the
@@ -51,12 +50,12 @@ def rows(hausbench: Program, plugin: Path, solver: str, parameters: str, rounds:
     return found
 
 
-def test_memory_of_preparing_counts_in_every_case(hausbench: Program, plugin: Path) -> None:  # noqa: F811
+def test_memory_of_preparing_counts_in_every_case(hausbench: Program, plugin: Path) -> None:
     for peak in rows(hausbench, plugin, "spending", "prepare_megabytes = 200")["cases/peak_bytes"]:
         assert 199 * MEGABYTE <= peak <= 200 * MEGABYTE + SLACK  # the kernel counts pages in batches
 
 
-def test_memory_of_solving_counts_in_its_case_alone(hausbench: Program, plugin: Path) -> None:  # noqa: F811
+def test_memory_of_solving_counts_in_its_case_alone(hausbench: Program, plugin: Path) -> None:
     peaks = rows(hausbench, plugin, "spending", "prepare_megabytes = 50, solve_megabytes = 200, at = 1.0")["cases/peak_bytes"]
     for peak, megabytes in zip(peaks, (50, 200, 50)):
         assert (megabytes - 1) * MEGABYTE <= peak <= megabytes * MEGABYTE + SLACK
@@ -65,7 +64,7 @@ def test_memory_of_solving_counts_in_its_case_alone(hausbench: Program, plugin: 
 @pytest.mark.parametrize("solver, settings", [("spending", {"prepare_megabytes": 150, "solve_megabytes": 50}),
                                               ("spending", {"prepare_megabytes": 50, "solve_megabytes": 150}),
                                               ("guthe", {})])
-def test_run_and_measure_mean_the_same_memory(hausbench: Program, plugin: Path, tmp_path: Path, solver: str,  # noqa: F811
+def test_run_and_measure_mean_the_same_memory(hausbench: Program, plugin: Path, tmp_path: Path, solver: str,
                                               settings: dict[str, int]) -> None:
     experiment = tmp_path / "same.toml"
     given = ", ".join(f"{name} = {value}" for name, value in settings.items())
@@ -95,7 +94,7 @@ parameters = {{ {given} }}
     assert ran > 2 * MEGABYTE and abs(ran - measured) <= (SLACK if settings else min(SLACK, ran / 2)), (ran, measured)
 
 
-def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin: Path) -> None:  # noqa: F811
+def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin: Path) -> None:
     for threads in (1, 2):  # even one: while the solving thread waits for it, that thread's clock stands still
         found = rows(hausbench, plugin, "spending", f"threads = {threads}, seconds = 0.06")
         assert list(found["cases/clock"]) == ["wall"] * 3
@@ -107,7 +106,7 @@ def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin:
     assert json.loads(found["cases/facts"][0]) == {"threads": "0 of its own"}
 
 
-def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> None:  # noqa: F811
+def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> None:
     burn = ("import time; [None for _ in iter(lambda: time.process_time() < 0.3, False)]; "
             "print(0, 2)")
     command = f'''command = '{sys.executable} -S -c "{burn}" {{A}} {{B}}', lower = '^(0)', upper = ' (2)$' '''
@@ -116,7 +115,7 @@ def test_a_child_is_timed_by_its_cpu_time(hausbench: Program, plugin: Path) -> N
     assert (found["repeats/cpu_seconds"] >= 0.3).all()
 
 
-def test_every_round_keeps_its_preparation(hausbench: Program, plugin: Path) -> None:  # noqa: F811
+def test_every_round_keeps_its_preparation(hausbench: Program, plugin: Path) -> None:
     found = rows(hausbench, plugin, "spending", "prepare_megabytes = 20", rounds=3)
     seconds = found["preparation/seconds"]
     for case in range(3):

@@ -1,0 +1,17 @@
+// How much a random search tries. `make test` tries a fifth, so that it ends in minutes; HAUSBENCH_SEARCHES=all tries everything, as CI and the
+// mutants do (`make searches` runs these programs alone). The first fifth is the same in both.
+#pragma once
+
+#include <cstdlib>
+#include <string_view>
+
+namespace hausbench {
+
+inline bool whole_searches() {
+    const char* asked = std::getenv("HAUSBENCH_SEARCHES");
+    return asked && std::string_view(asked) == "all";
+}
+
+inline int tries(int all) { return whole_searches() ? all : all / 5; }
+
+}  // namespace hausbench
