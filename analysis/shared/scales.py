@@ -55,10 +55,11 @@ class LogAxis:
 
 
 def log_ticks(axis: Any) -> None:
-    """Powers of ten, without minor ticks; if fewer than two are in view, also 2 and 5 times them, as plain numbers."""
+    """Powers of ten, without minor ticks; if fewer than two are in view, also 3 times them, or 2 and 5 times, as plain numbers."""
     low, high = np.log10(sorted(axis.get_view_interval()))
     few = np.floor(high) - np.ceil(low) < 1
     axis.set_minor_locator(matplotlib.ticker.NullLocator())
-    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5) if few else (1,), numticks=6))
+    between = (1, 2, 5) if high - low < 0.6 else (1, 3)  # more would overlap in a narrow frame
+    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=between if few else (1,), numticks=6))
     if few:
         axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}"))

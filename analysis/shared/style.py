@@ -107,11 +107,16 @@ def status_letter(status: str) -> str:
 _OWN_COLOURS: Final = ("#332288", "#AA4499", "#117733", "#CC6677", "#44AA99", "#DDCC77", "#6699CC", "#661100")
 _OWN_MARKERS: Final = "o^sDvP*X"
 _own: dict[str, Look] = {}  # by the solver's name, or the label of an external program
+_LINES: Final[tuple[Line, ...]] = ("-", DASHED, DOTTED, (0, (4, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
+_variants: dict[str, int] = {}  # the number of each label of a solver that has several
 _in_front = ""
+_behind: dict[str, int] = {}  # the number of each label that is drawn in grey
 
 
 def introduce(results: Results) -> None:
-    """Gives solvers of plug-ins and external programs their titles and colours of their own, in the order of the file."""
+    """Gives solvers of plug-ins and external programs their titles and colours of their own, and the variants of a solver shades and lines of
+    their own, in the order of the file.
+    """
     titles: dict[str, str] = {}
     for plugin in json.loads(str(results.meta.get("plugins") or "[]")):
         titles |= {str(name): str(title) for name, title in plugin.get("titles", {}).items()}
@@ -120,12 +125,19 @@ def introduce(results: Results) -> None:
         if (solver == "external" or solver not in LOOKS) and name not in _own:
             k = len(_own)
             _own[name] = Look(titles.get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], _OWN_MARKERS[k % len(_OWN_MARKERS)], (DASHED, "-")[k % 2])
+    named: dict[str, list[str]] = {}
+    for solver, label in dict.fromkeys(zip(results.cases.solver, results.names)):
+        if label != solver and label not in _own:
+            named.setdefault(solver, []).append(label)
+    for labels in named.values():
+        _variants.update({label: k for k, label in enumerate(labels)})
 
 
 def highlight(label: str) -> None:
-    """Draws all other solvers in grey from now on; '' ends that."""
+    """Draws all other solvers in shades of grey from now on, each with a line of its own; '' ends that."""
     global _in_front
     _in_front = label
+    _behind.clear()
 
 
 def look(solver: str, label: str = "") -> Look:
@@ -133,7 +145,10 @@ def look(solver: str, label: str = "") -> Look:
     not listed above and was not introduced is grey, with a marker that depends on its name alone.
     """
     found = _look(solver, label)
-    return replace(found, colour="#BBBBBB") if _in_front and _in_front not in (label, label.partition("(")[0], solver if not label else "") else found
+    if not _in_front or _in_front in (label, label.partition("(")[0], solver if not label else ""):
+        return found
+    k = _behind.setdefault(label or solver, len(_behind))
+    return replace(found, colour=("#A0A0A0", "#C4C4C4", "#808080")[k % 3], line=_LINES[k % len(_LINES)])
 
 
 def _look(solver: str, label: str) -> Look:
@@ -142,8 +157,17 @@ def _look(solver: str, label: str) -> Look:
     known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solver, "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
     if label in ("", solver):
         return known
+    if label in _variants:
+        k = _variants[label]
+        return Look(label, _shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), "phd<>8*P"[k % 8], _LINES[k % len(_LINES)])
     variant = zlib.crc32(label.encode())
     return Look(label, known.colour, "phd<>8"[variant % 6], (DOTTED, (0, (6, 2)), (0, (3, 1, 1, 1)))[variant % 3])
+
+
+def _shade(colour: str, by: float) -> str:
+    """The colour, lighter (by > 0) or darker."""
+    mixed = [(1 - abs(by)) * part + (by if by > 0 else 0) for part in matplotlib.colors.to_rgb(colour)]
+    return str(matplotlib.colors.to_hex(mixed))
 
 
 def title(solver: str, label: str = "") -> str:

@@ -166,9 +166,9 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
     figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=5,
                   bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
     key = style.letters_key(statuses)
-    notes = ["Thin lines: one traced run, wall time"
-             + (", or one solver at several steps" if ONE_LINE & {solver for solver, _ in shown} else "") + ". Bars: interval of the median. Open markers: bounds that hold, but the "
-             "tolerance was not reached."]
+    thin = ["one traced run, wall time"] * bool((results.cases.trace_end > results.cases.trace_begin).any())
+    thin += ["one solver at several steps"] * bool(ONE_LINE & {solver for solver, _ in shown})
+    notes = [(f"Thin lines: {', or '.join(thin)}. " if thin else "") + "Bars: interval of the median. Open markers: bounds that hold, but the tolerance was not reached."]
     if key:
         notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")
     figure.text(0.5, 0.03 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -74,6 +75,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
             shown[pair] = None
         above.set_title(style.scene_title(scene))
         below.set(xlabel="pose", yscale="log")
+        below.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(6, integer=True))
     axes[0][0].set_ylabel("distance: bounds, and their middle")
     axes[1][0].set_ylabel(f"{clock_title(results)} to solve (ms)")
     style.legend_above(figure, style.handles(shown))

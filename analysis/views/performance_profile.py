@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import scales, style, tables
+from analysis.shared.cells import Cell
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import reason_apart
 from analysis.shared.notes import clock_word, machine_line
@@ -20,7 +21,8 @@ SHOWN = (1.0, 2.0, 10.0)  # factors of the printed table
 
 
 def factors(results: Results) -> dict[tuple[str, str], Floats]:
-    """By (solver, name): for each question, the time over the least time of all solvers; infinity where it was not asked or did not get there.
+    """By (solver, name): for each question, the time over the least time of all solvers; infinity where it did not get there, NaN where it was not
+    asked or does not take the shapes.
 
     Questions whose times do not compare are left out.
     """
@@ -29,10 +31,22 @@ def factors(results: Results) -> dict[tuple[str, str], Floats]:
     for by_name in measured(results).values():
         if reason_apart(frozenset[Any]().union(*[cell.origins for cell in by_name.values() if cell.time.n])):
             continue
-        costs = np.array([by_name[name].time.value if name in by_name and by_name[name].time.n else math.inf for _, name in pairs])
+        costs = np.array([cost(results, by_name.get(name)) for _, name in pairs])
         if np.isfinite(costs).any():
-            columns.append(costs / costs.min())
+            columns.append(costs / np.nanmin(costs))
     return dict(zip(pairs, np.array(columns).T)) if columns else {}
+
+
+def cost(results: Results, cell: Cell | None) -> float:
+    if cell is None or all(results.cases.status[row] in ("skipped", "not_built") for row in cell.cases):
+        return math.nan
+    return cell.time.value if cell.time.n else math.inf
+
+
+def shares(values: Floats, factor: float) -> float:
+    """Of the cases that the solver was asked; NaN if there are none."""
+    asked = values[~np.isnan(values)]
+    return float((asked <= factor).mean()) if len(asked) else math.nan
 
 
 def make(results: Results) -> Report | None:
@@ -41,29 +55,32 @@ def make(results: Results) -> Report | None:
     if len(found) < 2 or len(next(iter(found.values()))) < 2:
         return None
     cases = len(next(iter(found.values())))
-    table = tables.Table(f"{results.meta.get('title') or results.stem}: the share of {cases} cases that each solver answers within a factor of the fastest.",
-                         ["solver", *[f"within {factor:g}" for factor in SHOWN], "answered"], left=1)
+    table = tables.Table(f"{results.meta.get('title') or results.stem}: the share of the {cases} cases, as far as it takes their shapes, that each solver answers within a factor of the fastest.",
+                         ["solver", "cases", *[f"within {factor:g}" for factor in SHOWN], "answered"], left=1)
     records: list[tables.Record] = []
     for pair, values in found.items():
-        shares = [float((values <= factor).mean()) for factor in (*SHOWN, 1e300)]
-        table.rows.append([style.title(*pair), *[f"{100 * share:.0f} %" for share in shares]])
-        records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": float((values <= value).mean())}
+        table.rows.append([style.title(*pair), f"{np.count_nonzero(~np.isnan(values))}",
+                           *[tables.NOTHING if math.isnan(share) else f"{100 * share:.0f} %" for share in (shares(values, factor) for factor in (*SHOWN, 1e300))]])
+        records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": shares(values, float(value))}
                     for value in np.unique(values[np.isfinite(values)])]
     table.notes = [f"A case is a scene, a pose and a tolerance; medians of {clock_word(results)} to prepare and solve. A profile of few cases says little, and it "
                    "depends on which solvers take part.", f"Measured on {machine_line(results)}."]
-    return Report(lambda: draw(found, cases), table, records)
+    return Report(lambda: draw(found), table, records)
 
 
-def draw(found: dict[tuple[str, str], Floats], cases: int) -> Any:
+def draw(found: dict[tuple[str, str], Floats]) -> Any:
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.2))
     most = max(float(values[np.isfinite(values)].max(initial=1.0)) for values in found.values())
     for pair, values in found.items():
         looks, known = style.look(*pair), np.sort(values[np.isfinite(values)])
         x = np.concatenate([[1.0], known, [1.2 * max(most, 2.0)]])
-        y = np.concatenate([[float((values <= 1).mean())], np.arange(1, len(known) + 1) / cases, [len(known) / cases]])
+        asked = np.count_nonzero(~np.isnan(values))
+        if not asked:
+            continue
+        y = np.concatenate([[shares(values, 1)], np.arange(1, len(known) + 1) / asked, [len(known) / asked]])
         ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.title)
     ax.set_xscale("log")
-    ax.set(xlim=(1.0, 1.2 * max(most, 2.0)), ylim=(-0.02, 1.02), xlabel="time / least time of all solvers", ylabel=f"share of {cases} cases")
+    ax.set(xlim=(1.0, 1.2 * max(most, 2.0)), ylim=(-0.02, 1.02), xlabel="time / least time of all solvers", ylabel="share of its cases")
     scales.log_ticks(ax.xaxis)
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure

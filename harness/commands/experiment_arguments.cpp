@@ -34,7 +34,10 @@ std::filesystem::path experiment_file(const std::filesystem::path& named) {
 }  // namespace
 
 Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
-    const Experiment experiment = read_experiment(experiment_file(arguments.file), arguments.profile);
+    const std::filesystem::path file = experiment_file(arguments.file);
+    const Experiment experiment = arguments.with.empty()
+                                      ? read_experiment(file, arguments.profile)
+                                      : read_experiment_with(file, arguments.with, arguments.profile);
     static Catalogue models = catalogue();  // the plan points into it
     add_own_models(models, experiment);
     Progress progress(quiet);

@@ -11,7 +11,7 @@ namespace hausbench {
 
 struct ExperimentArguments {
     std::filesystem::path file, results;
-    std::string profile = "quick";
+    std::string profile = "quick", with;
     Choice choice;
 };
 
@@ -25,6 +25,11 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
     verb->add_option("--solver", arguments.choice.solvers,
                      "only this solver (its label in the experiment); may be repeated")
         ->allow_extra_args(false);
+    verb->add_option(
+            "--with", arguments.with,
+            "the scenes of the experiment for this solver alone, with its defaults, whether or not the experiment "
+            "names it: an experiment of its own, NAME_SOLVER")
+        ->excludes("--solver");
     verb->add_option("--scene", arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
 }
 

@@ -12,6 +12,7 @@
 #include "shape_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -96,8 +97,8 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
         if (const std::string reason = does_not_fit(plan, *one, this_machine().memory_bytes); !reason.empty())
             text += fmt::format("  {}: {}\n", printable(one->label), reason);
     }
-    text += fmt::format("  {:<44} {:>4} cases, about {}{}, {} MB\n", label, cases, clock_text(all.seconds),
-                        all.known == cases ? "" : " (a guess)", all.bytes >> 20);
+    text += fmt::format("  {:<44} {:>4} {}, about {}{}, {} MB\n", label, cases, cases == 1 ? "case" : "cases",
+                        clock_text(all.seconds), all.known == cases ? "" : " (a guess)", all.bytes >> 20);
     describe_needs(plan, job, text);
     std::set<int> poses;
     for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
@@ -141,6 +142,16 @@ std::string explain(const Plan& plan, const fs::path& results) {
         total += all.seconds;
         known += all.known;
         most = std::max(most, all.bytes);
+    }
+    if (e.trace) {
+        std::set<std::string> silent;
+        for (const Job& job : plan.jobs) {
+            const Case& first = plan.cases[job.cases.front()];
+            if (!find_solver(first.solver).info.traces) silent.insert(first.label);
+        }
+        if (!silent.empty())
+            text += fmt::format("TRACE\n  nothing is traced of {}, which report no bounds on the way\n",
+                                printable(fmt::format("{}", fmt::join(silent, ", "))));
     }
     if (plan.references) {
         double seconds = 0;

@@ -5,6 +5,7 @@
 #include "record/profiles.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -102,9 +103,18 @@ Condition condition_of(const std::string& where, const std::string& option) {
         throw InputError(fmt::format("{} {}: no column of single values is called '{}'{}", option, where, name,
                                      nearest_hint(name, names)));
     }
+    if (name == "status") {
+        std::vector<std::string> statuses;
+        for (int i = 0; i < count_of<RowStatus>; ++i) statuses.emplace_back(to_string(RowStatus(i)));
+        if (std::find(statuses.begin(), statuses.end(), condition.wanted) == statuses.end())
+            throw InputError(fmt::format("{} {}: '{}' is no status{}: {}", option, where, condition.wanted,
+                                         nearest_hint(condition.wanted, statuses), fmt::join(statuses, ", ")));
+    }
     if (option != "--where" && (is_checked_afterwards(name) || (name == "status" && condition.wanted == "unsound")))
-        throw InputError(fmt::format("{} {}: '{}' is only known once the rows are checked: choose by another column",
-                                     option, where, condition.wanted.empty() ? name : name + "=" + condition.wanted));
+        throw InputError(
+            fmt::format("{} {}: '{}' is only known once the rows are checked: choose by another column, such as "
+                        "label=NAME or scene=NAME",
+                        option, where, condition.wanted.empty() ? name : name + "=" + condition.wanted));
     if (condition.text && (condition.sign[0] == '<' || condition.sign[0] == '>'))
         throw InputError(fmt::format("{} {}: '{}' holds texts: compare it with = or !=", option, where, name));
     if (condition.value) {

@@ -42,6 +42,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
         {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
         {arguments.collect, "--collect"},
         {!arguments.again.empty(), "--again"},
+        {!arguments.with.empty(), "--with (copy the experiment and name the solver in it)"},
         {arguments.jobs > 1, "--jobs (each task runs one case at a time)"},
         {arguments.shard != "1/1", "--shard"},
         {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
@@ -103,6 +104,7 @@ int run(RunArguments& arguments) {
     const RunSummary summary = run_plan(plan, options);
     print(show_summary(summary.result, paper_of_output()));
     print(describe_references(summary.result));
+    say(describe_tried(summary.result));
     const auto expected = summary.unsound_expected;
     print(fmt::format("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),
                       expected ? fmt::format(" ({} of the unsound as expected)", expected) : "",

@@ -1,6 +1,7 @@
 #include "commands/summary.h"
 
 #include "commands/row_texts.h"
+#include "plugin.h"
 #include "record/row_times.h"
 
 #include <fmt/format.h>
@@ -53,6 +54,38 @@ std::string describe_references(const ResultFile& result) {
             fmt::format("  {} rows can be refuted only to within the width of their reference, at most {:.3g} ({})\n",
                         narrower, widest->reference.gap(), name_of(widest->asked));
     return text;
+}
+
+std::vector<std::string> describe_tried(const ResultFile& result) {
+    struct Tried {
+        std::size_t answers = 0;
+        double share =
+            0;  // the largest part of the way from lower to upper bound at which the distance is known to lie
+    };
+    std::map<std::string, Tried> tried;
+    for (const Row& row : result.rows) {
+        const Bounds& bounds = row.outcome.bounds;
+        const double distance = std::isnan(row.asked.exact) ? row.reference.lower : row.asked.exact;
+        if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || !(bounds.gap() > 0) ||
+            !std::isfinite(bounds.upper) || std::isnan(distance))
+            continue;
+        Tried& one = tried[row.asked.solver];
+        ++one.answers;
+        one.share = std::max(one.share, (distance - bounds.lower) / bounds.gap());
+    }
+    std::vector<std::string> lines;
+    for (const auto& [solver, one] : tried) {
+        if (one.share >= 0.5) continue;
+        const std::string most =
+            one.share > 0 ? fmt::format("at most {:.2g} of the way from its lower to its upper bound", one.share)
+                          : std::string("nowhere above its own lower bound");
+        lines.push_back(
+            fmt::format("the upper bounds of {} were tried little: in {} answers the distance lies {}, so upper bounds "
+                        "that are wrong on other scenes would hold here. Scenes made to show it: `hausbench run "
+                        "stability_matrix --with {} --plugin {}`",
+                        solver, one.answers, most, solver, plugin_of(solver)->file.string()));
+    }
+    return lines;
 }
 
 namespace {

@@ -252,18 +252,7 @@ std::vector<std::string> read_solvers(const fs::path& file, const ExperimentTabl
     return labels;
 }
 
-}  // namespace
-
-std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
-    const toml::table table = parsed(file, toml, profile);
-    return own_models(file, table, ExperimentTable(file, table, "", root_keys), profile);
-}
-
-Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {
-    Experiment experiment;
-    experiment.file = file;
-    experiment.stem = file.stem().string();
-    experiment.profile = profile;
+std::string text_of(const fs::path& file) {
     if (fs::is_directory(file))
         throw InputError(fmt::format("{}: is a folder: name an experiment file (.toml)", file.string()));
     std::ifstream in(file);
@@ -272,7 +261,16 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
             fmt::format("{}: cannot open it: name an experiment file, such as one below experiments/", file.string()));
     std::ostringstream text;
     text << in.rdbuf();
-    experiment.toml = text.str();
+    return text.str();
+}
+
+Experiment read_text(const fs::path& file, const std::string& stem, std::string text, const std::string& profile,
+                     PlugIns plug_ins) {
+    Experiment experiment;
+    experiment.file = file;
+    experiment.stem = stem;
+    experiment.profile = profile;
+    experiment.toml = std::move(text);
 
     const toml::table table = parsed(file, experiment.toml, profile);
     const ExperimentTable root(file, table, "", root_keys);
@@ -286,6 +284,45 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
     experiment.expected_unsound = read_expected_unsound(root, labels);
     check_claims(file, root, labels);
     return experiment;
+}
+
+}  // namespace
+
+std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
+    const toml::table table = parsed(file, toml, profile);
+    return own_models(file, table, ExperimentTable(file, table, "", root_keys), profile);
+}
+
+Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {
+    return read_text(file, file.stem().string(), text_of(file), profile, plug_ins);
+}
+
+Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
+    static_cast<void>(find_solver(solver));  // throws InputError that names the nearest
+    toml::table table;
+    try {
+        table = toml::parse(text_of(file), file.string());
+    } catch (const toml::parse_error&) {
+        return read_experiment(file, profile);  // throws InputError that names the place
+    }
+    const auto forget = [](toml::table& one) {
+        for (const char* key : {"solver", "claim", "expected_unsound"}) one.erase(key);
+    };
+    forget(table);
+    if (toml::table* profiles = table["profile"].as_table()) {
+        for (auto&& [name, node] : *profiles)
+            if (toml::table* one = node.as_table()) forget(*one);
+    }
+    table.insert_or_assign("solver", toml::array{toml::table{{"name", solver}}});
+    if (const auto title = table["title"].value<std::string>())
+        table.insert_or_assign("title", fmt::format("{}: {}", *title, solver));
+    std::ostringstream text;
+    text << table << '\n';
+    return read_text(file, fmt::format("{}_{}", file.stem().string(), solver), text.str(), profile, PlugIns::loaded);
+}
+
+Experiment in_profile(const Experiment& experiment, const std::string& profile) {
+    return read_text(experiment.file, experiment.stem, experiment.toml, profile, PlugIns::loaded);
 }
 
 std::vector<fs::path> experiment_files(const fs::path& folder) {

@@ -73,6 +73,14 @@ enum class PlugIns { loaded, refused };
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile,
                            PlugIns plug_ins = PlugIns::loaded);
 
+// The scenes of an experiment for one other solver, with its defaults, as an experiment of its own: STEM_SOLVER, whose text is made from that
+// of the file. What names solvers of the file (`solver`, `claim`, `expected_unsound`) is left out.
+Experiment read_experiment_with(const std::filesystem::path& file, const std::string& solver,
+                                const std::string& profile);
+
+// The same text, in another profile.
+Experiment in_profile(const Experiment& experiment, const std::string& profile);
+
 // Whether an unsound row is a result of the experiment and no alarm: the solver declares a published error (`known_wrong`),
 // or the experiment names its label in `expected_unsound`. Never where the solver promises bounds that hold.
 bool unsound_expected(const Case& asked, const Experiment& experiment);

@@ -103,7 +103,7 @@ private:
                 Asked& asked = asked_[profile];
                 try {
                     const Experiment experiment =
-                        profile == now_ ? plan_.experiment : read_experiment(plan_.experiment.file, profile);
+                        profile == now_ ? plan_.experiment : in_profile(plan_.experiment, profile);
                     AskedCases found = cases_as_recorded(experiment, recorded_, shapes_of_(experiment));
                     for (Case& c : found.cases) {
                         CaseKey k = key_of(c);

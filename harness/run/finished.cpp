@@ -50,11 +50,15 @@ Finished::Finished(const Plan& plan, const std::filesystem::path& folder, const 
 
 void Finished::forget(std::size_t row) { journal_.forget({plan_.cases[row].identity}); }
 
-void Finished::forget_those(const std::function<bool(const Row&)>& chosen) {
+std::size_t Finished::forget_those(const std::function<bool(const Row&)>& chosen) {
+    std::size_t count = 0;
     for (std::size_t number = 0; number < plan_.cases.size(); ++number) {
         const bool finished = !plan_.decided.contains(number) && !plan_.traced.contains(number) && kept(number, 0);
-        if (finished && chosen(row(number))) forget(number);
+        if (!finished || !chosen(row(number))) continue;
+        forget(number);
+        ++count;
     }
+    return count;
 }
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {

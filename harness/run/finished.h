@@ -35,7 +35,7 @@ public:
     // The answer of a row in a round; null where it has to be run (again).
     const Outcome* kept(std::size_t row, int round) const;
     void forget(std::size_t row);
-    void forget_those(const std::function<bool(const Row&)>& chosen);
+    std::size_t forget_those(const std::function<bool(const Row&)>& chosen);  // returns how many
     void append(std::size_t row, int round, const Outcome& outcome);
 
     // Whether a round has to run the row: it is not there, or lacks its fields, and there is something to time.

@@ -6,6 +6,7 @@
 #include "plan/references.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
+#include "registry.h"
 #include "result/provenance.h"
 #include "result/result_file.h"
 #include "run/describe.h"
@@ -70,7 +71,9 @@ private:
     void sweep() {
         for (const std::string& name : options_.collect) finished_.take_over(options_.results, name);
         if (!options_.collect.empty()) return;
-        if (options_.again) finished_.forget_those(options_.again);
+        if (options_.again)
+            progress_.line(fmt::format("{} finished cases are run again, as --again chooses them",
+                                       finished_.forget_those(options_.again)));
         const int rounds = plan_.experiment.rounds;
         std::size_t wanted = 0;
         for (const Job& job : plan_.jobs) wanted += job.cases.size() * std::size_t(rounds);
@@ -274,7 +277,8 @@ private:
             const Case& asked = plan_.cases[row];
             if (!asked.warm || asked.chain.empty()) ++chain;
             const auto marks = plan_.marks(row);
-            const bool traced = round == 0 && plan_.experiment.trace && (asked.warm || !marks.empty());
+            const bool traced = round == 0 && plan_.experiment.trace &&
+                                (asked.warm || !marks.empty() || find_solver(asked.solver).info.traces);
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
                                    traced, marks, round == 0 ? finished_.fields_file(row) : std::filesystem::path(),

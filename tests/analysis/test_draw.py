@@ -31,6 +31,7 @@ def looks_as_before() -> Iterator[None]:
     yield
     style.highlight("")
     style._own.clear()
+    style._variants.clear()
 
 
 def sweep(speed: float = 2.0, poses: int = 1, scenes: tuple[str, ...] = ("x", "y"), **columns: Any) -> ResultFile:
@@ -108,8 +109,40 @@ def test_a_profile_counts_cases_within_a_factor(tmp_path: Path) -> None:
     assert run(file, tmp_path, "--as", "performance-profile") == 0
     text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
     cells = {line.split(" | ")[0].strip("| "): line.strip("| ").split(" | ")[1:] for line in text.splitlines() if line.startswith("| ")}
-    assert cells["My solver"] == ["86 %", "86 %", "86 %", "86 %"]  # 6 of 7: the fastest, or nothing
-    assert cells["Guthe 2005"] == ["14 %", "100 %", "100 %", "100 %"]
+    assert cells["My solver"] == ["7", "86 %", "86 %", "86 %", "86 %"]  # 6 of 7: the fastest, or nothing
+    assert cells["Guthe 2005"] == ["7", "14 %", "100 %", "100 %", "100 %"]
+
+
+def test_a_profile_counts_no_case_whose_shapes_a_solver_does_not_take(tmp_path: Path) -> None:
+    file = sweep(speed=2.0)
+    file.case("guthe", "points", [], status="skipped")
+    file.case("mine", "points", spread(0.1, 6))
+    assert run(file, tmp_path, "--as", "performance-profile") == 0
+    text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
+    assert "| Guthe 2005 | 6 | 0 % | 100 % |" in text and "| My solver | 7 | 100 % |" in text
+
+
+def test_a_failed_row_shows_no_bounds(tmp_path: Path) -> None:
+    file = sweep(scenes=("x",))
+    file.case("mine", "z", [], status="failed", reason="it ended with 1", lower=3.0, upper=4.0)
+    assert run(file, tmp_path, "--as", "table") == 0
+    with (tmp_path / "tables" / "own_table.csv").open(encoding="utf-8") as opened:
+        last = list(csv.DictReader(opened))[-1]
+    assert last["status"].startswith("failed") and last["lower"] in ("", "nan") and last["upper"] in ("", "nan")
+
+
+def test_variants_and_solvers_in_grey_can_be_told_apart(tmp_path: Path) -> None:
+    file = sweep(scenes=("x",))
+    variants = [f"mine(step={step})" for step in range(6)]
+    for label in variants:
+        file.case("mine", "x", spread(0.1, 6), options={"step": label}, label="mine", variant=label.partition("(")[2].rstrip(")"))
+    assert run(file, tmp_path, "--as", "table") == 0
+    looks = [style.look("mine", label) for label in variants]
+    assert len({(look.line, look.marker) for look in looks}) == len({(look.line, look.colour) for look in looks}) == len(variants)
+    style.highlight("guthe")
+    greys = [style.look("mine", label) for label in variants]
+    assert len({(look.line, look.colour) for look in greys}) == len(variants)
+    assert all(look.colour in ("#A0A0A0", "#C4C4C4", "#808080") for look in greys) and style.look("guthe").colour == style.LOOKS["guthe"].colour
 
 
 def test_what_a_result_does_not_hold_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,7 +162,8 @@ def test_solvers_from_outside_have_titles_and_colours_of_their_own(tmp_path: Pat
     mine, metro, other = style.look("mine", "mine"), style.look("external", "metro"), style.look("external", "cloudcompare")
     assert (mine.title, metro.title, other.title) == ("My solver", "metro", "cloudcompare")
     assert mine.colour not in {look.colour for look in style.LOOKS.values()}
-    assert metro.colour == style.look("guthe", "guthe").colour == "#BBBBBB" != mine.colour
+    greys = {"#A0A0A0", "#C4C4C4", "#808080"}
+    assert {metro.colour, other.colour, style.look("guthe", "guthe").colour} <= greys and mine.colour not in greys
     style.highlight("")
     assert len({look.colour for look in (style.look("mine"), style.look("external", "metro"), style.look("external", "cloudcompare"))}) == 3
     assert style.look("guthe", "guthe").colour == style.LOOKS["guthe"].colour

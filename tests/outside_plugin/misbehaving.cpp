@@ -15,6 +15,7 @@ using namespace hausbench;
 
 SolverEntry vertex_only_solver();  // vertex_only.cpp
 SolverEntry spending_solver();     // spending.cpp
+SolverEntry steps_solver();        // steps.cpp
 
 namespace {
 
@@ -200,8 +201,9 @@ SolverEntry stops_early() {
 
 }  // namespace
 
-HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), misbehaving<crash>("crashes"), misbehaving<hang>("hangs"),
-                 misbehaving<leave>("leaves"), never_ready(), misbehaving<dawdle>("dawdles", {"up to there"}),
+HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbehaving<crash>("crashes"),
+                 misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(),
+                 misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
                                            "wide", "wide, no cutoff", "false proof"}),

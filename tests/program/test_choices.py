@@ -65,6 +65,14 @@ def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path
     again = numbers(result, "cases/tolerance")[numbers(result, "repeats/case").astype(int)] == 0.01
     assert (changed == again).all() and again.any() and not again.all()
     assert "did you mean 'status'" in hausbench.fails("run", seen, "--results", tmp_path, "--again", "staus=ok")
+    assert "no status (did you mean 'unsound'?)" in hausbench.fails("show", result, "--where", "status=unsoud")
+    assert "such as label=NAME" in hausbench.fails("run", seen, "--results", tmp_path, "--again", "status=unsound")
+
+
+def test_how_many_cases_are_run_again_is_said(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:
+    """Not counted are those that are read off a finer answer."""
+    assert "2 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=0.01").stderr
+    assert "0 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=7").stderr
 
 
 def test_a_strict_run_fails_where_a_case_did(hausbench: Program, plugin: Path, tmp_path: Path) -> None:

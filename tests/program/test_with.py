@@ -1,0 +1,75 @@
+"""`--with`: the scenes of an experiment for another solver; and what `run` says of a plug-in whose upper bounds were tried little."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import pytest
+
+from conftest import EXPERIMENT, Program
+from test_run import texts
+
+# Claims, labels and expectations of the file name its own solvers, in a profile too.
+OTHERS = """
+[[scene]]
+name = "raised"
+source = "raised.off"
+target = "tetrahedron.off"
+
+[[solver]]
+name = "guthe"
+label = "other"
+[[claim]]
+solver = "guthe"
+faster_than = "other"
+
+[profile.paper]
+expected_unsound = ["other"]
+repeats = 2
+"""
+
+
+@pytest.fixture
+def asked(experiment: Path, tetrahedron: Path, raised: Path) -> Path:
+    experiment.write_text('expected_unsound = ["other"]\n' + EXPERIMENT + OTHERS)
+    return experiment
+
+
+def test_another_solver_on_the_scenes_of_an_experiment(hausbench: Program, asked: Path, tmp_path: Path) -> None:
+    done = hausbench("run", asked, "--with", "tang", "--results", tmp_path)
+    assert done.returncode == 0, done.stderr
+    file = tmp_path / "tiny_tang.h5"
+    assert set(texts(file, "cases/label")) == {"tang"} and set(texts(file, "cases/scene")) == {"spheres", "raised"}
+    with h5py.File(file) as f:
+        assert (f["meta"].attrs["stem"], f["meta"].attrs["title"]) == ("tiny_tang", "a test: tang")
+    assert not (tmp_path / "tiny.h5").exists()
+    assert hausbench("verify", file).returncode == 0
+    before = file.read_bytes()
+    assert hausbench("run", asked, "--with", "tang", "--results", tmp_path, "--profile", "paper").returncode == 0
+    assert set(texts(file, "cases/profile")) == {"paper,quick"} and file.read_bytes() != before
+    assert "tiny_tang (a test: tang" in hausbench("explain", asked, "--with", "tang", "--results", tmp_path).stdout
+
+
+def test_mistakes(hausbench: Program, asked: Path, tmp_path: Path) -> None:
+    assert "did you mean 'tang'" in hausbench.fails("run", asked, "--with", "tank", "--results", tmp_path)
+    assert "--solver excludes --with" in hausbench("run", asked, "--with", "tang", "--solver", "guthe", "--results", tmp_path).stderr
+    assert "--with" in hausbench.fails("run", asked, "--with", "tang", "--engine", "slurm", "--results", tmp_path)
+    asked.write_text("title = ")
+    assert "tiny.toml:1:" in hausbench.fails("run", asked, "--with", "tang", "--results", tmp_path)
+
+
+def test_upper_bounds_that_were_tried_little(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
+    """`steps` claims far too close a bound. Where a vertex is farthest that is right, and nothing but this line tells; elsewhere it is unsound."""
+    ask = ("run", asked, "--with", "steps", "--plugin", plugin, "--results", tmp_path)
+    easy = hausbench(*ask, "--scene", "raised")
+    assert easy.returncode == 0 and set(texts(tmp_path / "tiny_steps.h5", "cases/status")) <= {"ok", "budget"}
+    assert "the upper bounds of steps were tried little: in 1 answers the distance lies nowhere above" in easy.stderr
+    assert "`hausbench run stability_matrix --with steps --plugin" in easy.stderr
+    hard = hausbench("run", "stability_matrix", "--scene", "farthest point inside a face {}", "--with", "steps", "--plugin", plugin, "--results", tmp_path)
+    assert hard.returncode == 1 and "unsound" in set(texts(tmp_path / "stability_matrix_steps.h5", "cases/status"))
+    assert "tried little" not in hard.stderr
+
+
+def test_a_solver_of_the_program_is_tried_by_its_own_tests(hausbench: Program, asked: Path, tmp_path: Path) -> None:
+    assert "tried little" not in hausbench("run", asked, "--with", "guthe", "--scene", "raised", "--results", tmp_path).stderr
