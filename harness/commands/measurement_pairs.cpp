@@ -9,6 +9,7 @@
 
 #include <glob.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -33,18 +34,56 @@ std::string number_field(double value) {
     return std::isnan(value) ? "" : std::isinf(value) ? "inf" : fmt::format("{:.17g}", value);
 }
 
-// Splits at the first comma or tab, else at blanks. Empty parts if there are not two.
-std::pair<std::string, std::string> two_of(const std::string& line) {
-    const auto trimmed = [](std::string text) {
-        const auto begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
-        return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
-    };
-    const std::string text = trimmed(line);
-    auto at = text.find_first_of(",\t");
-    if (at == std::string::npos) at = text.find(' ');
-    if (at == std::string::npos) return {};
-    return {trimmed(text.substr(0, at)), trimmed(text.substr(at + 1))};
+std::string trimmed(const std::string& text) {
+    const auto begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+    return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
+
+bool in_quotes(const std::string& text, std::size_t at) {
+    return std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '"') % 2 == 1;
+}
+
+// A name in quotes is as in CSV: "" stands for a quote.
+std::string unquoted(const std::string& text) {
+    if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
+    std::string name;
+    for (std::size_t i = 1; i + 1 < text.size(); ++i) {
+        name += text[i];
+        if (text[i] == '"' && text[i + 1] == '"') ++i;
+    }
+    return name;
+}
+
+// Splits at the first comma or tab outside quotes, else at the first blank. Empty parts if there are not two.
+std::pair<std::string, std::string> two_of(const std::string& line) {
+    const std::string text = trimmed(line);
+    for (const char* separators : {",\t", " "}) {
+        auto at = text.find_first_of(separators);
+        while (at != std::string::npos && in_quotes(text, at)) at = text.find_first_of(separators, at + 1);
+        if (at != std::string::npos)
+            return {unquoted(trimmed(text.substr(0, at))), unquoted(trimmed(text.substr(at + 1)))};
+    }
+    return {};
+}
+
+// The columns of the worst place and of both directions; empty where they are not known.
+std::string more_fields(const Measured& m, bool known) {
+    std::vector<std::string> fields;
+    const Witness& witness = m.result.witness;
+    const bool shown = known && m.result.witness.source_point.allFinite() && m.result.witness.target_point.allFinite();
+    fields.emplace_back(known ? to_string(witness.direction) : "");
+    for (const Vec3* point : {&witness.source_point, &witness.target_point})
+        for (const double x : *point) fields.push_back(shown ? number_field(x) : "");
+    for (const auto* one : {&m.forward, &m.backward})
+        for (const double bound : {(*one ? **one : Result{}).bounds.lower, (*one ? **one : Result{}).bounds.upper})
+            fields.push_back(*one ? number_field(bound) : "");
+    return fmt::format("{}", fmt::join(fields, ","));
+}
+
+constexpr const char* columns =
+    "A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error,witness_direction,source_x,source_y,"
+    "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a\n";
+const std::string no_more_fields(10, ',');
 
 }  // namespace
 
@@ -74,14 +113,13 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
             throw InputError(
                 fmt::format("{} and {} have the same name: give a list with --pairs", before->second, source));
         const auto at = targets.find(fs::path(source).stem());
-        if (at == targets.end())
-            throw InputError(fmt::format("{}: no file of {} has this name: give a list with --pairs", source, b));
-        pairs.emplace_back(source, at->second);
-        targets.erase(at);
+        pairs.emplace_back(source, at == targets.end() ? "" : at->second);
+        if (at != targets.end()) targets.erase(at);
     }
-    if (!targets.empty())
-        throw InputError(
-            fmt::format("{}: no file of {} has this name: give a list with --pairs", targets.begin()->second, a));
+    const auto has_partner = [](const auto& pair) { return !pair.second.empty(); };
+    if (std::none_of(pairs.begin(), pairs.end(), has_partner))
+        throw InputError(fmt::format("{}: no file of {} has the name of one of these: give a list with --pairs", a, b));
+    for (const auto& [stem, target] : targets) pairs.emplace_back("", target);
     return pairs;
 }
 
@@ -96,13 +134,15 @@ NamedPairs read_pairs(const fs::path& list) {
         return file ? (list.parent_path() / name).string() : name;  // else a model
     };
     for (int number = 1; std::getline(in, line); ++number) {
+        if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
         for (std::size_t at = line.find('#'); at != std::string::npos; at = line.find('#', at + 1)) {
+            if (in_quotes(line, at)) continue;
             if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t') line.resize(at);
         }
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
         if (a.empty() || b.empty())
-            throw InputError(fmt::format("{}:{}: write A, then a comma, then B", list.string(), number));
+            throw InputError(fmt::format("{}:{}: write A, then a comma, then B; a name with a comma in \"quotes\"", list.string(), number));
         pairs.emplace_back(place(a), place(b));
     }
     if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));
@@ -111,13 +151,16 @@ NamedPairs read_pairs(const fs::path& list) {
 
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
-    print("A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error\n");
+    print(columns);
     for (const auto& [a, b] : pairs) {
         MeasureRequest one = request;
         one.source = a;
         one.target = b;
         std::string line = fmt::format("{},{},{},", csv_field(a), csv_field(b), to_string(request.quantity()));
         try {
+            if (a.empty() || b.empty())
+                throw InputError(
+                    "no file of the other pattern has this name: give the pairs that you mean with --pairs");
             const Measured measured = measure(one);
             const int its_code = exit_code(measured, one);
             if (its_code != 0) code = 1;
@@ -125,18 +168,19 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
             const bool known = why.empty();
             const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
             line +=
-                fmt::format("{},{},{},{},{:.6f},{},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
+                fmt::format("{},{},{},{},{:.6f},{},{},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
                             known ? number_field(measured.result.bounds.upper) : "",
                             measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status),
                             above, measured.prepare_seconds + measured.solve_seconds, measured.solver,
-                            csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why));
+                            csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why),
+                            more_fields(measured, known));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;
-            line += fmt::format(",,error,,,,,{}\n", csv_field(error.what()));
+            line += fmt::format(",,error,,,,,{},{}\n", csv_field(error.what()), no_more_fields);
         } catch (const fs::filesystem_error& error) {
             code = 1;
-            line += fmt::format(",,error,,,,,{}\n", csv_field(error.what()));
+            line += fmt::format(",,error,,,,,{},{}\n", csv_field(error.what()), no_more_fields);
         }
         print(line);
         std::fflush(stdout);

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import Program
+from conftest import ROOT, Program
 
 
 @pytest.fixture
@@ -45,6 +45,51 @@ def test_one_bad_file_costs_one_line(hausbench: Program, folders: Path) -> None:
     assert done.returncode == 1 and one["status"] == "converged" and two["status"] == "error" and "two.off:" in two["error"] and two["lower"] == ""
 
 
+def test_a_file_without_a_partner_costs_one_line(hausbench: Program, folders: Path) -> None:
+    (folders / "a" / "two.off").rename(folders / "a" / "other.off")
+    done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
+    found = rows(done.stdout)
+    assert done.returncode == 1 and [row["status"] for row in found] == ["converged", "error", "error"]
+    assert (Path(found[1]["A"]).name, found[1]["B"], found[2]["A"], Path(found[2]["B"]).name) == ("other.off", "", "", "two.obj")
+    assert all("--pairs" in row["error"] and None not in row for row in found[1:])
+
+
+def test_the_worst_place_and_both_directions_are_columns(hausbench: Program, folders: Path) -> None:
+    a, b = folders / "a" / "one.off", folders / "b" / "one.obj"
+    row = rows(hausbench("measure", folders / "a" / "one*.off", b, "--symmetric").stdout)[0]
+    alone = json.loads(hausbench("measure", a, b, "--symmetric", "--json").stdout)
+    assert [float(row[f"{side}_{x}"]) for side in ("source", "target") for x in "xyz"] == alone["source_point"] + alone["target_point"]
+    assert row["witness_direction"] == alone["witness_direction"]
+    there, back = alone["directions"]
+    assert [float(row[f"{end}_{way}"]) for way in ("a_to_b", "b_to_a") for end in ("lower", "upper")] == [there["lower"], there["upper"], back["lower"], back["upper"]]
+    assert rows(hausbench("measure", folders / "a" / "one*.off", b).stdout)[0]["lower_b_to_a"] == ""
+
+
+def test_names_in_quotes(hausbench: Program, folders: Path) -> None:
+    (folders / "a" / "one.off").rename(folders / "a" / 'a, "b" #1.off')
+    pairs = folders / "pairs.csv"
+    pairs.write_bytes(b'\xef\xbb\xbf"a/a, ""b"" #1.off", b/one.obj\r\n"a/two.off" "b/two.obj"  # two\r\n')
+    done = hausbench("measure", "--pairs", pairs)
+    assert done.returncode == 0, done.stdout
+    assert [Path(row["A"]).name for row in rows(done.stdout)] == ['a, "b" #1.off', "two.off"]
+
+
+def test_every_column_and_key_is_explained(hausbench: Program, folders: Path) -> None:
+    text = (ROOT / "docs" / "measure.md").read_text(encoding="utf-8")
+    a, b = folders / "a" / "one.off", folders / "b" / "one.obj"
+    table = rows(hausbench("measure", folders / "a" / "one*.off", b).stdout)[0]
+    keys: set[str] = set(table)
+
+    def collect(value: object) -> None:
+        for one in value if isinstance(value, list) else value.values() if isinstance(value, dict) else ():
+            collect(one)
+        keys.update(value if isinstance(value, dict) else ())
+
+    collect(json.loads(hausbench("measure", a, b, "--json", "--symmetric", "--fields", folders / "far.ply", "--certificate", folders / "proof").stdout))
+    collect(json.loads(hausbench("measure", a, folders / "none.off", "--json").stdout))
+    assert not [key for key in keys if f"`{key}`" not in text]
+
+
 def test_a_list_of_pairs_and_a_question(hausbench: Program, folders: Path) -> None:
     pairs = folders / "pairs.csv"
     pairs.write_text("# A, B\na/one.off, b/one.obj\n\nsphere1 sphere2  # models\na/two.off\tb/two.obj\n")
@@ -66,7 +111,8 @@ def test_what_does_not_go_together(hausbench: Program, folders: Path) -> None:
     for option, file in (("--fields", folders / "out.ply"), ("--certificate", folders / "proof")):
         assert "not with several pairs" in hausbench.fails("measure", a, b, option, file)
     assert "no file matches" in hausbench.fails("measure", folders / "a" / "*.stl", b)
-    (folders / "b" / "two.obj").unlink()
+    for name in ("one", "two"):
+        (folders / "b" / f"{name}.obj").rename(folders / "b" / f"{name}_b.obj")
     assert "no file of" in hausbench.fails("measure", a, b)
     assert "name two shapes" in hausbench.fails("measure", folders / "a" / "one.off")
     assert "name B, too" in hausbench.fails("measure", a)
