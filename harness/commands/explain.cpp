@@ -1,6 +1,10 @@
 // `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
 #include "commands/experiment_arguments.h"
 #include "commands/explain_plan.h"
+#include "error.h"
+#include "run/earlier.h"
+
+#include <fmt/format.h>
 
 namespace hausbench {
 
@@ -12,7 +16,16 @@ void add_explain(CLI::App& app, int&) {
     verb->add_option("--results", arguments.results,
                      "folder with earlier results, for the estimate of the time (default: results of the project)");
     take_plugins(verb);
-    verb->callback([] { print(explain(plan_of(arguments, false), results_of(arguments))); });
+    verb->callback([] {
+        const Plan plan = plan_of(arguments, false);
+        const std::filesystem::path results = results_of(arguments);
+        print(explain(plan, results));
+        try {
+            refuse_to_replace(results / (plan.experiment.stem + ".h5"), plan.experiment, false);
+        } catch (const InputError& error) {
+            say({fmt::format("`run` would stop here: {}", error.what())});
+        }
+    });
 }
 
 }  // namespace hausbench

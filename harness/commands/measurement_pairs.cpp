@@ -142,7 +142,8 @@ NamedPairs read_pairs(const fs::path& list) {
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
         if (a.empty() || b.empty())
-            throw InputError(fmt::format("{}:{}: write A, then a comma, then B; a name with a comma in \"quotes\"", list.string(), number));
+            throw InputError(fmt::format("{}:{}: write A, then a comma, then B; a name with a comma in \"quotes\"",
+                                         list.string(), number));
         pairs.emplace_back(place(a), place(b));
     }
     if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));
