@@ -35,7 +35,10 @@ def test_equal_rows_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]
     assert run(folder, sweep()) == 0 and "equal the reference: 3 of 3 rows" in capsys.readouterr().out
     assert run(folder, sweep(timeout=True)) == 0 and "2 of 2 rows" in capsys.readouterr().out
     text = (folder / "counts" / "sweep.csv").read_text()
-    (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0"))  # other cases
+    (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0"))  # other identities, as with other limits
+    assert run(folder, sweep()) == 0 and "equal the reference: 3 of 3 rows" in capsys.readouterr().out
+    assert run(folder, sweep(lower=0.75)) == 0 and "2 of 2 rows" in capsys.readouterr().out  # x may have another shape
+    (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0").replace("guthe", "tang"))  # other cases
     assert run(folder, sweep()) == 1 and "none of the" in capsys.readouterr().out
 
 
