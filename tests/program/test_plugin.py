@@ -32,7 +32,7 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
     experiment = tmp_path / "quick.toml"
     experiment.write_text(head() + '[[solver]]\nname = "vertex_only"\n')
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin, "--quiet")
-    assert done.returncode == 0 and done.stderr == ""
+    assert done.returncode == 0 and all("were tried little" in line for line in done.stderr.splitlines())  # no warning of a slow build
     how = compiled(tmp_path / "quick.h5")
     assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith("optimized, no assertions, GCC ")
 
