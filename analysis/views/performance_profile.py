@@ -44,7 +44,7 @@ def cost(results: Results, cell: Cell | None) -> float:
 
 
 def shares(values: Floats, factor: float) -> float:
-    """Of the cases that the solver was asked; NaN if there are none."""
+    """Returns the share of the cases that the solver was asked; NaN if it was asked none."""
     asked = values[~np.isnan(values)]
     return float((asked <= factor).mean()) if len(asked) else math.nan
 

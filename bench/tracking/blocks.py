@@ -127,7 +127,7 @@ def run_words(program: Path, file: Path) -> list[str]:
     """All commits know these options. Reference answers, which later ones give, would be counted with the case."""
     try:
         helped = subprocess.run([program, "run", "--help"], capture_output=True, text=True, check=False, timeout=LIMIT).stdout
-    except (OSError, subprocess.TimeoutExpired):  # there is no such program, or it hangs: that shows when it is run
+    except (OSError, subprocess.TimeoutExpired):  # running it says that it is missing or hangs
         helped = ""
     return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet", *["--no-reference"] * ("--no-reference" in helped)]
 

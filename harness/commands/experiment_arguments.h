@@ -29,7 +29,8 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
             "--with", arguments.with,
             "the scenes of the experiment for this solver alone, with its defaults, whether or not the experiment "
             "names it: an experiment of its own, NAME_SOLVER")
-        ->excludes("--solver");
+        ->excludes("--solver")
+        ->check([](const std::string& name) { return name.empty() ? "name a solver" : ""; });
     verb->add_option("--scene", arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
 }
 

@@ -107,7 +107,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
         std::vector<std::string> statuses;
         for (int i = 0; i < count_of<RowStatus>; ++i) statuses.emplace_back(to_string(RowStatus(i)));
         if (std::find(statuses.begin(), statuses.end(), condition.wanted) == statuses.end())
-            throw InputError(fmt::format("{} {}: '{}' is no status{}: {}", option, where, condition.wanted,
+            throw InputError(fmt::format("{} {}: '{}' is not a status{}: {}", option, where, condition.wanted,
                                          nearest_hint(condition.wanted, statuses), fmt::join(statuses, ", ")));
     }
     if (option != "--where" && (is_checked_afterwards(name) || (name == "status" && condition.wanted == "unsound")))

@@ -65,7 +65,7 @@ def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path
     again = numbers(result, "cases/tolerance")[numbers(result, "repeats/case").astype(int)] == 0.01
     assert (changed == again).all() and again.any() and not again.all()
     assert "did you mean 'status'" in hausbench.fails("run", seen, "--results", tmp_path, "--again", "staus=ok")
-    assert "no status (did you mean 'unsound'?)" in hausbench.fails("show", result, "--where", "status=unsoud")
+    assert "not a status (did you mean 'unsound'?)" in hausbench.fails("show", result, "--where", "status=unsoud")
     assert "such as label=NAME" in hausbench.fails("run", seen, "--results", tmp_path, "--again", "status=unsound")
 
 

@@ -53,6 +53,8 @@ def test_another_solver_on_the_scenes_of_an_experiment(hausbench: Program, asked
 
 def test_mistakes(hausbench: Program, asked: Path, tmp_path: Path) -> None:
     assert "did you mean 'tang'" in hausbench.fails("run", asked, "--with", "tank", "--results", tmp_path)
+    assert "name a solver" in hausbench.fails("run", asked, "--with", "", "--results", tmp_path)
+    assert not (tmp_path / "tiny.h5").exists()
     assert "--solver excludes --with" in hausbench("run", asked, "--with", "tang", "--solver", "guthe", "--results", tmp_path).stderr
     assert "--with" in hausbench.fails("run", asked, "--with", "tang", "--engine", "slurm", "--results", tmp_path)
     asked.write_text("title = ")
