@@ -39,6 +39,11 @@ public:
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
+        // Without an upper bound before the end, samples follow the lower bound by the same step.
+        if (std::isinf(gap)) {
+            if (samples_.empty() || lower > 1.03 * samples_.back().lower) keep(lower, upper);
+            return;
+        }
         bool marked = false;
         for (; next_mark_ < scaled_marks_.size() && gap <= scaled_marks_[next_mark_]; ++next_mark_) marked = true;
         if (!marked && !samples_.empty() && !(gap <= 0.97 * (samples_.back().upper - samples_.back().lower))) return;

@@ -28,9 +28,9 @@ struct ShuffledTarget {
 };
 
 // One outer loop: point i of A against B until some distance is less than the largest so far, which is updated. False if
-// time ran out before that; the point then counts as not looked at.
-inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
-                        FarthestPoint& farthest, Counters& counters) {
+// time ran out before that; the point then counts as not looked at. Apart, so that its loop has the registers to itself.
+[[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
+                                          FarthestPoint& farthest, Counters& counters) {
     constexpr Index block = 4096;  // points of B between two looks at the clock
     const double* point = a.row(i).data();
     const auto count = static_cast<Index>(b.order.size());

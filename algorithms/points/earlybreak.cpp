@@ -41,7 +41,7 @@ public:
                sorted_target_.capacity() * sizeof(sorted_target_[0]);
     }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
@@ -49,6 +49,7 @@ public:
         const Deadline deadline(query.time_limit);
         Counters counters;
         FarthestPoint farthest;
+        const bool traced = trace.on();
         for (Index row = 0; row < a.rows(); ++row) {
             const Index i = source_order_[static_cast<std::size_t>(row)];
             Status stopped = Status::converged;
@@ -57,6 +58,7 @@ public:
                 !early_break(a, i, target_, deadline, farthest, counters)) {
                 stopped = Status::time_limit;
             }
+            if (traced) record(trace, farthest.squared);
             if (distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::above_cutoff;
             if (stopped != Status::converged) {
                 const double rest = squared_distances_at_most(a, b, source_order_.data(), row);

@@ -45,6 +45,18 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return exact_result(query, a, b, farthest, counters, tiny, rest, stopped);
 }
 
+// Apart, so that the loops which call record() stay as small as without it.
+[[gnu::noinline, gnu::cold]] inline void record_sample(Trace& trace, double squared_lower, double squared_upper) {
+    trace.record(distance_at_least(std::max(squared_lower, 0.0), true),
+                 distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
+}
+
+// Adds a sample to the trace, from bounds of the squared distance, rounded as if coordinates were tiny; infinity: no upper bound is known yet.
+inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
+    if (trace.on()) [[unlikely]]
+        record_sample(trace, squared_lower, squared_upper);
+}
+
 // An upper bound for the points order[first..] of A (order null: first..): the farthest from one point of B. O(n).
 inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
     double most = -1;

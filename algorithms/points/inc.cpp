@@ -45,12 +45,14 @@ struct Entry {
 
 class IncSearch {
 public:
-    IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query)
+    IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
+              Trace& trace)
         : source_(source),
           target_(target),
           a_(a),
           b_(b),
           query_(query),
+          trace_(trace),
           a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
           deadline_(query.time_limit) {}
 
@@ -60,11 +62,13 @@ public:
         Entry first{squared_distance_at_most(x, y), root(source_), {}};
         add(first, {squared_distance_at_least(x, y), root(target_)});
         push(std::move(first));
+        const bool traced = trace_.on();
         for (std::uint64_t taken = 0;; ++taken) {
             std::pop_heap(heap_.begin(), heap_.end());
             Entry head = std::move(heap_.back());
             heap_.pop_back();
             const Near near = head.near.front();
+            if (traced) record(trace_, near.squared_lower, head.squared_upper);
             if (is_point(head.id) && is_point(near.id)) {
                 return finish({near.squared_lower, source_.order()[row(head.id)], target_.order()[row(near.id)]}, -1,
                               Status::converged);
@@ -179,6 +183,7 @@ private:
     const RTree &source_, &target_;
     const Points &a_, &b_;
     const Query& query_;
+    Trace& trace_;
     Box a_box_;
     Deadline deadline_;
     Counters counters_;
@@ -200,11 +205,11 @@ public:
         target_ = &prepared.get<RTree>(Side::target);
     }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return IncSearch(*source_, *target_, a, b, query).run();
+        return IncSearch(*source_, *target_, a, b, query, trace).run();
     }
 
 private:

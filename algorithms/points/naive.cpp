@@ -9,13 +9,26 @@
 namespace hausbench {
 namespace {
 
+// The nearest point of B among those from begin to end. Apart, so that the loop has the registers to itself.
+[[gnu::noinline]] void compare(const double* point, const Points& b, Index begin, Index end, double& nearest,
+                               Index& at) {
+    double least = nearest;
+    Index its = at;
+    for (Index j = begin; j < end; ++j) {
+        const double squared = squared_distance(point, b.row(j).data());
+        if (squared < least) least = squared, its = j;
+    }
+    nearest = least;
+    at = its;
+}
+
 class Naive final : public Solver {
 public:
     explicit Naive(const Options&) {}
 
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
@@ -33,13 +46,13 @@ public:
             for (Index begin = 0; begin < b.rows() && !stopped; begin += block) {
                 if (deadline.passed()) stopped = Status::time_limit;
                 const Index end = std::min<Index>(begin + block, static_cast<Index>(b.rows()));
-                for (Index j = begin; j < end; ++j) {
-                    const double squared = squared_distance(point, b.row(j).data());
-                    if (squared < nearest) nearest = squared, at = j;
-                }
+                compare(point, b, begin, end, nearest, at);
                 counters.point_distances += static_cast<std::uint64_t>(end - begin);
             }
-            if (!stopped && nearest > farthest.squared) farthest = {nearest, i, at};
+            if (!stopped && nearest > farthest.squared) {
+                farthest = {nearest, i, at};
+                record(trace, farthest.squared);
+            }
             if (!stopped && distance_at_least(farthest.squared, true) > query.cutoff) stopped = Status::above_cutoff;
             if (stopped) {
                 const double rest = squared_distances_at_most(a, b, nullptr, i);

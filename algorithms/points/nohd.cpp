@@ -27,13 +27,14 @@ namespace {
 class NohdSearch {
 public:
     NohdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth,
-               bool early_break)
+               bool early_break, Trace& trace)
         : tree_(tree),
           a_(a),
           b_(b),
           query_(query),
           depth_(depth),
           early_break_(early_break),
+          trace_(trace),
           a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
           deadline_(query.time_limit) {}
 
@@ -45,6 +46,7 @@ public:
             std::pop_heap(queue.begin(), queue.end());
             const NohdEntry head = queue.back();
             if (head.squared_upper <= squared_lower_) break;
+            record(trace_, squared_lower_, head.squared_upper);
             Status stopped = Status::converged;
             if (taken++ >= query_.budget) stopped = Status::budget;
             if (deadline_.passed()) stopped = Status::time_limit;
@@ -114,6 +116,7 @@ private:
     const Query& query_;
     int depth_;
     bool early_break_;
+    Trace& trace_;
     Box a_box_;
     Deadline deadline_;
     Counters counters_;
@@ -134,11 +137,11 @@ public:
         tree_ = &prepared.get<PointOctree>(Side::source);
     }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return NohdSearch(*tree_, a, b, query, depth_, early_break_).run();
+        return NohdSearch(*tree_, a, b, query, depth_, early_break_, trace).run();
     }
 
 private:

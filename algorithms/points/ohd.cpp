@@ -27,8 +27,8 @@ namespace {
 
 class OhdSearch {
 public:
-    OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query)
-        : tree_(tree), a_(a), b_(b), query_(query), deadline_(query.time_limit) {}
+    OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
+        : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.time_limit) {}
 
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
         std::uint64_t taken = 0, culled = 0;
@@ -52,6 +52,7 @@ public:
 
 private:
     Status stop(std::uint64_t taken, bool look_at_clock) const {
+        record(trace_, farthest_.squared);
         if (distance_at_least(std::max(farthest_.squared, 0.0), true) > query_.cutoff) return Status::above_cutoff;
         if (look_at_clock && deadline_.passed()) return Status::time_limit;
         return taken >= query_.budget ? Status::budget : Status::converged;
@@ -131,6 +132,7 @@ private:
     const PointOctree& tree_;
     const Points &a_, &b_;
     const Query& query_;
+    Trace& trace_;
     Deadline deadline_;
     Counters counters_;
     FarthestPoint farthest_;
@@ -157,11 +159,11 @@ public:
 
     std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
-        return OhdSearch(*tree_, a, b, query).run(sample_, target_, culling_);
+        return OhdSearch(*tree_, a, b, query, trace).run(sample_, target_, culling_);
     }
 
 private:

@@ -14,7 +14,7 @@ inline SolverInfo point_solver_info(std::string name, std::string title, std::st
     info.title = std::move(title);
     info.paper = std::move(paper);
     info.source.points = info.target.points = true;
-    info.ignores_tolerance = true;
+    info.ignores_tolerance = info.traces = true;
     return info;
 }
 

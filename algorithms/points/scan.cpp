@@ -51,7 +51,7 @@ public:
 
     std::size_t prepared_bytes() const override { return grid_.bytes(); }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         Points moved;
         if (!query.source_pose.is_identity()) moved = posed(points_of(scene_->source), query.source_pose);
         const Points& a = query.source_pose.is_identity() ? points_of(scene_->source) : moved;
@@ -70,12 +70,15 @@ public:
         } else {
             const std::vector<Undecided> farthest = farthest_of_blocks(work);
             std::vector<Undecided> first = farthest;
+            record(trace, -1, most_of(farthest));
             compare_farthest(work, first, state);
+            record(trace, state.farthest.squared, most_of(farthest));
             if (candidates_decide_few(a, state)) {
                 stopped = search_all(work, state);
                 if (stopped != Status::converged) left = most_of(farthest);
             } else {
                 const std::vector<Undecided> undecided = keep_undecided(work, farthest, state);
+                record(trace, state.farthest.squared, most_of(undecided));
                 stopped = search_undecided(work, undecided, state);
                 if (stopped != Status::converged) left = most_of(undecided);
             }
