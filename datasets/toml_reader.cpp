@@ -104,7 +104,10 @@ double TomlReader::number(const toml::node& node, std::string_view key) const {
     if (!filling_ && (node.value_exact<std::string>() == "{}" || node.value_exact<std::string>() == "-{}"))
         fail(node, fmt::format("'{}' must be a number: {{}} stands for one in a scene with a list of severities", key));
     if (!node.is_number()) fail(node, fmt::format("'{}' must be a number", key));
-    const auto value = node.value<double>();  // none for a whole number that a double does not hold
+    const auto integer = node.value_exact<std::int64_t>();
+    const auto value = integer ? std::optional(double(*integer)) : node.value<double>();
+    if (integer && static_cast<long double>(*value) != static_cast<long double>(*integer))
+        fail(node, fmt::format("'{}' is {}, which a double does not hold: write {:.17g}", key, *integer, *value));
     if (!value || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
     return *value;
 }

@@ -27,6 +27,12 @@
 
 namespace hausbench {
 
+std::string shell_quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
 namespace {
 
 using Clock = std::chrono::steady_clock;

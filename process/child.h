@@ -16,6 +16,9 @@
 
 namespace hausbench {
 
+// The text as one word of a shell.
+std::string shell_quoted(const std::string& text);
+
 struct Launch {
     std::vector<std::string> command;  // the program, by its path, and its arguments; or ...
     // ... what a copy of this process does (fork), and its exit code. Only in a process without other threads.

@@ -47,4 +47,11 @@ void check_place_to_write(const fs::path& file) {
         throw InputError(fmt::format("{}: cannot be written: choose another place", file.string()));
 }
 
+bool is_same_file(const fs::path& one, const fs::path& other) {
+    std::error_code missing, failed;
+    if (fs::equivalent(one, other, missing)) return true;
+    const fs::path place = fs::weakly_canonical(fs::absolute(one), failed);
+    return !failed && place == fs::weakly_canonical(fs::absolute(other), failed) && !failed;
+}
+
 }  // namespace hausbench

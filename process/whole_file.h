@@ -16,4 +16,7 @@ void write_whole_file(const std::filesystem::path& file, const std::string& byte
 // Throws InputError where its folder is no place to write, before any work is done.
 void check_place_to_write(const std::filesystem::path& file);
 
+// Whether two names lead to one file, also through links and if it does not exist yet.
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
+
 }  // namespace hausbench

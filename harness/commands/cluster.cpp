@@ -29,13 +29,6 @@ namespace {
 constexpr int usual_shards = 16;
 constexpr double seconds_for_slurm = 120;  // until one of its commands is given up
 
-// For a shell.
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
 // Of a file; empty where it cannot be read.
 std::string text_of(const fs::path& file) {
     std::ifstream in(file);
@@ -148,7 +141,7 @@ public:
         for (const Case& asked : plan_.cases) threads = std::max(threads, asked.threads);
         const fs::path script = folder_ / "shard.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --split {}\n",
-                                             run_words(), of, quoted(split_file().string())));
+                                             run_words(), of, shell_quoted(split_file().string())));
         std::vector<std::string> words{"sbatch",
                                        "--parsable",
                                        "--job-name=" + name_,
@@ -218,13 +211,15 @@ private:
     fs::path split_file() const { return folder_ / "split.json"; }
 
     std::string run_words() const {
-        std::string words = fmt::format("{} run {} --profile {} --results {} --cluster --quiet",
-                                        quoted(program_path().string()), quoted(fs::absolute(arguments_.file).string()),
-                                        quoted(arguments_.profile), quoted(results_.string()));
+        std::string words =
+            fmt::format("{} run {} --profile {} --results {} --cluster --quiet", shell_quoted(program_path().string()),
+                        shell_quoted(fs::absolute(arguments_.file).string()), shell_quoted(arguments_.profile),
+                        shell_quoted(results_.string()));
         if (any_build_) words += " --any-build";
-        for (const fs::path& plugin : plugins_given()) words += " --plugin " + quoted(fs::absolute(plugin).string());
-        for (const std::string& solver : arguments_.choice.solvers) words += " --solver " + quoted(solver);
-        for (const std::string& scene : arguments_.choice.scenes) words += " --scene " + quoted(scene);
+        for (const fs::path& plugin : plugins_given())
+            words += " --plugin " + shell_quoted(fs::absolute(plugin).string());
+        for (const std::string& solver : arguments_.choice.solvers) words += " --solver " + shell_quoted(solver);
+        for (const std::string& scene : arguments_.choice.scenes) words += " --scene " + shell_quoted(scene);
         return words;
     }
 

@@ -1,4 +1,5 @@
 #include "commands/explain_plan.h"
+#include "commands/row_texts.h"
 
 #include "contract.h"
 #include "error.h"
@@ -122,9 +123,9 @@ std::string explain(const Plan& plan, const fs::path& results) {
     std::size_t run = 0, known = 0;
     for (const Job& job : plan.jobs) run += job.cases.size();
     std::string text = fmt::format(
-        "{} ({}, profile {}): {} cases asked for, {} to run in {} workers, {} rounds, {} timed repeats each\n",
-        printable(e.stem), printable(e.title), e.profile, plan.cases.size(), run,
-        plan.jobs.size() * std::size_t(e.rounds), e.rounds, e.repeats);
+        "{} ({}, profile {}): {} asked for, {} to run in {}, {}, {} each\n", printable(e.stem), printable(e.title),
+        e.profile, counted(plan.cases.size(), "case"), run, counted(plan.jobs.size() * std::size_t(e.rounds), "worker"),
+        counted(std::size_t(e.rounds), "round"), counted(std::size_t(e.repeats), "timed repeat"));
     text += "MODELS\n";
     for (const ModelRow& model : plan.models) {
         text += fmt::format("  {:<28} {:>9} {}, {} {:.6g}\n", printable(model.info->name), model.resolved.elements,
@@ -160,13 +161,14 @@ std::string explain(const Plan& plan, const fs::path& results) {
                             plan.references->cases.size(), e.reference_seconds, clock_text(seconds), rows_are_held);
         total += seconds;
     }
-    text += "LEFT OUT\n";
+    text += "LEFT OUT, beside the structures above\n";
+    const std::size_t head = text.size();
     for (const LedgerEntry& entry : plan.ledger) {
         if (entry.kind == "prepared_again") continue;  // said above
         text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
                             printable(entry.reason));
     }
-    if (text.ends_with("LEFT OUT\n")) text += "  nothing\n";
+    if (text.size() == head) text += "  nothing\n";
     text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
                         clock_text(total), known, run);
     text +=

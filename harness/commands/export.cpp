@@ -1,7 +1,9 @@
 // `hausbench export`: writes a model, or any mesh file, in a format for other programs.
 #include "commands/named_shape.h"
 #include "commands/verb.h"
+#include "error.h"
 #include "mesh_file.h"
+#include "process/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +14,8 @@ namespace {
 // OFF, OBJ or PLY by the extension, with 17 digits: reading it gives the same bits. Returns a line that says what was written.
 std::string export_model(const std::string& model, const std::filesystem::path& to) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
+    if (is_same_file(to, model))
+        throw InputError(fmt::format("{}: is the file that is read: choose another name", to.string()));
     const LoadedShape loaded = load_named(model);
     write_mesh_file(to, loaded.shape, format);
     const bool points = kind_of(loaded.shape) == ShapeKind::points;

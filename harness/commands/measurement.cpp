@@ -45,6 +45,23 @@ std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
                          : fmt::format("choose one that does with --solver: {}", names);
 }
 
+// Refuses to write over one of the shapes, or two files into one.
+void expect_places_apart(const MeasureRequest& request) {
+    std::vector<std::pair<std::string, std::filesystem::path>> taken = {{"A", request.source}, {"B", request.target}};
+    const auto take = [&](const std::string& what, const std::filesystem::path& file) {
+        for (const auto& [other, its_file] : taken) {
+            if (is_same_file(file, its_file))
+                throw InputError(
+                    fmt::format("{} {}: {} is the same file: choose another name", what, file.string(), other));
+        }
+        taken.emplace_back(what, file);
+    };
+    if (!request.fields.empty()) take("--fields", request.fields);
+    if (!request.fields.empty() && request.symmetric)
+        take("--fields with --symmetric", file_of_way_back(request.fields));
+    if (!request.certificate.empty()) take("--certificate", request.certificate);
+}
+
 void check(const MeasureRequest& request) {
     if (request.symmetric && request.penetration)
         throw InputError("--symmetric and --penetration ask for two quantities: give one of them");
@@ -61,6 +78,7 @@ void check(const MeasureRequest& request) {
     if (!request.fields.empty()) check_export_place(request.fields);
     if (!request.fields.empty() && request.symmetric) check_export_place(file_of_way_back(request.fields));
     if (!request.certificate.empty()) check_place_to_write(request.certificate);
+    expect_places_apart(request);
 }
 
 MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded) {

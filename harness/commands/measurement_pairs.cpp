@@ -54,14 +54,20 @@ std::string unquoted(const std::string& text) {
     return name;
 }
 
-// Splits at the first comma or tab outside quotes, else at the first blank. Empty parts if there are not two.
+std::size_t find_outside_quotes(const std::string& text, const char* separators, std::size_t from) {
+    auto at = text.find_first_of(separators, from);
+    while (at != std::string::npos && in_quotes(text, at)) at = text.find_first_of(separators, at + 1);
+    return at;
+}
+
+// Splits at the comma or tab outside quotes, else at the first blank. Empty parts if there are not two.
 std::pair<std::string, std::string> two_of(const std::string& line) {
     const std::string text = trimmed(line);
     for (const char* separators : {",\t", " "}) {
-        auto at = text.find_first_of(separators);
-        while (at != std::string::npos && in_quotes(text, at)) at = text.find_first_of(separators, at + 1);
-        if (at != std::string::npos)
-            return {unquoted(trimmed(text.substr(0, at))), unquoted(trimmed(text.substr(at + 1)))};
+        const auto at = find_outside_quotes(text, separators, 0);
+        if (at == std::string::npos) continue;
+        if (*separators == ',' && find_outside_quotes(text, separators, at + 1) != std::string::npos) return {};
+        return {unquoted(trimmed(text.substr(0, at))), unquoted(trimmed(text.substr(at + 1)))};
     }
     return {};
 }
@@ -135,15 +141,19 @@ NamedPairs read_pairs(const fs::path& list) {
     };
     for (int number = 1; std::getline(in, line); ++number) {
         if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+        if (line.find('\0') != std::string::npos)
+            throw InputError(fmt::format("{}:{}: has a NUL byte: save the list as UTF-8 text", list.string(), number));
         for (std::size_t at = line.find('#'); at != std::string::npos; at = line.find('#', at + 1)) {
             if (in_quotes(line, at)) continue;
             if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t') line.resize(at);
         }
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
+        if (number == 1 && a == "A" && b == "B") continue;  // the head of a table
         if (a.empty() || b.empty())
-            throw InputError(fmt::format("{}:{}: write A, then a comma, then B; a name with a comma in \"quotes\"",
-                                         list.string(), number));
+            throw InputError(
+                fmt::format("{}:{}: write A, then a comma, then B, and no more; a name with a comma in \"quotes\"",
+                            list.string(), number));
         pairs.emplace_back(place(a), place(b));
     }
     if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));

@@ -1,5 +1,6 @@
 #include "commands/row_choice.h"
 
+#include "commands/row_texts.h"
 #include "error.h"
 #include "record/columns.h"
 #include "record/profiles.h"
@@ -61,12 +62,20 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
+// Finds the columns that tables show and results do not hold.
+bool find_shown(const std::string& name, Condition& condition) {
+    if (name == "gap") condition.value = [](const Row& row) { return gap_of(row.outcome); };
+    if (name == "check") condition.text = check_text;
+    if (name == "answer") condition.text = answer_of;
+    return condition.value || condition.text;
+}
+
 // Of a run that is not finished, these columns are still empty.
 bool is_checked_afterwards(const std::string& name) {
     const auto has = [&](const auto& columns) {
         return std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; });
     };
-    return has(check_columns()) || has(row_columns());
+    return name == "check" || has(check_columns()) || has(row_columns());
 }
 
 Condition condition_of(const std::string& where, const std::string& option) {
@@ -83,6 +92,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
     condition.wanted = where.substr(end);
     condition.profile = name == "profile";
     const bool found =
+        find_shown(name, condition) ||
         find_column<Case>(
             case_columns(), name, [](const Row& row) -> const Case& { return row.asked; }, condition) ||
         find_column<Outcome>(

@@ -100,6 +100,10 @@ std::string answer_of(const Row& row) {
     return "";
 }
 
+std::string counted(std::size_t count, const std::string& thing) {
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 std::string gap_text(double gap) { return std::isnan(gap) ? "" : fmt::format("{:.2g}", gap); }
 
 }  // namespace hausbench

@@ -29,6 +29,8 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
 // A field of CSV: quoted if it has a comma, a quote or a line break.
 std::string csv_field(const std::string& text);
 
+std::string counted(std::size_t count, const std::string& thing);  // "1 answer", "2 answers"
+
 double gap_of(const Outcome& outcome);
 Colour colour_of(RowStatus status);
 

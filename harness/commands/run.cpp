@@ -98,12 +98,14 @@ int run(RunArguments& arguments) {
                 "--planted-slowdown");
         options.collect = shard_names(results, plan.experiment);
         if (options.collect.empty())
-            throw InputError(fmt::format("{}: has no journal of a shard of {}: submit it with --engine slurm first",
-                                         results.string(), plan.experiment.stem));
+            throw InputError(
+                fmt::format("{}: has no journal of a shard of {}: {} first", results.string(), plan.experiment.stem,
+                            arguments.with.empty() ? "submit it with --engine slurm" : "run its shards, with --shard"));
     }
     const RunSummary summary = run_plan(plan, options);
     print(show_summary(summary.result, paper_of_output()));
     print(describe_references(summary.result));
+    say(describe_wrong_exact(summary.result));
     say(describe_tried(summary.result));
     const auto expected = summary.unsound_expected;
     print(fmt::format("{}: {}{}{}\n", summary.file.string(), count_statuses(summary.result.rows),

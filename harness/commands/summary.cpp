@@ -2,6 +2,7 @@
 
 #include "commands/row_texts.h"
 #include "plugin.h"
+#include "process/child.h"
 #include "record/row_times.h"
 
 #include <fmt/format.h>
@@ -56,36 +57,66 @@ std::string describe_references(const ResultFile& result) {
     return text;
 }
 
+namespace {
+
+// How far the upper bounds of a solver were tried.
+struct Tried {
+    std::size_t answers = 0, held = 0;  // bounded answers; those whose distance is known
+    double share = 0;  // the largest part of the way from lower to upper bound at which the distance is known to lie
+};
+
+}  // namespace
+
 std::vector<std::string> describe_tried(const ResultFile& result) {
-    struct Tried {
-        std::size_t answers = 0;
-        double share =
-            0;  // the largest part of the way from lower to upper bound at which the distance is known to lie
-    };
     std::map<std::string, Tried> tried;
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
-        const double distance = std::isnan(row.asked.exact) ? row.reference.lower : row.asked.exact;
         if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || !(bounds.gap() > 0) ||
-            !std::isfinite(bounds.upper) || std::isnan(distance))
+            !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
         Tried& one = tried[row.asked.solver];
         ++one.answers;
+        // A reference answer is checked; the experiment's own value is used only where there is none.
+        const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
+        if (std::isnan(distance)) continue;
+        ++one.held;
         one.share = std::max(one.share, (distance - bounds.lower) / bounds.gap());
     }
     std::vector<std::string> lines;
     for (const auto& [solver, one] : tried) {
         if (one.share >= 0.5) continue;
-        const std::string most =
-            one.share > 0 ? fmt::format("at most {:.2g} of the way from its lower to its upper bound", one.share)
-                          : std::string("nowhere above its own lower bound");
+        const std::string answers = counted(one.held ? one.held : one.answers, "answer");
+        const std::string why =
+            one.held == 0 ? fmt::format("not tried at all: no reference answer is known for its {}", answers)
+            : one.share > 0
+                ? fmt::format(
+                      "tried little: in {} the distance lies at most {:.2g} of the way from its "
+                      "lower to its upper bound",
+                      answers, one.share)
+                : fmt::format("tried little: in {} the distance lies nowhere above its own lower bound", answers);
         lines.push_back(
-            fmt::format("the upper bounds of {} were tried little: in {} answers the distance lies {}, so upper bounds "
-                        "that are wrong on other scenes would hold here. Scenes made to show it: `hausbench run "
-                        "stability_matrix --with {} --plugin {}`",
-                        solver, one.answers, most, solver, plugin_of(solver)->file.string()));
+            fmt::format("the upper bounds of {} were {}, so upper bounds that are wrong on other scenes would hold "
+                        "here. Scenes made "
+                        "to show it: `hausbench run stability_matrix --with {} --plugin {}`",
+                        solver, why, solver, shell_quoted(plugin_of(solver)->file.string())));
     }
     return lines;
+}
+
+std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
+    std::map<std::string, std::string> lines;  // by scene
+    for (const Row& row : result.rows) {
+        const double exact = row.asked.exact, slack = row.asked.resolved_tolerance().gap(row.reference.lower);
+        if (std::isnan(exact) || !(exact < row.reference.lower - slack || exact > row.reference.upper + slack))
+            continue;
+        lines.emplace(row.asked.scene,
+                      fmt::format("scene '{}': the experiment says that the distance is exactly {:.17g}, "
+                                  "the reference answer is [{:.17g}, {:.17g}]",
+                                  row.asked.scene, exact, row.reference.lower, row.reference.upper));
+    }
+    std::vector<std::string> out;
+    for (const auto& [scene, line] : lines) out.push_back(line);
+    return out;
 }
 
 namespace {

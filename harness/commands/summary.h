@@ -30,8 +30,11 @@ std::string count_statuses(const std::vector<Row>& rows);  // "24 ok, 3 timeout"
 // narrower than their reference, which can be refuted to within its width alone. Empty if the result has none.
 std::string describe_references(const ResultFile& result);
 
-// For each certified solver of a plug-in, a line if its upper bounds were tried little: the distance lies nowhere farther than half of the way
-// from its lower to its upper bound, so upper bounds that are wrong elsewhere could all hold here.
+// For each certified solver of a plug-in, a line if its upper bounds were tried little or not at all: no distance is known to lie farther than
+// half of the way from its lower to its upper bound, so upper bounds that are wrong elsewhere could all hold here.
 std::vector<std::string> describe_tried(const ResultFile& result);
+
+// A line for each scene whose `exact` in the experiment is outside its reference answer by more than the row's tolerance.
+std::vector<std::string> describe_wrong_exact(const ResultFile& result);
 
 }  // namespace hausbench

@@ -24,15 +24,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Keys of `over` replace those of `base`; tables are merged key by key.
-void merge(toml::table& base, const toml::table& over) {
-    for (const auto& [key, node] : over) {
+// Keys of `over` replace those of `base`; tables are merged key by key. The nodes are moved, because a copy forgets its line.
+void merge(toml::table& base, toml::table& over) {
+    for (auto&& [key, node] : over) {
         toml::table* into = base[key].as_table();
-        const toml::table* from = node.as_table();
+        toml::table* from = node.as_table();
         if (into && from) {
             merge(*into, *from);
         } else {
-            base.insert_or_assign(key, node);
+            node.visit([&, &name = key](auto& value) { base.insert_or_assign(name, std::move(value)); });
         }
     }
 }
@@ -109,6 +109,8 @@ void check_claims(const fs::path& file, const ExperimentTable& root, const std::
             claim.fail(*claim.find(key), fmt::format("'{}' names no solver of this file: '{}'{}", key, name,
                                                      nearest_hint(label, labels)));
         }
+        if (claim.text("solver") == claim.text("faster_than"))
+            claim.fail(*claim.find("faster_than"), "'faster_than' names the solver itself: name another");
         claim.limit("by", 1);
         const std::string on = claim.text("on", "average");
         if (on != "average" && on != "every")
@@ -129,19 +131,29 @@ void read_limits(const fs::path& file, const ExperimentTable& root, Experiment& 
     experiment.reference_seconds = reader.limit("reference_seconds", experiment.reference_seconds);
 }
 
+// Checks the keys of every profile, whichever is run.
+void expect_profiles(const fs::path& file, const toml::table& table) {
+    const toml::node* profiles = table.get("profile");
+    if (!profiles) return;
+    const ExperimentTable root(file, table, "", root_keys);
+    if (!profiles->is_table()) root.fail(*profiles, "'profile' must be a table: write [profile.NAME]");
+    auto keys = root_keys;
+    std::erase(keys, "profile");
+    for (const auto& [name, node] : *profiles->as_table()) {
+        if (!node.is_table())
+            root.fail(node, fmt::format("'profile.{0}' must be a table: write [profile.{0}]", name.str()));
+        ExperimentTable(file, *node.as_table(), fmt::format("[profile.{}]", name.str()), keys);
+    }
+}
+
 toml::table with_profile(const fs::path& file, toml::table table, const std::string& profile) {
     const auto known = profiles_of(table);
     if (std::find(known.begin(), known.end(), profile) == known.end()) {
         throw InputError(
             fmt::format("{}: unknown profile '{}'{}", file.string(), profile, nearest_hint(profile, known)));
     }
-    if (const toml::table* over = table["profile"][profile].as_table()) {
-        auto keys = root_keys;
-        std::erase(keys, "profile");
-        ExperimentTable(file, *over, fmt::format("[profile.{}]", profile), keys);
-        toml::table copy = *over;
-        merge(table, copy);
-    }
+    expect_profiles(file, table);
+    if (toml::table* over = table["profile"][profile].as_table()) merge(table, *over);
     return table;
 }
 
@@ -298,13 +310,12 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
 }
 
 Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
-    static_cast<void>(find_solver(solver));  // throws InputError that names the nearest
-    toml::table table;
-    try {
-        table = toml::parse(text_of(file), file.string());
-    } catch (const toml::parse_error&) {
-        return read_experiment(file, profile);  // throws InputError that names the place
-    }
+    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; its mistakes are named by its own lines
+    const auto& parameters = find_solver(solver).info.parameters;
+    if (std::any_of(parameters.begin(), parameters.end(), [](const ParameterSpec& one) { return one.required(); }))
+        throw InputError(fmt::format("--with {}: needs parameters: write a [[solver]] with them in a copy of {}",
+                                     solver, file.string()));
+    toml::table table = toml::parse(text_of(file), file.string());
     const auto forget = [](toml::table& one) {
         for (const char* key : {"solver", "claim", "expected_unsound"}) one.erase(key);
     };

@@ -1,6 +1,7 @@
 #include "plan/solver_reader.h"
 
 #include "error.h"
+#include "plugin.h"
 #include "registry.h"
 
 #include <fmt/format.h>
@@ -23,9 +24,9 @@ ParameterValue read_value(const ExperimentTable& table, const toml::node& node, 
 // Every combination of the swept values, the last parameter fastest, each checked against the solver's declarations.
 std::vector<ParameterMap> read_options(const ExperimentTable& table, const SolverEntry& entry) {
     std::vector<ParameterMap> combinations(1);
+    const toml::table none;
     const toml::node* node = table.find("parameters");
-    if (!node) return combinations;
-    const toml::table* parameters = node->as_table();
+    const toml::table* parameters = node ? node->as_table() : &none;
     if (!parameters) table.fail(*node, "'parameters' must be a table");
     for (const auto& [key, value] : *parameters) {
         std::vector<ParameterValue> values;
@@ -46,9 +47,10 @@ std::vector<ParameterMap> read_options(const ExperimentTable& table, const Solve
     }
     for (const ParameterMap& combination : combinations) {
         try {
-            Options(entry.info.name, entry.info.parameters, combination);
+            const Options options(entry.info.name, entry.info.parameters, combination);
+            if (!plugin_of(entry.info.name)) static_cast<void>(entry.make(options));  // a plug-in may crash here
         } catch (const InputError& error) {
-            table.fail(*node, error.what());
+            table.fail(node ? *node : table.table(), error.what());
         }
     }
     return combinations;

@@ -81,12 +81,6 @@ void replace(std::string& text, const std::string& what, const std::string& by) 
         text.replace(at, what.size(), by);
 }
 
-std::string quoted(const fs::path& path) {
-    std::string text = path.string();
-    replace(text, "'", "'\\''");
-    return "'" + text + "'";
-}
-
 // What became of the command, and what it wrote.
 struct CommandRun {
     Child::End end;
@@ -147,8 +141,8 @@ public:
         }
         write_mesh_file(file("A"), a, mesh_format_of(file("A")));
         std::string line = command_;
-        replace(line, "{A}", quoted(file("A")));
-        replace(line, "{B}", quoted(file("B")));
+        replace(line, "{A}", shell_quoted(file("A").string()));
+        replace(line, "{B}", shell_quoted(file("B").string()));
         replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
         replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
         const CommandRun run = run_command(line, query.time_limit, folder_of_command_);

@@ -58,7 +58,7 @@ def test_unknown_solver_and_parameter_name_the_nearest(hausbench: Program, tetra
 
 BAD_EXPERIMENTS = {
     'title = "a\\u0000b"\n': ("NUL", "title"),
-    "cutoff = 9007199254740993": ("finite number", "cutoff"),  # a double does not hold it
+    "cutoff = 9007199254740993": ("'cutoff' is 9007199254740993, which a double does not hold", "write 9007199254740992"),
     "repeat = 1": ("unknown key 'repeat'", "repeats"),
     "repeats = -1": ("'repeats'", "whole number"),
     "of = 'diagnoal'": ("'of'", "diagonal"),
@@ -67,6 +67,13 @@ BAD_EXPERIMENTS = {
     "tolerances = [nan]": ("'tolerances'", "finite"),
     "[limits]\ncase_second = 1": ("unknown key 'case_second'", "case_seconds"),
     "[profile.quick]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
+    "profile = { quick = 5 }": ("'profile.quick' must be a table", "[profile.quick]"),
+    "profile = 5": ("'profile' must be a table", "[profile.NAME]"),
+    "[profile.paper]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
+    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # what a profile replaces keeps its line
+    "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": ("names the solver itself", "tiny.toml:16"),
+    "[[solver]]\nname = 'external'": ("'command'", "tiny.toml:14"),
+    "[[solver]]\nname = 'external'\nparameters = { command = 'x {A} {B}' }": ("neither 'lower' nor 'upper'", "tiny.toml:16"),
     "[[solver]]\nname = 'guhte'": ("guhte", "guthe"),
     "[[solver]]\nname = 'earlybreak'\nparameters = { sede = 1 }": ("sede", "seed"),
     "[[solver]]\nname = 'earlybreak'\nparameters = { seed = 'one' }": ("seed", "whole number"),

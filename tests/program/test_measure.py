@@ -274,3 +274,18 @@ def test_no_more_workers_than_can_be_used(hausbench: Program, tetrahedron: Path,
         for threads in (1, 1024)
     }
     assert peak[1024] <= peak[1] + 16e6, peak
+
+
+@pytest.mark.parametrize("more", [("--fields", "a.off.ply"), ("--fields", "b.ply"), ("--fields", "link.ply"), ("--certificate", "./b.ply"),
+                                  ("--fields", "x.ply", "--certificate", "../{folder}/x.ply"), ("--symmetric", "--fields", "a.off.ply")])
+def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
+    """Neither A nor B, by whichever name; nor two files into one."""
+    for name, model in (("a.off.ply", "sphere1"), ("b.ply", "sphere2"), ("a.off.back.ply", "sphere2")):
+        assert hausbench("export", model, tmp_path / name).returncode == 0
+    (tmp_path / "link.ply").symlink_to("a.off.ply")
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    b = "a.off.back.ply" if "--symmetric" in more else "b.ply"
+    a = "sphere1" if "--symmetric" in more else "a.off.ply"
+    assert "is the same file: choose another name" in hausbench.fails("measure", a, b, *(text.format(folder=tmp_path.name) for text in more))
+    assert "is the file that is read" in hausbench.fails("export", "a.off.ply", "link.ply")
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before

@@ -176,3 +176,15 @@ def test_errors_are_json_for_programs(hausbench: Program, tetrahedron: Path, tmp
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
     said = json.loads(done.stdout)
     assert said["exit_code"] == 2 and "none.off" in said["error"]
+
+
+def test_lists_as_other_programs_write_them(hausbench: Program, folders: Path) -> None:
+    """With a head, as this program writes it; and two mistakes, each with its place."""
+    file = folders / "pairs.csv"
+    file.write_text("A,B\na/one.off,b/one.obj\n")
+    found = rows(hausbench("measure", "--pairs", file).stdout)
+    assert [row["status"] for row in found] == ["converged"]
+    file.write_text("a/one.off,b/one.obj\na/one.off,b/one.obj,0.5\n")
+    assert "pairs.csv:2: write A, then a comma, then B, and no more" in hausbench.fails("measure", "--pairs", file)
+    file.write_bytes("a/one.off,b/one.obj\n".encode("utf-16-le"))
+    assert "pairs.csv:1: has a NUL byte" in hausbench.fails("measure", "--pairs", file)

@@ -138,6 +138,9 @@ def test_choosing_rows(hausbench: Program, result: Path) -> None:
     assert count("--where", "status!=skipped", "--where", "tolerance=0.01") == 2
     assert count("--solver", "guthe") == 4 and count("--solver", "guthe(split=midpoint)") == 2
     assert count("--scene", "spheres") == 6
+    # Columns that only the table has.
+    assert count("--where", "gap>0") == count("--where", "lower>0") == 4 and count("--where", "gap>1") == 0
+    assert count("--where", "check=holds") == 4 and count("--where", "answer=gap") == 4
     assert "did you mean 'status'" in hausbench.fails("show", result, "--where", "statu=ok")
     assert "did you mean 'guthe'" in hausbench.fails("show", result, "--solver", "gute")
     assert "spheres" in hausbench.fails("show", result, "--scene", "sphere")

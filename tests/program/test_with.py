@@ -66,11 +66,35 @@ def test_upper_bounds_that_were_tried_little(hausbench: Program, asked: Path, pl
     ask = ("run", asked, "--with", "steps", "--plugin", plugin, "--results", tmp_path)
     easy = hausbench(*ask, "--scene", "raised")
     assert easy.returncode == 0 and set(texts(tmp_path / "tiny_steps.h5", "cases/status")) <= {"ok", "budget"}
-    assert "the upper bounds of steps were tried little: in 1 answers the distance lies nowhere above" in easy.stderr
+    assert "the upper bounds of steps were tried little: in 1 answer the distance lies nowhere above" in easy.stderr
     assert "`hausbench run stability_matrix --with steps --plugin" in easy.stderr
+    assert f"--plugin '{plugin}'`" in easy.stderr
+    none = hausbench(*ask, "--scene", "raised", "--no-reference", "--fresh")
+    assert "the upper bounds of steps were not tried at all: no reference answer is known for its 1 answer" in none.stderr
     hard = hausbench("run", "stability_matrix", "--scene", "farthest point inside a face {}", "--with", "steps", "--plugin", plugin, "--results", tmp_path)
     assert hard.returncode == 1 and "unsound" in set(texts(tmp_path / "stability_matrix_steps.h5", "cases/status"))
     assert "tried little" not in hard.stderr
+
+
+def test_the_reference_and_not_the_experiment_says_where_the_distance_is(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
+    """`exact` of the experiment is as good as its author. A false one is told, and tries nothing."""
+    asked.write_text(EXPERIMENT + OTHERS.replace('target = "tetrahedron.off"', 'target = "tetrahedron.off"\nexact = 1e3'))
+    done = hausbench("run", asked, "--with", "steps", "--plugin", plugin, "--scene", "raised", "--results", tmp_path)
+    assert "scene 'raised': the experiment says that the distance is exactly 1000, the reference answer is [" in done.stderr
+    assert "tried little" in done.stderr
+
+
+def test_the_plugins_of_the_experiment_are_known(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
+    asked.write_text(f'plugins = ["{plugin}"]\n' + EXPERIMENT + OTHERS)
+    done = hausbench("run", asked, "--with", "steps", "--scene", "raised", "--results", tmp_path)
+    assert done.returncode == 0 and (tmp_path / "tiny_steps.h5").exists(), done.stderr
+
+
+def test_mistakes_of_the_file_are_named_by_its_own_lines(hausbench: Program, asked: Path, tmp_path: Path) -> None:
+    asked.write_text(EXPERIMENT + OTHERS.replace('source = "raised.off"', 'source = "raised.off"\nexact = "one"'))
+    assert "tiny.toml:17:" in hausbench.fails("run", asked, "--with", "tang", "--results", tmp_path)
+    asked.write_text(EXPERIMENT + OTHERS)
+    assert "--with external: needs parameters: write a [[solver]]" in hausbench.fails("run", asked, "--with", "external", "--results", tmp_path)
 
 
 def test_a_solver_of_the_program_is_tried_by_its_own_tests(hausbench: Program, asked: Path, tmp_path: Path) -> None:
