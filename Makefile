@@ -66,7 +66,7 @@ help:
 	@echo 'make test         build, then all tests and a small experiment from end to end'
 	@echo 'make hostile      fetch and measure every file known to break programs; make test takes those of the models'"'"' packages'
 	@echo 'make test-slurm   run an experiment on a Slurm of one machine and two nodes, kill a task and lose a node (root; installs slurm-wlm and munge)'
-	@echo 'make certificates write and check the proofs of 40 pairs of real meshes, and false claims, which must be refused; fewer of guthe and sacht'
+	@echo 'make certificates write and check the proofs of 41 pairs of real meshes, and false claims, which must be refused; fewer of guthe and sacht'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
 	@echo 'make STEM         run and draw one experiment'

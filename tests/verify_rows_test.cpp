@@ -594,7 +594,7 @@ TEST_F(VerifyRows, AWitnessNamesAnElementThatThereIs) {
     const auto says = [&](Index of_source, Index of_target) {
         Row row = honest();
         row.outcome.witness.source_element = of_source, row.outcome.witness.target_element = of_target;
-        return wrong_witness(row, source, target);
+        return wrong_witness(row.outcome.witness, element_count(source), element_count(target));
     };
     EXPECT_EQ(says(0, 99), "");
     EXPECT_EQ(says(-1, -1), "");

@@ -71,14 +71,13 @@ std::string wrong_size(const Case& asked, const Shape& source) {
     return "";
 }
 
-std::string wrong_witness(const Row& row, const Shape& source, const Shape& target) {
-    const Witness& witness = row.outcome.witness;
-    const auto wrong = [](const char* side, Index element, const Shape& shape) -> std::string {
-        if (element >= -1 && element < element_count(shape)) return "";
-        return fmt::format("its witness names element {} of the {}, which has {}", element, side, element_count(shape));
+std::string wrong_witness(const Witness& witness, Index source_elements, Index target_elements) {
+    const auto wrong = [](const char* side, Index element, Index count) -> std::string {
+        if (element >= -1 && element < count) return "";
+        return fmt::format("its witness names element {} of the {}, which has {}", element, side, count);
     };
-    const std::string first = wrong("source", witness.source_element, source);
-    return first.empty() ? wrong("target", witness.target_element, target) : first;
+    const std::string first = wrong("source", witness.source_element, source_elements);
+    return first.empty() ? wrong("target", witness.target_element, target_elements) : first;
 }
 
 std::vector<std::string> contradictions(const std::vector<Row>& rows,
@@ -89,7 +88,8 @@ std::vector<std::string> contradictions(const std::vector<Row>& rows,
     for (const Row& row : rows) {
         std::string what = contradiction_in(row);
         const Shape *source = load(row.asked.source), *target = load(row.asked.target);
-        if (what.empty() && source && target) what = wrong_witness(row, *source, *target);
+        if (what.empty() && source && target)
+            what = wrong_witness(row.outcome.witness, element_count(*source), element_count(*target));
         if (what.empty() && source) what = wrong_size(row.asked, *source);
         if (what.empty()) continue;
         if (++count <= most) lines.push_back(fmt::format("{}: {}", name_of(row.asked), what));

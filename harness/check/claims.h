@@ -19,7 +19,7 @@ std::string contradiction_in(const Row& row);
 std::string wrong_size(const Case& asked, const Shape& source);
 
 // Likewise for a witness that names an element that its shape does not have.
-std::string wrong_witness(const Row& row, const Shape& source, const Shape& target);
+std::string wrong_witness(const Witness& witness, Index source_elements, Index target_elements);
 
 // A line for each row that contradicts itself, at most 20 of them and then their number. `load` returns null for a shape that is
 // not there.

@@ -1,6 +1,7 @@
 #include "commands/measurement.h"
 
 #include "check/certificate_file.h"
+#include "check/claims.h"
 #include "commands/measurement_solve.h"
 #include "commands/named_shape.h"
 #include "derive.h"
@@ -199,6 +200,10 @@ Measured measure(const MeasureRequest& asked) {
     warn_of_float32(request, measured);
     warn_of_units(measured);
     warn_of_unreferenced(measured);
+    if (const std::string wrong =
+            wrong_witness(measured.result.witness, measured.source.elements, measured.target.elements);
+        !wrong.empty())
+        measured.warnings.push_back(fmt::format("do not trust solver '{}': {}", measured.solver, wrong));
     if (!request.certificate.empty() && !measured.proven && no_answer(measured).empty())
         measured.warnings.push_back(
             fmt::format("{} is not written: {}", request.certificate.string(),

@@ -53,6 +53,7 @@ void lie(const std::string& how, Result& result) {
     if (how == "upper below") bounds = {0, 0.5 * bounds.lower};
     if (how == "lower above") bounds = {2 * bounds.lower, 2 * bounds.upper};  // the witness is still the true one
     if (how == "far witness") bounds = {2 * bounds.lower, 2 * bounds.upper}, result.witness.source_point.array() += 100;
+    if (how == "no such element") result.witness.source_element = 1000000;
     if (how == "crossed") std::swap(bounds.lower, bounds.upper), bounds.lower *= 1.5;
     if (how == "not a number") bounds.lower = bounds.upper = std::numeric_limits<double>::quiet_NaN();
     result.status = Status::converged;
@@ -205,8 +206,8 @@ HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbeh
                  misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(),
                  misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
-                 misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "crossed", "not a number",
-                                           "wide", "wide, no cutoff", "false proof"}),
+                 misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "no such element", "crossed",
+                                           "not a number", "wide", "wide, no cutoff", "false proof"}),
                  misbehaving<leak>("leaks", {"from repeat to repeat", "while it talks"}), stops_early(),
                  misbehaving<babble>("babbles", {"noise", "json", "another row", "an answer", "closed"}),
                  misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"))

@@ -209,6 +209,8 @@ def test_what_a_solver_prints_is_not_the_answer(hausbench: Program, plugin: Path
 
 
 def test_a_status_that_does_not_follow_says_both_lengths(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    wrong = hausbench("measure", tetrahedron, raised, "--solver", "lies", "--set", "at=0", "--set", "how=no such element", "--plugin", plugin)
+    assert "do not trust solver 'lies': its witness names element 1000000 of the source, which has 4" in wrong.stderr + wrong.stdout
     done = hausbench("measure", tetrahedron, raised, "--solver", "lies", "--set", "at=0", "--set", "how=wide", "--of", "absolute",
                      "--tolerance", "0.5", "--json", "--plugin", plugin)
     answer = json.loads(done.stdout)
