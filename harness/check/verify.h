@@ -13,7 +13,7 @@
 // bound of h(A,B) or of h(B,A) is one of H, but none of H is one of h.
 //
 // Reference answers (plan/references.h) are held against the rows likewise: their lower bounds count once their witness is checked, their upper
-// bounds only if a certificate that was checked proves them.
+// bounds only if they are proven, by a certificate that was checked or point by point (verify_upper.h).
 //
 // A penetration depth has a check of its own, see verify_penetration.h.
 //

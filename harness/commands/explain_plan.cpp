@@ -157,8 +157,9 @@ std::string explain(const Plan& plan, const fs::path& results) {
     if (plan.references) {
         double seconds = 0;
         for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
-        text += fmt::format("REFERENCE\n  {} answers, certified and not timed, at most {} s each: about {}; {}\n",
-                            plan.references->cases.size(), e.reference_seconds, clock_text(seconds), rows_are_held);
+        text += fmt::format("REFERENCE\n  {}, certified and not timed, at most {} s each: about {}; {}\n",
+                            counted(plan.references->cases.size(), "answer"), e.reference_seconds, clock_text(seconds),
+                            rows_are_held);
         total += seconds;
     }
     text += "LEFT OUT, beside the structures above\n";

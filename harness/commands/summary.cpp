@@ -47,9 +47,9 @@ std::string describe_references(const ResultFile& result) {
         if (!widest || row.reference.gap() > widest->reference.gap()) widest = &row;
     }
     std::string text = fmt::format(
-        "reference answers: {}, {} within their tolerance, {} upper bounds proven by a certificate; {} of {} rows are "
+        "reference answers: {}, {} within their tolerance, {} proven; {} of {} rows are "
         "held against one\n",
-        result.references.size(), closed, proven, held, result.rows.size());
+        result.references.size(), closed, counted(proven, "upper bound"), held, result.rows.size());
     if (widest)
         text +=
             fmt::format("  {} rows can be refuted only to within the width of their reference, at most {:.3g} ({})\n",

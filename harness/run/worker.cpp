@@ -4,6 +4,7 @@
 #include "run/worker.h"
 
 #include "check/certificate_file.h"
+#include "check/verify_upper.h"
 #include "error.h"
 #include "hash.h"
 #include "plugin.h"
@@ -334,15 +335,20 @@ private:
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 
-    // Checks the certificate of an answer, if it has one.
+    // Checks the upper bound of an answer: between point sets for each point, else by the certificate, if it has one.
     void prove(const WorkOrder::Item& item, const Result& result) {
         const auto tell = [&](double proven, const std::string& certificate) {
             send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
         };
+        const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
+        if (kind_of(source) == ShapeKind::points && kind_of(target) == ShapeKind::points) {
+            const UpperCheck check{item.quantity, result.bounds.upper, query_of(item).time_limit};
+            const Verdict verdict = check.of_points(source, item.source_pose, target, item.target_pose);
+            return tell(verdict == Verdict::holds ? check.upper : unknown, UpperCheck::words(verdict));
+        }
         if (result.certificates.empty())
             return tell(unknown, result.why_no_certificate.empty() ? "none: the solver writes none"
                                                                    : "none: " + one_line(result.why_no_certificate));
-        const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
         CertificateFile content;
         content.source = {"", content_hash(source), item.source_pose};
         content.target = {"", content_hash(target), item.target_pose};

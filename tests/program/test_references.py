@@ -78,16 +78,23 @@ def test_a_wrong_bound_without_a_witness_is_unsound(hausbench: Program, experime
     assert "left out by reference = false in the experiment, or by --no-reference" in texts(tmp_path / "tiny.h5", "ledger/reason")
 
 
-def test_an_upper_bound_that_no_certificate_proves_refutes_nothing(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """`scan` writes no certificate, so a lower bound above its upper bound, which has no witness either, is not refuted by it."""
-    experiment.write_text(EXPERIMENT.replace("sphere1", "gaussian_1k_a").replace("sphere2", "gaussian_1k_b").replace(
-        '[[solver]]\nname = "guthe"\n', "") + claims(50, 50.0001))
+@pytest.mark.parametrize("seconds", [10, 1e-6])
+@pytest.mark.parametrize("quantity", ["directed", "symmetric"])
+def test_a_lower_bound_between_points_is_refuted_by_a_proven_upper_bound_alone(hausbench: Program, experiment: Path, tmp_path: Path, seconds: float,
+                                                                              quantity: str) -> None:
+    """`scan` writes no certificate; its upper bound is checked point by point, for which a millionth of a second is too little."""
+    experiment.write_text(f'quantity = "{quantity}"\n' + EXPERIMENT.replace("sphere1", "gaussian_1k_a").replace("sphere2", "gaussian_1k_b").replace(
+        '[[solver]]\nname = "guthe"\n', "") + f"[limits]\nreference_seconds = {seconds}\n" + claims(50, 50.0001))
     done = hausbench("run", experiment, "--results", tmp_path, "--quiet")
-    if texts(tmp_path / "tiny.h5", "cases/status") == ["skipped"]:
-        pytest.skip("a model is not there")
-    assert done.returncode == 0 and status_of(tmp_path / "tiny.h5", "liar") == ["ok"], done.stderr
-    assert texts(tmp_path / "tiny.h5", "cases/lower_check") == ["no witness"]
-    assert np.isnan(numbers(tmp_path / "tiny.h5", "references/proven_upper"))
+    assert "skipped" not in texts(tmp_path / "tiny.h5", "cases/status")
+    status, proven, upper = (status_of(tmp_path / "tiny.h5", "liar"), numbers(tmp_path / "tiny.h5", "references/proven_upper"),
+                             numbers(tmp_path / "tiny.h5", "references/upper"))
+    if seconds == 10:
+        assert status == ["unsound"] and np.array_equal(proven, upper) and "is above the certified upper bound" in done.stderr
+        assert "accepted: each point has one within the upper bound" in texts(tmp_path / "tiny.h5", "references/facts")[0]
+        assert "1 upper bound proven" in done.stdout
+    else:
+        assert status == ["ok"] and texts(tmp_path / "tiny.h5", "cases/lower_check") == ["no witness"] and np.isnan(proven)
 
 
 def test_references_are_resumed_kept_and_merged(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
@@ -123,7 +130,7 @@ def test_a_reference_that_is_not_closed_says_how_wide_it_is(hausbench: Program, 
 
 def test_explain_counts_references(hausbench: Program, experiment: Path) -> None:
     done: subprocess.CompletedProcess[str] = hausbench("explain", experiment)
-    assert "REFERENCE\n  1 answers, certified and not timed, at most 10 s each" in done.stdout
+    assert "REFERENCE\n  1 answer, certified and not timed, at most 10 s each" in done.stdout
     assert "'reference_seconds'" in hausbench.fails("explain", write(experiment, "[limits]\nreference_seconds = 0\n"))
 
 
