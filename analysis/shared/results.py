@@ -252,9 +252,13 @@ class Results:
         low, high = self.reference_of(case)
         return 0.5 * (low + high)
 
+    def length_unit(self, case: int) -> float:
+        """The diagonal of A, which distances are divided by; 1 for a single point, so that they stay lengths."""
+        return float(self.cases.source_diagonal[case]) or 1.0
+
     def share(self, case: int) -> float:
         """The same over the diagonal of A."""
-        return self.middle(case) / float(self.cases.source_diagonal[case])
+        return self.middle(case) / self.length_unit(case)
 
     def sizes(self, case: int, between: str = " / ") -> str:
         """'1,000 / 2,000'."""

@@ -82,7 +82,7 @@ def panel_title(results: Results, panel: Panel, panels: list[Panel]) -> str:
 
 def relative(results: Results, case: int) -> tuple[float, float]:
     """Gap and error, relative to the diagonal of A."""
-    size = float(results.cases.source_diagonal[case])
+    size = results.length_unit(case)
     return results.gap(case) / size, results.error(case) / size
 
 
@@ -212,7 +212,7 @@ def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Esti
 
 def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:
     """Times and values of the samples that have finite ones."""
-    trace, size = results.trace_of(case), float(results.cases.source_diagonal[case])
+    trace, size = results.trace_of(case), results.length_unit(case)
     values = trace.upper - trace.lower if what == 0 else np.array([results.error(case, float(x)) for x in trace.lower])
     seconds = trace.seconds + results.prepare_seconds(case)
     keep = np.isfinite(values) & (seconds > 0)

@@ -24,7 +24,7 @@ def factors(results: Results) -> dict[tuple[str, str], Floats]:
     """By (solver, name): for each question, the time over the least time of all solvers; infinity where it did not get there, NaN where it was not
     asked or does not take the shapes.
 
-    Questions whose times do not compare are left out.
+    Questions whose times do not compare are left out, and those with a time of 0, which has no factors.
     """
     pairs = style.order(zip(results.cases.solver, results.names))
     columns = []
@@ -32,9 +32,15 @@ def factors(results: Results) -> dict[tuple[str, str], Floats]:
         if reason_apart(frozenset[Any]().union(*[cell.origins for cell in by_name.values() if cell.time.n])):
             continue
         costs = np.array([cost(results, by_name.get(name)) for _, name in pairs])
-        if np.isfinite(costs).any():
+        if np.isfinite(costs).any() and np.nanmin(costs) > 0:
             columns.append(costs / np.nanmin(costs))
     return dict(zip(pairs, np.array(columns).T)) if columns else {}
+
+
+def too_short(results: Results) -> list[str]:
+    """Says how many questions are left out because a clock read 0."""
+    count = sum(any(cell.time.value == 0 for cell in by_name.values()) for by_name in measured(results).values())
+    return [f"{count} {'cases are' if count > 1 else 'case is'} left out: a time is 0, too short for the clock."] if count else []
 
 
 def cost(results: Results, cell: Cell | None) -> float:
@@ -64,7 +70,7 @@ def make(results: Results) -> Report | None:
         records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": shares(values, float(value))}
                     for value in np.unique(values[np.isfinite(values)])]
     table.notes = [f"A case is a scene, a pose and a tolerance; medians of {clock_word(results)} to prepare and solve. A profile of few cases says little, and it "
-                   "depends on which solvers take part.", f"Measured on {machine_line(results)}."]
+                   "depends on which solvers take part.", *too_short(results), f"Measured on {machine_line(results)}."]
     return Report(lambda: draw(found), table, records)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -120,6 +121,29 @@ def test_a_profile_counts_no_case_whose_shapes_a_solver_does_not_take(tmp_path: 
     assert run(file, tmp_path, "--as", "performance-profile") == 0
     text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
     assert "| Guthe 2005 | 6 | 0 % | 100 % |" in text and "| My solver | 7 | 100 % |" in text
+
+
+def test_gaps_are_lengths_where_a_is_a_single_point(tmp_path: Path) -> None:
+    file = sweep(scenes=("x",), source_diagonal=0.0)
+    file.case("guthe", "y", spread(0.1, 6), [(0.0, 0.0, 2.0), (0.1, 1.0, 1.5)], tolerance=0.5, lower=1.0, upper=1.5, source_diagonal=0.0)
+    file.case("guthe", "z", spread(0.1, 6), tolerance=0.5, lower=1.0, upper=1.5)
+    assert run(file, tmp_path) == 0
+    text = (tmp_path / "tables" / "own_error_against_time.md").read_text(encoding="utf-8")
+    assert "| y | Guthe 2005 | 0.5 |" in text and "Lengths, not fractions, because A is a single point: x, y." in text
+    with (tmp_path / "tables" / "own_error_against_time.csv").open(encoding="utf-8") as opened:
+        assert [row["relative_gap"] for row in csv.DictReader(opened) if row["scene"] != "x"] == ["0.5", "0.5"]
+
+
+def test_a_time_of_0_is_no_factor(tmp_path: Path) -> None:
+    file = ResultFile("own")
+    for scene, seconds in (("x", 0.1), ("y", 0.0), ("z", 0.2)):
+        file.case("guthe", scene, [seconds], lower=1.0, upper=1.0)
+        file.case("mine", scene, [0.5 * seconds], lower=1.0, upper=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert run(file, tmp_path, "--as", "performance-profile") == 0
+    text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
+    assert "the share of the 2 cases" in text and "1 case is left out: a time is 0, too short for the clock." in text
 
 
 def test_a_failed_row_shows_no_bounds(tmp_path: Path) -> None:
