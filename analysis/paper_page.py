@@ -21,6 +21,7 @@ from analysis import forest
 from analysis.shared import claims, report, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.printable import printable
+from analysis.shared.tex import tex_escape
 from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
 
 ROOT: Final = REFERENCE.parent.parent
@@ -125,9 +126,9 @@ def latex(paper: str, lines: Sequence[Line]) -> str:
     widths = (0.07, 0.31, 0.1, 0.24, 0.28)
     columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
     head = " & ".join(HEADER[:5]) + r" \\"
-    rows = [" & ".join(map(tables.tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]
+    rows = [" & ".join(map(tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]
     return "\n".join([r"% needs \usepackage{booktabs,longtable,array}", r"{\footnotesize", rf"\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
-                      rf"\caption{{{tables.tex_escape(TITLES.get(paper, paper))}: {count(lines)}.}}\label{{tab:{paper}_claims}}\\", r"\toprule", head,
+                      rf"\caption{{{tex_escape(TITLES.get(paper, paper))}: {count(lines)}.}}\label{{tab:{paper}_claims}}\\", r"\toprule", head,
                       r"\midrule\endfirsthead", r"\toprule", head, r"\midrule\endhead", r"\bottomrule\endfoot", *rows, r"\end{longtable}}", ""])
 
 

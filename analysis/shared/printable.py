@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Callable
 from typing import Final
 
 _BREAKS: Final = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
@@ -14,3 +16,9 @@ _HIDDEN: Final = re.compile("[\u061c\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufef
 def printable(text: str, lines: bool = False) -> str:
     """The text with spaces for control characters and question marks for hidden ones; as one line, or keeping its line breaks."""
     return _HIDDEN.sub("?", (_CONTROLS if lines else _BREAKS).sub(" ", text))
+
+
+def spelled(text: str, known: Callable[[str], bool], form: str = "<{}>") -> str:
+    """The text with each run of letters that are not known as their numbers in Unicode: '<U+4E2D U+6587>'."""
+    runs = [(there, list(letters)) for there, letters in itertools.groupby(text, known)]
+    return "".join("".join(letters) if there else form.format(" ".join(f"U+{ord(letter):04X}" for letter in letters)) for there, letters in runs)

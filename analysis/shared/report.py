@@ -13,6 +13,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 
 from analysis.shared import claims, sizes, style, tables
+from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.results import Results
 
@@ -55,6 +56,7 @@ class Report:
 
 def save_png(figure: Any, path: Path) -> Path:
     """As a PNG alone, for a page; the same numbers give the same bytes."""
+    make_drawable(figure)
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", metadata={"Software": None})
     tables.write_whole(path, drawn.getvalue())
@@ -66,10 +68,11 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
     """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes. A footnote stands
     below all else, and makes the figure higher.
     """
+    make_drawable(figure)
     if footnote:
         figure.draw_without_rendering()  # so that the layout is settled before the text, which it must not make room for
         figure.set_layout_engine("none")
-        figure.text(0.5, -0.01, "\n".join(textwrap.wrap(footnote, int(20 * figure.get_figwidth()))), ha="center", va="top",
+        figure.text(0.5, -0.01, "\n".join(textwrap.wrap(drawable(footnote), int(20 * figure.get_figwidth()))), ha="center", va="top",
                     fontsize=6.5, color=style.GREY)
     folder = out / "figures"
     folder.mkdir(parents=True, exist_ok=True)

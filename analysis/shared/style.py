@@ -20,6 +20,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from analysis.shared import solvers  # noqa: E402
+from analysis.shared.drawable import legend_label  # noqa: E402
 from analysis.shared.statistics import Estimate  # noqa: E402
 
 if TYPE_CHECKING:
@@ -41,6 +42,11 @@ class Look:
     colour: str
     marker: str
     line: Line = "-"
+
+    @property
+    def entry(self) -> str:
+        """The title in a legend."""
+        return legend_label(self.title)
 
     @property
     def size(self) -> float:
@@ -225,11 +231,11 @@ def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool 
 
 def filled_entry(label: str, looks: Look = NEUTRAL) -> Any:
     """Of a legend."""
-    return plt.Line2D([], [], label=label, **filled_marker(looks))
+    return plt.Line2D([], [], label=legend_label(label), **filled_marker(looks))
 
 
 def open_entry(label: str, looks: Look = NEUTRAL) -> Any:
-    return plt.Line2D([], [], label=label, **open_marker(looks))
+    return plt.Line2D([], [], label=legend_label(label), **open_marker(looks))
 
 
 def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
@@ -237,7 +243,7 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
     def line(looks: Look) -> dict[str, Any]:
         return {"linestyle": looks.line, "linewidth": 0.9} if lines else {}
 
-    return [plt.Line2D([], [], label=looks.title, **(filled_marker(looks) | line(looks)))
+    return [plt.Line2D([], [], label=looks.entry, **(filled_marker(looks) | line(looks)))
             for looks in (look(*pair) for pair in pairs)]
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from analysis.shared import tex
 from analysis.shared.printable import printable
 from analysis.shared.statistics import CONFIDENCE, Estimate
 
@@ -18,11 +20,6 @@ if TYPE_CHECKING:
 
 NOTHING = "—"  # this number was not measured, or is unknown
 Record = dict[str, object]
-
-_TEX = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
-        "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}", "<": r"\textless{}",
-        ">": r"\textgreater{}", "—": "---", "–": "--", "…": r"\dots{}", "×": r"$\times$", "≤": r"$\le$", "≥": r"$\ge$",
-        "→": r"$\to$", "α": r"$\alpha$", "λ": r"$\lambda$", "µ": r"\textmu{}", "†": r"$\dagger$"}
 
 
 @dataclass
@@ -101,10 +98,6 @@ def seconds(x: Estimate) -> Record:
     return {"n": x.n, "median_seconds": x.value, "low_seconds": x.low, "high_seconds": x.high}
 
 
-def tex_escape(text: str) -> str:
-    return "".join(_TEX.get(c, c) for c in text)
-
-
 def markdown(table: Table) -> str:
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
@@ -117,19 +110,22 @@ def markdown(table: Table) -> str:
 def latex(table: Table, stem: str) -> str:
     """A table* for a paper that loads booktabs and adjustbox (which shrinks a table too wide for the page)."""
     columns = "l" * table.left + "r" * (len(table.header) - table.left)
+    below = table.lines_below()
+    if note := tex.noted(tex.tex_escape(" ".join([table.caption, *table.header, *below, *(cell for row in table.rows for cell in row)]))):
+        below = [*below, note]
     lines = [r"% needs \usepackage{booktabs,adjustbox}", r"\begin{table*}", r"\centering\small",
-             rf"\caption{{{tex_escape(table.caption)}}}", rf"\label{{tab:{stem}}}",
+             rf"\caption{{{tex.tex_escape(table.caption)}}}", rf"\label{{tab:{re.sub('[^A-Za-z0-9_.-]', '-', stem)}}}",
              r"\begin{adjustbox}{max width=\linewidth}", rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"\toprule",
-             " & ".join(map(tex_escape, table.header)) + r" \\", r"\midrule"]
+             " & ".join(map(tex.tex_escape, table.header)) + r" \\", r"\midrule"]
     for i, row in enumerate(table.rows):
         if i in table.rules and i > 0:
             lines.append(r"\addlinespace")
-        # LaTeX would read a '[' at the start of a row as an argument of the \\ before it.
-        cells = ["{" + cell + "}" if cell.startswith("[") else cell for cell in map(tex_escape, row)]
+        # LaTeX would read a '[' or '*' at the start of a row as an argument of the \\ before it.
+        cells = ["{" + cell + "}" if cell.startswith(("[", "*")) else cell for cell in map(tex.tex_escape, row)]
         lines.append(" & ".join(cells) + r" \\")
     lines += [r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
-    if below := table.lines_below():
-        notes = r" \\ ".join(map(tex_escape, below))
+    if below:
+        notes = r" \\ {}".join(map(tex.tex_escape, below))
         lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {notes}}}"]
     return "\n".join(lines + [r"\end{table*}", ""])
 

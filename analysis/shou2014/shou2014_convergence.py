@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 
 from analysis.shared import claims, style, tables
+from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -135,7 +136,7 @@ def draw_interval(ax: Any, pruned: Points, exact: float, left: float) -> None:
     for end in ("lower", "upper"):
         ax.plot(x, [getattr(one, end) for _, one in pruned], color=plain.colour, marker=plain.marker, markersize=3.5)
     ax.axhline(exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2)))
-    ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (left, exact), xytext=(4, -3), textcoords="offset points", ha="left", va="top", fontsize=7)
+    as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (left, exact), xytext=(4, -3), textcoords="offset points", ha="left", va="top", fontsize=7))
     ax.set_ylabel("interval of H")
 
 

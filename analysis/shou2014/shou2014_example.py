@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import style, tables
+from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -116,8 +117,8 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
         ax.plot([(one.lower + one.upper) / 2], [row], **style.filled_marker(looks))
         names.append(title_of(solver, label, tolerance))
     ax.axvline(exact, color="black", linewidth=0.7, linestyle=(0, (3, 2)), zorder=0)
-    ax.annotate(r"$\sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
-                va="center", fontsize=7)
+    as_formula(ax.annotate(r"$\sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
+                va="center", fontsize=7))
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.9)
     ax.set_xlabel("Hausdorff distance H")

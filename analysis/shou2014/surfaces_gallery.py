@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from analysis.shared import style, tables
 from analysis.shared.columns import Floats
+from analysis.shared.drawable import as_formula
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -178,7 +179,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
         ax.spines[:].set_linewidth(0.4)
         ax.set_title(scene, fontsize=7, pad=3)
         x, y = "xyz"[across[0]], "xyz"[across[1]]
-        ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2)
+        as_formula(ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2))
     marks = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
              for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
     marks.append(plt.Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))

@@ -76,7 +76,7 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
 
 def handle(pair: Label) -> Any:
     looks = look(*pair)
-    return plt.Line2D([], [], label=looks.title, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+    return plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
 
 
 def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure) -> None:

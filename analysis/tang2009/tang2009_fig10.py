@@ -85,7 +85,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
                     ax.text(0.01, y, cell.failure_text(), va="center", fontsize=6, color=looks.colour, transform=ax.get_yaxis_transform())
                     continue
                 value = 1e3 * cell.time.value if what == "time" else cell.peak / 1e6
-                ax.barh(y, value, height * 0.92, color=looks.colour, label=looks.title)
+                ax.barh(y, value, height * 0.92, color=looks.colour, label=looks.entry)
                 if what == "time":
                     style.interval(ax, cell.time, y, 1e3, color="black", linewidth=0.7)
         ax.set_xscale("log")

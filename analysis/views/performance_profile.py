@@ -84,7 +84,7 @@ def draw(found: dict[tuple[str, str], Floats]) -> Any:
         if not asked:
             continue
         y = np.concatenate([[shares(values, 1)], np.arange(1, len(known) + 1) / asked, [len(known) / asked]])
-        ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.title)
+        ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.entry)
     ax.set_xscale("log")
     ax.set(xlim=(1.0, 1.2 * max(most, 2.0)), ylim=(-0.02, 1.02), xlabel="time / least time of all solvers", ylabel="share of its cases")
     scales.log_ticks(ax.xaxis)

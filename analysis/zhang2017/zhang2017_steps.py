@@ -141,7 +141,7 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
     axes[0][0].set_ylabel("inner steps for a point of A")
     entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
                           **{**style.filled_marker(counted), "linestyle": "-"}),
-               *[plt.Line2D([], [], label=looks.title, color=looks.colour, linestyle=looks.line, linewidth=0.9)
+               *[plt.Line2D([], [], label=looks.entry, color=looks.colour, linestyle=looks.line, linewidth=0.9)
                  for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
     style.legend_above(figure, entries)
     return figure

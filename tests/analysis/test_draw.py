@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import pytest
 from synthetic import ResultFile, spread
 
 from analysis import draw
 from analysis.shared import style
+from analysis.shared.drawable import make_drawable
 
 CLAIMS = """
 [[claim]]
@@ -121,6 +123,39 @@ def test_a_profile_counts_no_case_whose_shapes_a_solver_does_not_take(tmp_path: 
     assert run(file, tmp_path, "--as", "performance-profile") == 0
     text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
     assert "| Guthe 2005 | 6 | 0 % | 100 % |" in text and "| My solver | 7 | 100 % |" in text
+
+
+HOSTILE = ("_a$x_1$", "中文 $\\frac", "ä^2 & 100 % of \\alpha", "$", "*[ε")
+
+
+def test_names_are_drawn_as_they_are(tmp_path: Path) -> None:
+    """Neither mathtext nor LaTeX reads them, no entry of a legend is lost, and no letter vanishes."""
+    file = ResultFile("own", meta={"title": HOSTILE[1]})
+    for scene in HOSTILE:
+        for pose in range(2):
+            for label in HOSTILE:
+                file.case("guthe", scene, spread(0.1, 6), label=label, pose_index=pose, lower=1.0, upper=1.0, lower_check="not checked (no witness)")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert run(file, tmp_path) == 0
+    for path in (tmp_path / "tables").glob("*.tex"):
+        text = path.read_text(encoding="utf-8")
+        assert text.isascii() and r"\texttt{U+4E2D U+6587} \$\textbackslash{}frac" in text and "U+ and digits" in text
+        assert r"\"{a}\textasciicircum{}2 \& 100 \% of" in text
+
+
+def test_legends_have_names_with_an_underscore_in_front() -> None:
+    figure, ax = plt.subplots()
+    ax.plot([1, 2], [1, 2], label=style.Look("_a$x_1$", "#000000", "o").entry)
+    figure.legend(handles=[style.filled_entry("_b"), style.open_entry("$_c^$ 中")])
+    ax.set_yticks([1, 2], ["$y_1$", "$10^{2}$"])
+    ax.legend()
+    make_drawable(figure)
+    figure.draw_without_rendering()
+    texts = {text.get_text().strip() for legend in (ax.get_legend(), figure.legends[0]) for text in legend.get_texts()}
+    assert texts == {r"_a\$x_1\$", "_b", r"\$_c^\$ <U+4E2D>"}
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == [r"\$y_1\$", "$10^{2}$"]
+    plt.close(figure)
 
 
 def test_gaps_are_lengths_where_a_is_a_single_point(tmp_path: Path) -> None:

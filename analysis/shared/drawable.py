@@ -1,0 +1,63 @@
+"""Makes text safe to draw: names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible."""
+
+from __future__ import annotations
+
+import re
+import weakref
+from functools import cache
+from typing import Any, Final
+
+import matplotlib
+import matplotlib.axes
+import matplotlib.font_manager
+import matplotlib.text
+import matplotlib.ticker
+
+from analysis.shared.printable import printable, spelled
+
+_done: Final = weakref.WeakSet[Any]()  # texts that are drawable
+_POWER: Final = re.compile(r"\$10\^\{-?\d+\}\$")  # a tick of a logarithmic axis
+
+
+@cache
+def _glyphs() -> frozenset[int]:
+    font = matplotlib.font_manager.findfont(matplotlib.font_manager.FontProperties(family=matplotlib.rcParams["font.family"]))
+    return frozenset(matplotlib.font_manager.get_font(font).get_charmap())
+
+
+def drawable(text: str) -> str:
+    """The text with its dollar signs escaped, and '<U+4E2D>' for a letter that the font of figures lacks."""
+    if _POWER.fullmatch(text):
+        return text
+    return spelled(printable(text, lines=True), lambda letter: letter == "\n" or ord(letter) in _glyphs()).replace("$", r"\$")
+
+
+def legend_label(text: str) -> str:
+    """The text as the label of a line: matplotlib leaves labels that begin with '_' out of legends."""
+    return f" {text}" if text.startswith("_") else text
+
+
+class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
+    """Labels of ticks that another formatter takes from a list."""
+
+    def __init__(self, inner: Any) -> None:
+        self.inner = inner
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return drawable(self.inner(x, pos))
+
+
+def as_formula(text: Any) -> None:
+    """Lets matplotlib read what stands between dollar signs in this text."""
+    _done.add(text)
+
+
+def make_drawable(artist: Any) -> None:
+    """Makes all texts of a figure, or of a part of it, drawable, apart from formulas."""
+    for text in set(artist.findobj(matplotlib.text.Text)) - set(_done):
+        text.set_text(drawable(text.get_text()))
+        _done.add(text)
+    for ax in artist.findobj(matplotlib.axes.Axes):
+        for axis in (ax.xaxis, ax.yaxis):
+            if isinstance(named := axis.get_major_formatter(), (matplotlib.ticker.FixedFormatter, matplotlib.ticker.FuncFormatter)):
+                axis.set_major_formatter(_Drawable(named))

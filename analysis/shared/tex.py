@@ -1,0 +1,48 @@
+"""Text for LaTeX, in ASCII alone: special characters, accents, symbols, and the numbers of letters that LaTeX does not set by itself."""
+
+from __future__ import annotations
+
+import unicodedata
+from typing import Final
+
+from analysis.shared.printable import printable, spelled
+
+_SYMBOLS: Final = {
+    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}", "<": r"\textless{}", ">": r"\textgreater{}",
+    "—": "---", "–": "--", "…": r"\dots{}", "“": "``", "”": "''", "‘": "`", "’": "'", "\u00a0": "~",
+    "×": r"$\times$", "·": r"$\cdot$", "±": r"$\pm$", "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≠": r"$\ne$", "≈": r"$\approx$", "→": r"$\to$",
+    "∞": r"$\infty$", "√": r"$\surd$", "°": r"$^\circ$", "²": "$^2$", "³": "$^3$", "′": r"$'$", "µ": r"\textmu{}", "†": r"$\dagger$",
+    "ß": r"\ss{}", "ø": r"\o{}", "Ø": r"\O{}", "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ł": r"\l{}", "Ł": r"\L{}", "ı": r"\i{}"}
+_GREEK: Final = dict(zip("αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ", (
+    "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon varphi chi psi omega "
+    "Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega").split()))
+_KNOWN: Final = _SYMBOLS | {letter: rf"$\{name}$" for letter, name in _GREEK.items()}
+# By the combining accent: the command that puts it over or under a letter.
+_ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"', "\u030a": "r",
+                   "\u030b": "H", "\u030c": "v", "\u0327": "c"}
+SPELLED: Final = r"\texttt{U+"
+SPELLED_NOTE: Final = "U+ and digits are the number in Unicode of a letter that LaTeX does not set by itself."
+
+
+def _tex(letter: str) -> str:
+    """A letter for LaTeX; empty if LaTeX cannot set it by itself."""
+    if letter in _KNOWN or letter.isascii():
+        return _KNOWN.get(letter, letter)
+    parts = unicodedata.normalize("NFD", letter)
+    base, accent = parts[0], parts[1:]
+    if accent not in _ACCENTS or not base.isascii():
+        return ""
+    return f"\\{_ACCENTS[accent]}{{{base.replace('i', chr(92) + 'i')}}}"
+
+
+def tex_escape(text: str) -> str:
+    """The text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'. An accent that stands behind its letter is put over it."""
+    whole, form = unicodedata.normalize("NFC", printable(text)), "\x02{}\x03"
+    spelt = spelled(whole, lambda letter: bool(_tex(letter)), form)
+    return "".join(_tex(letter) for letter in spelt).replace("\x02", r"\texttt{").replace("\x03", "}")
+
+
+def noted(text: str) -> str:
+    """A note if the escaped text has letters as their numbers; else empty."""
+    return SPELLED_NOTE if SPELLED in text else ""
