@@ -186,11 +186,15 @@ def order(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
     return sorted(dict.fromkeys(pairs), key=lambda pair: place.get(pair[0], len(place)))
 
 
+# Scenes that are panels of a paper's table or figure.
+PANELS: Final = frozenset({"a_pears", "b_cow_hippo", "c_rabbits", "d_cups", "e_wrenches", "f_singular"})
+
+
 def scene_title(scene: str) -> str:
-    """'b_cow_hippo' -> '(b) cow, hippo'; other names keep their words."""
-    head, _, rest = scene.partition("_")
-    if len(head) == 1 and head.isalpha() and rest:
-        return f"({head}) {rest.replace('_', ', ')}"
+    """'b_cow_hippo' -> '(b) cow, hippo' for a panel; other names keep their words."""
+    if scene in PANELS:
+        letter, *words = scene.split("_")
+        return f"({letter}) {', '.join(words)}"
     return scene.replace("_", " ")
 
 

@@ -1,6 +1,7 @@
 """Colours and markers, zeros on logarithmic axes, and figures that are the same bytes each time."""
 
 import time
+import tomllib
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -46,6 +47,13 @@ def test_order_and_titles() -> None:
     assert style.order([("new", "new"), ("cover", "cover"), ("naive", "naive"), ("cover", "cover")]) == [
         ("naive", "naive"), ("cover", "cover"), ("new", "new")]
     assert style.scene_title("b_cow_hippo") == "(b) cow, hippo" and style.scene_title("bunny_half") == "bunny half"
+    assert style.scene_title("s_one_two") == "s one two"
+
+
+def test_panels_are_the_scenes_of_the_experiments_that_begin_with_a_letter() -> None:
+    names = {scene["name"] for file in (Path(__file__).parents[2] / "experiments").rglob("*.toml") if "[[scene]]" in (text := file.read_text(encoding="utf-8"))
+             for scene in tomllib.loads(text).get("scene", [])}
+    assert style.PANELS == {name for name in names if name[1:2] == "_"}
 
 
 @pytest.mark.parametrize("values", [[0.0, 1e-8, 1e-3], [1e-16, 0.0], [0.0, 0.0], [5e-324, 0.0]])
