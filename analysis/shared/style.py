@@ -20,7 +20,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from analysis.shared import solvers  # noqa: E402
-from analysis.shared.drawable import legend_label  # noqa: E402
+from analysis.shared.drawable import legend_label, make_drawable  # noqa: E402
 from analysis.shared.statistics import Estimate  # noqa: E402
 
 if TYPE_CHECKING:
@@ -251,8 +251,18 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
             for looks in (look(*pair) for pair in pairs)]
 
 
-def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3) -> None:
-    """A legend above all frames; constrained layout keeps them clear of it."""
-    figure.legend(handles=entries, loc="upper center", ncol=columns)
+def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3, room: bool = False) -> None:
+    """A legend above all frames; constrained layout keeps them clear of it. With `room` it makes the figure higher, and has fewer columns if its
+    labels are long.
+    """
+    legend = figure.legend(handles=entries, loc="upper center", ncol=columns)
+    make_drawable(legend)
+    while room and columns > 1 and legend.get_window_extent(figure.canvas.get_renderer()).width > figure.bbox.width:
+        legend.remove()
+        columns -= 1
+        legend = figure.legend(handles=entries, loc="upper center", ncol=columns)
+        make_drawable(legend)
     rows = -(-len(entries) // columns)
+    if room:
+        figure.set_figheight(figure.get_figheight() + 0.155 * rows)
     figure.get_layout_engine().set(rect=(0, 0, 1, 1 - 0.155 * rows / figure.get_size_inches()[1]))

@@ -60,7 +60,7 @@ def seconds(results: Results, row: int) -> float:
 
 def draw(results: Results, scenes: list[str]) -> Any:
     """For each scene the interval of every pose above, and the time below."""
-    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 4.0), sharex="col", squeeze=False)
+    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.7), sharex="col", squeeze=False)
     shown: dict[tuple[str, str], None] = {}
     for (above, below), scene in zip(axes.T, scenes):
         for pair in pairs_of(results, scene):
@@ -78,5 +78,5 @@ def draw(results: Results, scenes: list[str]) -> Any:
         below.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(6, integer=True))
     axes[0][0].set_ylabel("distance: bounds, and their middle")
     axes[1][0].set_ylabel(f"{clock_title(results)} to solve (ms)")
-    style.legend_above(figure, style.handles(shown))
+    style.legend_above(figure, style.handles(shown), columns=5, room=True)
     return figure

@@ -75,8 +75,9 @@ def make(results: Results) -> Report | None:
 
 
 def draw(found: dict[tuple[str, str], Floats]) -> Any:
-    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.2))
+    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.0))
     most = max(float(values[np.isfinite(values)].max(initial=1.0)) for values in found.values())
+    entries = []
     for pair, values in found.items():
         looks, known = style.look(*pair), np.sort(values[np.isfinite(values)])
         x = np.concatenate([[1.0], known, [1.2 * max(most, 2.0)]])
@@ -84,9 +85,9 @@ def draw(found: dict[tuple[str, str], Floats]) -> Any:
         if not asked:
             continue
         y = np.concatenate([[shares(values, 1)], np.arange(1, len(known) + 1) / asked, [len(known) / asked]])
-        ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.entry)
+        entries += ax.step(x, y, where="post", color=looks.colour, linestyle=looks.line, linewidth=1.2, label=looks.entry)
     ax.set_xscale("log")
     ax.set(xlim=(1.0, 1.2 * max(most, 2.0)), ylim=(-0.02, 1.02), xlabel="time / least time of all solvers", ylabel="share of its cases")
     scales.log_ticks(ax.xaxis)
-    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.legend_above(figure, entries, columns=5, room=True)
     return figure

@@ -14,7 +14,7 @@ import pytest
 from synthetic import ResultFile, spread
 
 from analysis import draw
-from analysis.shared import style
+from analysis.shared import report, style
 from analysis.shared.drawable import make_drawable
 
 CLAIMS = """
@@ -156,6 +156,30 @@ def test_legends_have_names_with_an_underscore_in_front() -> None:
     assert texts == {r"_a\$x_1\$", "_b", r"\$_c^\$ <U+4E2D>"}
     assert [tick.get_text() for tick in ax.get_yticklabels()] == [r"\$y_1\$", "$10^{2}$"]
     plt.close(figure)
+
+
+@pytest.mark.parametrize("words", ["", ", with many words that say what is so special about this variant of it"])
+def test_a_legend_of_many_labels_is_inside_the_figure(words: str) -> None:
+    figure, _ = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.0))
+    style.legend_above(figure, [style.filled_entry(f"mine(step={step}{words})") for step in range(40)], columns=5, room=True)
+    figure.draw_without_rendering()
+    inside, whole = figure.legends[0].get_window_extent(), figure.bbox
+    assert whole.x0 <= inside.x0 and inside.x1 <= whole.x1 and whole.y0 <= inside.y0 and inside.y1 <= whole.y1
+    assert figure.axes[0].get_window_extent().height > 2.2 * figure.dpi and figure.axes[0].get_window_extent().y1 < inside.y0
+    plt.close(figure)
+
+
+def test_a_profile_has_every_label_in_its_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = sweep()
+    for step in range(30):
+        file.case("mine", "x", spread(0.1, 6), tolerance=1e-2, label="mine", variant=f"step={step},method=robust", lower=1.0, upper=1.0)
+    shown: list[Any] = []
+    monkeypatch.setattr(report, "save_figure", lambda figure, *_: [shown.append(figure)])  # type: ignore[func-returns-value]
+    assert run(file, tmp_path, "--as", "performance-profile") == 0
+    shown[0].draw_without_rendering()
+    box, whole = shown[0].legends[0].get_window_extent(), shown[0].bbox
+    assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= whole.x1 and box.y1 <= whole.y1 and len(shown[0].legends[0].get_texts()) == 32
+    plt.close(shown[0])
 
 
 def test_gaps_are_lengths_where_a_is_a_single_point(tmp_path: Path) -> None:
