@@ -12,11 +12,13 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from analysis.shared import remedy
 from analysis.shared.columns import DEFAULTS, Answers, Cases, Fields, Floats, Ledger, Models, Preparation, Repeats, Trace
 from analysis.shared.results import ResultError, Results
 
 SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parents[2] / "results" / "reference"
+ANOTHER = "name a result, as 'hausbench run' writes them"
 SEAL_BEGIN, SEAL_LENGTH = b"\nsha256 ", 73  # the last line of a file: this, 64 digits and a newline
 
 Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Fields, Ledger)
@@ -74,6 +76,11 @@ def _end_of_data(head: bytes) -> int | None:
     return int.from_bytes(head[(at := {0: 40, 1: 44}.get(head[8], 28)):at + 8], "little")
 
 
+def _begins_as_hdf5(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+
+
 def _has_broken_seal(path: Path) -> bool:
     """Something follows the data of the file that is not their SHA-256. Nothing follows the data of a file that another program changed."""
     with path.open("rb") as file:
@@ -129,11 +136,11 @@ def load(path: Path, profile: str = "") -> Results:
     """
     stem = path.stem.removesuffix(".everything")  # of `run --leave-nothing-out`
     if not path.is_file():
-        raise ResultError(f"{path}: no such file: measure it with 'make {stem}'")
-    again = f"delete it and measure again with 'make {stem}'"
+        raise ResultError(f"{path}: no such file: measure it with {remedy.measure(stem)}")
+    whole = f"take a copy that is whole, or move it away and measure again with {remedy.measure(stem)}"
     try:
         if _has_broken_seal(path):
-            raise ResultError(f"{path}: damaged: its bytes do not have the SHA-256 that it ends with: take a copy that is whole, or {again}")
+            raise ResultError(f"{path}: damaged: its bytes do not have the SHA-256 that it ends with: {whole}")
         with h5py.File(path, "r") as file:
             meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
             if int(meta["schema_version"]) > SCHEMA_VERSION:
@@ -144,16 +151,18 @@ def load(path: Path, profile: str = "") -> Results:
                               _columns(Answers, file, "answers"), _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
                               _columns(Trace, file, "trace"), _columns(Fields, file, "fields"), _values(file),
                               _columns(Ledger, file, "ledger"))
+    except PermissionError as problem:
+        raise ResultError(f"{path}: {problem.strerror}") from None
     except OSError:
-        raise ResultError(f"{path}: not an HDF5 file, or a damaged one: {again}") from None
+        raise ResultError(f"{path}: damaged: {whole}" if _begins_as_hdf5(path) else f"{path}: not an HDF5 file: {ANOTHER}") from None
     except (KeyError, TypeError, ValueError, AttributeError) as problem:
         text = str(problem.args[0]) if problem.args else ""
-        raise ResultError(f"{path}: not a hausbench result file ({text}): {again}") from None
+        raise ResultError(f"{path}: not a hausbench result file ({text}): {ANOTHER}") from None
     if meta.get("stem") != stem:
-        raise ResultError(f"{path}: holds the experiment '{meta.get('stem')}', not '{stem}': rename it or {again}")
+        raise ResultError(f"{path}: holds the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")
     results = _of_profile(results, profile or str(meta.get("profile", "")))
     if len(results.cases) == 0:
-        raise ResultError(f"{path}: holds no cases: {again}")
+        raise ResultError(f"{path}: holds no cases of profile '{meta.get('profile')}': measure them with {remedy.measure(stem, str(meta.get('experiment_file', '')))}")
     return results
 
 

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from analysis.shared import remedy
 from analysis.shared.columns import Floats
 from analysis.shared.results import ResultError, Results
 
@@ -65,7 +66,7 @@ def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
     path = _files(cache_folder() / "shapes").get(hashes.get(model, ""))
     if path is None or not path.exists():
         raise ResultError(f"model '{model}' cannot be drawn: its shape is not in {cache_folder()}: run its experiment again "
-                          f"with 'make {results.stem}'")
+                          f"with {remedy.measure(results.stem, str(results.meta.get('experiment_file', '')))}")
     with h5py.File(path, "r") as file:
         triangles = file["triangles"][()] if "triangles" in file else np.empty((0, 3))
         return np.asarray(file["coordinates"][()], dtype=np.float64), np.asarray(triangles, dtype=np.int64)

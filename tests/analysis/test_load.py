@@ -12,7 +12,7 @@ import synthetic
 from synthetic import ResultFile, spread
 
 from analysis import schema
-from analysis.shared import load, notes, solvers, style
+from analysis.shared import load, notes, remedy, solvers, style
 from analysis.shared.results import ResultError, Results
 
 
@@ -212,7 +212,7 @@ def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(ResultError, match=r"none\.h5: no such file.*make none"):
+    with pytest.raises(ResultError, match=r"none\.h5: no such file: measure it with 'hausbench run none\.toml'"):
         load.load(tmp_path / "none.h5")
 
 
@@ -254,7 +254,7 @@ def test_a_newer_file_has_more_columns(tmp_path: Path) -> None:
 
 def test_no_hdf5(tmp_path: Path) -> None:
     (tmp_path / "text.h5").write_text("case,solver\n")
-    with pytest.raises(ResultError, match=r"text\.h5: not an HDF5 file.*make text"):
+    with pytest.raises(ResultError, match=r"text\.h5: not an HDF5 file: name a result"):
         load.load(tmp_path / "text.h5")
 
 
@@ -298,6 +298,26 @@ def test_text_where_a_number_belongs(tmp_path: Path) -> None:
         opened["cases/upper"] = np.array(["1"], dtype=synthetic.TEXT)
     with pytest.raises(ResultError, match="cases/upper"):
         load.load(path)
+
+
+def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None:
+    h5py.File(tmp_path / "cut.h5", "w", libver="latest").create_dataset("x", data=np.zeros(1000)).file.close()
+    (tmp_path / "cut.h5").write_bytes((tmp_path / "cut.h5").read_bytes()[:600])
+    (tmp_path / "text.h5").write_text("a letter")
+    h5py.File(tmp_path / "foreign.h5", "w").close()
+    ResultFile("empty", meta={"experiment_file": "/mine/empty.toml"}).write(tmp_path)
+    said = {}
+    for name in ("cut", "text", "foreign", "empty"):
+        with pytest.raises(ResultError) as error:
+            load.load(tmp_path / f"{name}.h5")
+        said[name] = str(error.value)
+    assert "delete" not in " ".join(said.values()) and "move it away" not in said["text"] + said["foreign"]
+    assert "damaged: take a copy that is whole" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
+
+
+def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
+    assert remedy.measure("zhang2017_table3") == "'make zhang2017_table3'" and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
+    assert remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
 
 
 def test_file_of_another_experiment(tmp_path: Path) -> None:
@@ -358,7 +378,7 @@ def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
     assert len(places) > 100 and load.load(path).cases.upper[0] == 0.25
     for name, at in places.items():
         path.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1:])
-        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* 'make flipped'"):
+        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
             load.load(path)
             pytest.fail(f"{name} was read")
     path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # a digit of the seal

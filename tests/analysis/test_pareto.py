@@ -69,4 +69,4 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert pareto.main(["error_vs_time", "--results", str(tmp_path)]) == 0
     assert "does not hold" in capsys.readouterr().out
     assert pareto.main(["other", "--results", str(tmp_path)]) == 2
-    assert "make other" in capsys.readouterr().err
+    assert "hausbench run other.toml" in capsys.readouterr().err

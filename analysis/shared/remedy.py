@@ -1,0 +1,14 @@
+"""How a result is measured, for the messages that ask for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parents[2]
+
+
+def measure(stem: str, file: str = "", root: Path = ROOT) -> str:
+    """'make STEM' for an experiment of the project in a clone of it; else 'hausbench run FILE', with the file of the experiment if that is known."""
+    ours = (root / "Makefile").is_file() and any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
+    return f"'make {stem}'" if ours else f"'hausbench run {file or f'{stem}.toml'}'"
