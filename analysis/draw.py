@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for kind, report in reports(results, chosen.kinds).items():
             stem = f"{results.stem}_{kind.replace('-', '_')}"
             print(*report.save(results, chosen.out or chosen.result.parent, stem), sep="\n")
-            for verdict in report.table.verdicts if report.table else ():
+            for verdict in table.verdicts if (table := report.printed(results, stem)) else ():
                 print(printable(verdict.line()))
     except ResultError as problem:
         print(printable(str(problem)), file=sys.stderr)

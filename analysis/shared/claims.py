@@ -21,6 +21,7 @@ from analysis.shared.verdicts import Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
+STATED: Final = "experiment"  # in place of a paper, for claims that an experiment states itself
 KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs"})
 SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
 Record = dict[str, object]

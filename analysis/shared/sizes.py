@@ -54,7 +54,7 @@ def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Ver
 
 def _untested(verdict: Verdict, results: Results, stem: str) -> Verdict:
     claim = verdict.claim
-    if not isinstance(claim, claims.Claim) or claim.entry.paper == claims.OWN:
+    if not isinstance(claim, claims.Claim) or claim.entry.paper in (claims.OWN, claims.STATED):
         return verdict
     kept = kept_outcome(claim, stem)
     there = f"at the paper's sizes: {kept}, see results/reference" if kept else "it has not been measured at the paper's sizes"

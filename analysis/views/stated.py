@@ -12,8 +12,6 @@ from analysis.shared.over_pairs import on_average
 from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict, everywhere
 
-PAPER = "experiment"  # in place of a paper's name, in the file of verdicts
-
 
 def verdicts(results: Results, asked: Mapping[Any, Mapping[str, Cell]]) -> list[Verdict]:
     """One for each claim of the experiment's text, as kept in the result. A claim counts questions that both solvers were asked."""
@@ -28,8 +26,10 @@ def _judged(results: Results, stated: Mapping[str, Any], number: int, asked: Map
     every = stated.get("on") == "every" or len(both) == 1  # one case has no average
     claim = claims.Claim(f"{_title(results, fast)} takes less time than {_title(results, slow)} {'on every case' if every else 'on average'}"
                          + (f", by a factor of {by:g}" if by != 1 else ""))
-    claim.entry = claims.Entry(PAPER, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", False, "")
+    claim.entry = claims.Entry(claims.STATED, f"claim_{number + 1}", (f"{results.stem}_table",), str(claim), "", "", "every pair" if every else "average", False, "")
     claim.place = ""
+    if fast == slow:
+        return Verdict(claim, UNTESTED, "it compares a solver with itself: name another one in the claim")
     for name in (fast, slow):
         labels = list(dict.fromkeys(label for cells in asked.values() for label in cells))
         if name not in labels and (swept := [label for label in labels if label.startswith(f"{name}(")]):

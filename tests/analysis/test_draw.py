@@ -94,6 +94,24 @@ def test_a_claim_about_a_solver_that_was_run_with_several_parameters_says_so(tmp
     assert "not tested ('mine' is not one solver here: it was run as mine(step=1), mine(step=2); name one of these in the claim)" in capsys.readouterr().out
 
 
+def test_terminal_and_table_have_one_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Also if the experiment asks for more in profile `paper` than was measured."""
+    file = sweep()
+    file.meta["experiment_toml"] += '[[solver]]\nname = "guthe"\n[[solver]]\nname = "mine"\n[[solver]]\nname = "cgal"\nprofiles = ["paper"]\n'
+    assert run(file, tmp_path, "--as", "table") == 0
+    printed = [line for line in capsys.readouterr().out.splitlines() if line.startswith("Claim:")]
+    table = (tmp_path / "tables" / "own_table.md").read_text(encoding="utf-8").splitlines()
+    assert printed == [line.removeprefix("- ") for line in table if line.startswith("- Claim:")]
+    assert "Here it holds" in printed[0] and len(printed) == 2
+
+
+def test_a_solver_is_not_compared_with_itself(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = sweep()
+    file.meta["experiment_toml"] = '[[claim]]\nsolver = "guthe"\nfaster_than = "guthe"\n'
+    assert run(file, tmp_path, "--as", "table") == 0
+    assert "Here: not tested (it compares a solver with itself" in capsys.readouterr().out
+
+
 def test_the_table_has_every_answer(tmp_path: Path) -> None:
     file = sweep(scenes=("x",), reported_seconds=0.05)
     file.case("mine", "z", [], status="timeout", reason="60 s")
