@@ -1,6 +1,6 @@
 """Tables and figures of any result: `hausbench draw RESULT.h5`, which runs this file.
 
-Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png, for each kind that the result holds: `table` (every
+Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png (or the formats asked for), for each kind that the result holds: `table` (every
 answer; the experiment's own claims), `error-against-time`, `performance-profile` and `motion`.
 """
 
@@ -16,10 +16,12 @@ from typing import Final
 from analysis.shared import style
 from analysis.shared.load import load
 from analysis.shared.printable import printable
-from analysis.shared.report import Report
+from analysis.shared.report import FORMATS, Report
 from analysis.shared.results import ResultError, Results
 
 KINDS: Final = {"table": "answers", "error-against-time": "error_against_time", "performance-profile": "performance_profile", "motion": "motion"}
+
+SUFFIXES: Final = ("pdf", "png", "svg")
 
 
 def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
@@ -32,12 +34,35 @@ def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
     return found
 
 
+def inches(text: str) -> float:
+    """The width of a figure: a name in style.WIDTHS, or inches."""
+    if text in style.WIDTHS:
+        return style.WIDTHS[text]
+    try:
+        found = float(text)
+    except ValueError:
+        found = 0.0
+    if not 2 <= found <= 40:
+        raise argparse.ArgumentTypeError(f"'{text}' is neither single, double nor a number of inches from 2 to 40")
+    return found
+
+
+def formats(text: str) -> list[str]:
+    """Distinct names in SUFFIXES, from a list with commas."""
+    found = list(dict.fromkeys(text.split(",")))
+    if unknown := [name for name in found if name not in SUFFIXES]:
+        raise argparse.ArgumentTypeError(f"'{unknown[0]}' is not one of {', '.join(SUFFIXES)}")
+    return found
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit code: 2 if the result cannot be used or drawn."""
     parser = argparse.ArgumentParser(prog="hausbench draw", description="Tables and figures of any result, for papers.")
     parser.add_argument("result", type=Path, metavar="RESULT.h5")
     parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS), help="what to draw; may be repeated (default: all that the result holds)")
     parser.add_argument("--highlight", metavar="LABEL", default="", help="draw this solver in front of the others, which become grey")
+    parser.add_argument("--width", type=inches, default=style.DOUBLE_COLUMN, help="of the figures: single (3.5 inches), double (7.16, the default) or inches")
+    parser.add_argument("--format", dest="formats", type=formats, default=list(FORMATS), help="of the figures: a list of pdf, png and svg (default: pdf,png)")
     parser.add_argument("--out", type=Path, help="tables/ and figures/ go there (default: the folder of the result)")
     chosen = parser.parse_args(arguments)
     try:
@@ -47,9 +72,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise ResultError(f"{results.path}: no solver is labelled '{chosen.highlight}': choose one of {', '.join(sorted(names))}")
         style.introduce(results)
         style.highlight(chosen.highlight)
+        style.set_width(chosen.width)
         for kind, report in reports(results, chosen.kinds).items():
             stem = f"{results.stem}_{kind.replace('-', '_')}"
-            print(*report.save(results, chosen.out or chosen.result.parent, stem), sep="\n")
+            print(*report.save(results, chosen.out or chosen.result.parent, stem, chosen.formats), sep="\n")
             for verdict in table.verdicts if (table := report.printed(results, stem)) else ():
                 print(printable(verdict.line()))
     except ResultError as problem:

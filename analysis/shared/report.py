@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.transforms import Bbox
 
 from analysis.shared import claims, sizes, style, tables
 from analysis.shared.drawable import drawable, make_drawable
@@ -18,6 +19,7 @@ from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.results import Results
 
 
+FORMATS: Final = ("pdf", "png")
 NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
 
 
@@ -39,19 +41,21 @@ class Report:
         notes = [self.clock or clock_note(results)] if self.clock != NO_TIMES else []
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
-    def save(self, results: Results, out: Path, stem: str = "") -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png; the stem of the results, if no other is given."""
+    def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
+        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named;
+        the stem of the results, if no other is given.
+        """
         stem = stem or results.stem
         beside = side_by_side_line(results)
         table = self.printed(results, stem)
         if table is None:
-            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside) if self.draw else []
+            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside, formats) if self.draw else []
         footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))
         paths = tables.save(table, self.records, out, stem)
         if table.verdicts:
             found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
             paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
-        return paths + save_figure(self.draw(), out, stem, table.caption, footnote) if self.draw else paths
+        return paths + save_figure(self.draw(), out, stem, table.caption, footnote, formats) if self.draw else paths
 
 
 def save_png(figure: Any, path: Path) -> Path:
@@ -64,8 +68,14 @@ def save_png(figure: Any, path: Path) -> Path:
     return path
 
 
-def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "") -> list[Path]:
-    """Writes <out>/figures/<stem>.pdf and .png without dates, so that the same numbers give the same bytes. A footnote stands
+def _whole(figure: Any) -> Any:
+    """The figure and what stands above and below it; wider than the figure only if something sticks out."""
+    box, pad = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05
+    return Bbox([[min(0, box.x0), min(0, box.y0) - pad], [max(figure.get_figwidth(), box.x1), max(figure.get_figheight(), box.y1)]])
+
+
+def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
+    """Writes <out>/figures/<stem>.pdf and .png, or the formats named, without dates, so that the same numbers give the same bytes. A footnote stands
     below all else, and makes the figure higher.
     """
     make_drawable(figure)
@@ -76,17 +86,18 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
                     fontsize=6.5, color=style.GREY)
     folder = out / "figures"
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{stem}.pdf", folder / f"{stem}.png"]
+    paths = [folder / f"{stem}.{suffix}" for suffix in formats]
     before = os.environ.get("SOURCE_DATE_EPOCH")
     os.environ["SOURCE_DATE_EPOCH"] = "0"  # the subset fonts inside a PDF carry a date too
     try:
         metadata: dict[str, dict[str, Any]] = {
             "pdf": {"Title": stem, "Subject": caption, "CreationDate": None},
+            "svg": {"Title": stem, "Description": caption, "Date": None},
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
             drawn = io.BytesIO()  # the writer of PDF cannot be ended where there is no room on the disk
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
-                figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches="tight" if footnote else None)
+                figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches=_whole(figure) if footnote else None)
             tables.write_whole(path, drawn.getvalue())
     finally:
         if before is None:

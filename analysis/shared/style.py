@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 SINGLE_COLUMN: Final = 3.5  # inches
 DOUBLE_COLUMN: Final = 7.16
+WIDTHS: Final = {"single": SINGLE_COLUMN, "double": DOUBLE_COLUMN}
 GREY: Final = "#666666"
 
 plt.style.use(Path(__file__).with_name("hausbench.mplstyle"))
@@ -116,6 +117,7 @@ _own: dict[str, Look] = {}  # by the solver's name, or the label of an external 
 _LINES: Final[tuple[Line, ...]] = ("-", DASHED, DOTTED, (0, (4, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
 _variants: dict[str, int] = {}  # the number of each label of a solver that has several
 _in_front = ""
+_width = DOUBLE_COLUMN
 _behind: dict[str, int] = {}  # the number of each label that is drawn in grey
 
 
@@ -137,6 +139,16 @@ def introduce(results: Results) -> None:
             named.setdefault(solver, []).append(label)
     for labels in named.values():
         _variants.update({label: k for k, label in enumerate(labels)})
+
+
+def set_width(inches: float) -> None:
+    """Sets the width of the figures that `hausbench draw` makes from now on."""
+    global _width
+    _width = inches
+
+
+def width() -> float:
+    return _width
 
 
 def highlight(label: str) -> None:

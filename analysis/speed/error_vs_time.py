@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
 from collections import Counter
 from typing import Any
 
@@ -15,7 +17,6 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
-ACROSS = 3  # panels side by side
 OURS = "cover"
 Panel = tuple[str, int]  # scene, pose
 # Whatever the tolerance, each value of their parameter has one answer: the values are one line with one entry in the legend.
@@ -130,19 +131,20 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
 
     Placed by hand, in inches: a layout engine would squeeze the frames to make room for the marks in their margins.
     """
-    bands, wide, tall = -(-len(panels) // ACROSS), 1.66, 1.2
+    width, across = style.width(), max(1, int((style.width() + 0.1) / 2.25))  # panels side by side
+    bands, wide, tall, columns = -(-len(panels) // across), 1.66, 1.2, max(1, int(5 * width / style.DOUBLE_COLUMN))
     band = 0.22 + 2 * tall + 0.08 + 0.2  # title, frames, tick labels
     entries = list(dict.fromkeys(shown_as(*pair) for pair in labels))
-    legend = 0.145 * -(-len(entries) // 5)
-    height = bands * band + 0.22 + legend + 0.33  # axis label, legend, two lines of notes
-    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
+    legend = 0.145 * -(-len(entries) // columns)
+    foot = 0.09 + 0.24 * math.ceil(style.DOUBLE_COLUMN / width)  # two notes
+    height = bands * band + 0.22 + legend + foot  # axis label, legend, notes
+    figure = plt.figure(figsize=(width, height))
     figure.set_layout_engine("none")
     shown: set[tuple[str, str]] = set()
     statuses: set[str] = set()
     for i, panel in enumerate(panels):
-        left, floor = 0.5 + (i % ACROSS) * 2.25, height - (i // ACROSS) * band - 0.22 - 2 * tall - 0.08
-        lower, upper = (figure.add_axes([left / style.DOUBLE_COLUMN, y / height,
-                                         wide / style.DOUBLE_COLUMN, tall / height])
+        left, floor = 0.5 + (i % across) * 2.25, height - (i // across) * band - 0.22 - 2 * tall - 0.08
+        lower, upper = (figure.add_axes([left / width, y / height, wide / width, tall / height])
                         for y in (floor, floor + tall + 0.08))
         upper.sharex(lower)
         rows = run_rows(results, panel)
@@ -157,21 +159,21 @@ def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], t
         style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
         shown |= {(solver, label) for solver, label, _ in failed}
         statuses |= {status for *_, status in failed}
-        if i % ACROSS == 0:
+        if i % across == 0:
             for ax, name in ((upper, "gap"), (lower, "error")):
                 ax.set_ylabel(f"{name} / diagonal of A")
                 ax.yaxis.set_label_coords(-0.22, 0.5)
-        if i + ACROSS >= len(panels):
+        if i + across >= len(panels):
             lower.set_xlabel("prepare + solve (s)", labelpad=1)
-    figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=5,
-                  bbox_to_anchor=(0.5, 0.27 / height), handlelength=2.4)
+    figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=columns,
+                  bbox_to_anchor=(0.5, (foot - 0.06) / height), handlelength=2.4)
     key = style.letters_key(statuses)
     thin = ["one traced run, wall time"] * bool((results.cases.trace_end > results.cases.trace_begin).any())
     thin += ["one solver at several steps"] * bool(ONE_LINE & {solver for solver, _ in shown})
     notes = [(f"Thin lines: {', or '.join(thin)}. " if thin else "") + "Bars: interval of the median. Open markers: bounds that hold, but the tolerance was not reached."]
     if key:
         notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")
-    figure.text(0.5, 0.03 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
+    figure.text(0.5, 0.03 / height, "\n".join(line for note in notes for line in textwrap.wrap(note, int(24 * width))), ha="center", va="bottom", fontsize=7, color=style.GREY)
     return figure
 
 

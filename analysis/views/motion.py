@@ -59,10 +59,18 @@ def seconds(results: Results, row: int) -> float:
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """For each scene the interval of every pose above, and the time below."""
-    figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.7), sharex="col", squeeze=False)
+    """For each scene the interval of every pose above, and the time below; as many scenes side by side as the width has room for."""
+    across = max(1, min(len(scenes), int(style.width() / 1.1)))
+    bands = -(-len(scenes) // across)
+    figure, axes = plt.subplots(2 * bands, across, figsize=(style.width(), 3.7 * bands), squeeze=False)
     shown: dict[tuple[str, str], None] = {}
-    for (above, below), scene in zip(axes.T, scenes):
+    for i, scene in enumerate(scenes):
+        above, below = axes[2 * (i // across)][i % across], axes[2 * (i // across) + 1][i % across]
+        above.sharex(below)
+        above.tick_params(labelbottom=False)
+        if i % across == 0:
+            above.set_ylabel("distance: bounds, and their middle")
+            below.set_ylabel(f"{clock_title(results)} to solve (ms)")
         for pair in pairs_of(results, scene):
             looks, rows = style.look(*pair), finest(results, scene, pair[1])
             pose = [int(results.cases.pose_index[row]) for row in rows]
@@ -76,7 +84,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
         above.set_title(style.scene_title(scene))
         below.set(xlabel="pose", yscale="log")
         below.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(6, integer=True))
-    axes[0][0].set_ylabel("distance: bounds, and their middle")
-    axes[1][0].set_ylabel(f"{clock_title(results)} to solve (ms)")
+    for ax in [ax for row in axes[-2:] for ax in row[len(scenes) - across * (bands - 1):]]:
+        ax.remove()
     style.legend_above(figure, style.handles(shown), columns=5, room=True)
     return figure

@@ -75,7 +75,7 @@ def make(results: Results) -> Report | None:
 
 
 def draw(found: dict[tuple[str, str], Floats]) -> Any:
-    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 3.0))
+    figure, ax = plt.subplots(figsize=(style.width(), 3.0))
     most = max(float(values[np.isfinite(values)].max(initial=1.0)) for values in found.values())
     entries = []
     for pair, values in found.items():

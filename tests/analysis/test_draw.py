@@ -33,6 +33,7 @@ on = "every"
 def looks_as_before() -> Iterator[None]:
     yield
     style.highlight("")
+    style.set_width(style.DOUBLE_COLUMN)
     style._own.clear()
     style._variants.clear()
 
@@ -221,6 +222,25 @@ def test_a_time_of_0_is_no_factor(tmp_path: Path) -> None:
         assert run(file, tmp_path, "--as", "performance-profile") == 0
     text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
     assert "the share of the 2 cases" in text and "1 case is left out: a time is 0, too short for the clock." in text
+
+
+@pytest.mark.parametrize(("width", "inches"), [("single", 3.5), ("double", 7.16), ("5.5", 5.5)])
+@pytest.mark.parametrize("check", ["holds", "not checked (no witness)"])  # the latter has a footnote
+def test_figures_are_as_wide_as_asked(tmp_path: Path, width: str, inches: float, check: str) -> None:
+    file = sweep(poses=3, scenes=("x", "y", "z", "u", "v"), lower_check=check)
+    assert run(file, tmp_path, "--width", width, "--format", "svg,png") == 0
+    found = sorted(path.name for path in (tmp_path / "figures").iterdir())
+    assert found == [f"own_{kind}.{suffix}" for kind in ("error_against_time", "motion", "performance_profile") for suffix in ("png", "svg")]
+    for path in (tmp_path / "figures").glob("*.svg"):
+        assert f'width="{72 * inches:g}pt"' in path.read_text(encoding="utf-8"), path
+    assert all(abs(plt.imread(path).shape[1] - 200 * inches) < 2 for path in (tmp_path / "figures").glob("*.png"))
+
+
+@pytest.mark.parametrize("wrong", [("--width", "tiny"), ("--width", "0"), ("--width", "nan"), ("--format", "pdf,gif"), ("--format", "")])
+def test_widths_and_formats_that_there_are_not(tmp_path: Path, wrong: tuple[str, str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        run(sweep(), tmp_path, *wrong)
+    assert ended.value.code == 2 and f"argument {wrong[0]}: '" in capsys.readouterr().err and not (tmp_path / "figures").exists()
 
 
 def test_a_failed_row_shows_no_bounds(tmp_path: Path) -> None:

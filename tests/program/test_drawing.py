@@ -48,6 +48,15 @@ def test_what_claims_and_plugins_name_is_checked(hausbench: Program, own: Path, 
     assert hausbench("explain", own, "--plugin", tmp_path / "libmine.so").returncode == 0  # named twice, loaded once
 
 
+def test_width_and_format_of_figures(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    assert hausbench("run", experiment, "--results", tmp_path, "--quiet", "--no-reference").returncode == 0
+    done = hausbench("draw", tmp_path / "tiny.h5", "--width", "single", "--format", "svg")
+    assert done.returncode == 0, done.stderr
+    (figure,) = (tmp_path / "figures").iterdir()
+    assert figure.name == "tiny_error_against_time.svg" and 'width="252pt"' in figure.read_text(encoding="utf-8")
+    assert "'gif' is not one of pdf, png, svg" in hausbench("draw", tmp_path / "tiny.h5", "--format", "gif").stderr
+
+
 def test_models_are_fetched_to_where_the_program_looks(hausbench: Program, tmp_path: Path) -> None:
     done = hausbench("fetch", "--help")
     assert done.returncode == 0 and "datasets/cache" in done.stdout
