@@ -12,7 +12,7 @@ from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_o
 from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
-from analysis.shared.notes import clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.notes import clock_word, machine_line, scene_notes, total_title
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import paired_ratio
@@ -72,7 +72,7 @@ def make(results: Results) -> Report:
     found, cases = collect(results), results.cases
     unit, scale = "ms", 1e3
     names = [style.title(label) for label in (SLOW, FAST)]
-    table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and counted work, on pairs that were built so that the two "
+    table = tables.Table(f"{total_title(results)}, {unit}, and counted work, on pairs that were built so that the two "
                          "solvers differ much (Fig. 14 of Sacht and Jacobson 2024).",
                          ["pair", "|A| / |B|", "h / diagonal, %", "tolerance", *names, " / ".join(names),
                           *[f"{what}: ratio" for what in MEASURES]], left=1)

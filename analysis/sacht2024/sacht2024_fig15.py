@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 from analysis.sacht2024.sacht_limits import Row, above, ratio_of, row_of, time_ratio
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import in_time_and_work
-from analysis.shared.notes import clock_title, clock_word, machine_line, scene_notes
+from analysis.shared.notes import machine_line, scene_notes, total_title, total_word
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
@@ -48,7 +48,7 @@ def make(results: Results) -> Report:
     cases, rows = results.cases, rows_of(results)
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     tolerances = sorted(results.in_order("tolerance"), reverse=True)
-    table = tables.Table(f"{clock_title(results)} to prepare and solve, ms, on pairs that are nearly the same, and the bounds that were "
+    table = tables.Table(f"{total_title(results)}, ms, on pairs that are nearly the same, and the bounds that were "
                          "reached (Fig. 15 of Sacht and Jacobson 2024).",
                          ["pair", "solver", "tolerance", "l / dA", "u / dA", "time", "distances, bounds and nodes", "subdivisions",
                           "time: 1e-8 / 1e-6"], left=2)
@@ -77,7 +77,7 @@ def make(results: Results) -> Report:
                    "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
                    + tables.coverage_note(row_of(results, row).time for row in rows.values()),
                    f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]
-    return Report(lambda: draw(results, rows, labels, tolerances, clock_word(results)), table, records)
+    return Report(lambda: draw(results, rows, labels, tolerances, total_word(results)), table, records)
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
@@ -111,7 +111,7 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
         ax.set_title(f"{scene}: h / dA = {tables.number(share, 2)}")
         ax.set_xscale("log")
         scales.log_ticks(ax.xaxis)
-        ax.set_xlabel(f"{clock} to prepare and solve (ms)")
+        ax.set_xlabel(f"{clock} (ms)")
         ax.tick_params(axis="y", length=0)
     axes[0][0].set_yticks(range(len(labels)), [style.title(*label) for label in labels])
     axes[0][0].set_ylim(len(labels) - 0.5, -0.5)

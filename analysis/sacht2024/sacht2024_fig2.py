@@ -12,7 +12,7 @@ import numpy as np
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import reason_apart
-from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.notes import clock_word, machine_line, total_word
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, wins_more
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -191,7 +191,7 @@ def draw(found: Pairs) -> Any:
             if mean.has_interval:
                 ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
         ax.set(xscale="log", yscale="log", xlabel="triangles of A",
-               title=f"counted {work}" if what else f"{clock_word(found.results)} to prepare and solve")
+               title=f"counted {work}" if what else total_word(found.results))
     for pair in found.pairs:  # at the limit: the ratio is beyond this
         late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
         if len(late) == 1 and pair.late(late[0]):

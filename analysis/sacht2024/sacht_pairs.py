@@ -10,7 +10,7 @@ from typing import Any, Final
 from analysis.shared import beside_paper, style, tables
 from analysis.shared.cells import MEASURES, Grid, count_text, in_time_and_work
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import clock_title, machine_line, scene_notes
+from analysis.shared.notes import machine_line, scene_notes, total_title
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -65,7 +65,7 @@ def title(pair: Ratio) -> str:
 def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
-    table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}: {spec.what}, measured here and as printed in "
+    table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in "
                          f"{pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024; and the work counted.",
                          ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(),
                           *map(title, spec.ratios)], left=2)

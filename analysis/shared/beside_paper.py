@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.shared import style
 from analysis.shared.cells import Grid
-from analysis.shared.notes import clock_word
+from analysis.shared.notes import total_word
 from analysis.shared.sizes import tests_claims
 
 
@@ -51,7 +51,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
     ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], map(style.scene_title, scenes))
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
-    ax.set_xlabel(f"{clock_word(grid.results)} to prepare and solve (s)")
+    ax.set_xlabel(f"{total_word(grid.results)} (s)")
     here = f"here, {grid.results.meta.get('profile', '')} sizes"
     entries = [*style.handles(present, lines=False), style.filled_entry(here)]
     style.legend_above(figure, [*entries, style.open_entry("the paper")] if papers else entries)

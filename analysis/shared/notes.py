@@ -83,6 +83,18 @@ def clock_title(results: Results) -> str:
     return word[0].upper() + word[1:]
 
 
+def total_word(results: Results) -> str:
+    """For captions and axes of times to prepare and solve: preparing is wall time, by whichever clock solving is timed."""
+    word = clock_word(results)
+    return "time to prepare (wall) and solve (CPU)" if word == "CPU time" else f"{word} to prepare and solve"
+
+
+def total_title(results: Results) -> str:
+    """The same, to begin a sentence."""
+    word = total_word(results)
+    return word[0].upper() + word[1:]
+
+
 def clock_note(results: Results) -> str:
     found = clocks(results)
     cpu = "process CPU time, children included"

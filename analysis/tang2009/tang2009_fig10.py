@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Grid, in_time_and_work
-from analysis.shared.notes import clock_title, clock_word, machine_line
+from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -48,7 +48,7 @@ def memory(pairs: Pairs) -> Verdict:
 def make(results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
-    table = tables.Table(f"{clock_title(results)} to prepare and solve, {unit}, and peak memory, MB: the two-sided distance of models that lie over each other "
+    table = tables.Table(f"{total_title(results)}, {unit}, and peak memory, MB: the two-sided distance of models that lie over each other "
                          "(Fig. 10 of Tang et al. 2009).",
                          ["pair", "|A| / |B|", "H / longest side, %", *pairs.titles(),
                           *[f"{style.title(label)}, MB" for _, label in pairs.labels],
@@ -67,7 +67,7 @@ def make(results: Results) -> Report:
     table.verdicts = verdicts(pairs)
     table.notes = ["The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe searches octrees, as his program did, and Tang BVHs of swept spheres, with the same kernels.",
                    tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round.", "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(pairs, clock_word(results)), table, records)
+    return Report(lambda: draw(pairs, total_word(results)), table, records)
 
 
 def draw(pairs: Pairs, clock: str) -> Any:
@@ -89,7 +89,7 @@ def draw(pairs: Pairs, clock: str) -> Any:
                 if what == "time":
                     style.interval(ax, cell.time, y, 1e3, color="black", linewidth=0.7)
         ax.set_xscale("log")
-        ax.set_xlabel(f"{clock} to prepare and solve (ms)" if what == "time" else "peak memory (MB)")
+        ax.set_xlabel(f"{clock} (ms)" if what == "time" else "peak memory (MB)")
         scales.log_ticks(ax.xaxis)
     axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} %" for scene in pairs.scenes])
     axes[0].invert_yaxis()

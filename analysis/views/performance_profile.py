@@ -12,7 +12,7 @@ from analysis.shared import scales, style, tables
 from analysis.shared.cells import Cell
 from analysis.shared.columns import Floats
 from analysis.shared.comparable import reason_apart
-from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.notes import machine_line, total_word
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.views.answers import measured
@@ -69,7 +69,7 @@ def make(results: Results) -> Report | None:
                            *[tables.NOTHING if math.isnan(share) else f"{100 * share:.0f} %" for share in (shares(values, factor) for factor in (*SHOWN, 1e300))]])
         records += [{"solver": pair[0], "name": pair[1], "factor": float(value), "share": shares(values, float(value))}
                     for value in np.unique(values[np.isfinite(values)])]
-    table.notes = [f"A case is a scene, a pose and a tolerance; medians of {clock_word(results)} to prepare and solve. A profile of few cases says little, and it "
+    table.notes = [f"A case is a scene, a pose and a tolerance; medians of {total_word(results)}. A profile of few cases says little, and it "
                    "depends on which solvers take part.", *too_short(results), f"Measured on {machine_line(results)}."]
     return Report(lambda: draw(found), table, records)
 

@@ -14,7 +14,7 @@ from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import reason_apart
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -72,7 +72,7 @@ def make(spec: Spec, results: Results) -> Report:
     titles = [style.title(label) if label in style.LOOKS else label.replace("_", " ") for label in shown]
     extras = [spec.extra(results, pair.scene, pair.cells) for pair in pairs]
     table = tables.Table(
-        spec.caption + f" Time to prepare and solve, {unit}, here ({clock_word(results)}) and as printed.",
+        spec.caption + f" {total_title(results)}, {unit}, here and as printed.",
         ["pair", "|A| / |B|", "paper: without", "paper: with", "paper: ratio", "here: without", "here: with",
          "here: ratio", *[f"{what}: ratio" for what in MEASURES], *titles, *[header for header, _, _ in (extras[0] if extras else [])]], left=2)
     records: list[tables.Record] = []
@@ -100,7 +100,7 @@ def make(spec: Spec, results: Results) -> Report:
                    + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    return Report(lambda: draw(spec, pairs, papers, shown, clock_word(results)), table, records)
+    return Report(lambda: draw(spec, pairs, papers, shown, total_word(results)), table, records)
 
 
 def has_seeds(pairs: list[Pair]) -> bool:
@@ -161,7 +161,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
         if sizes:
             left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
                       **{**style.open_marker(looks_like), "linestyle": "-"})
-    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} to prepare and solve (s)")
+    left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} (s)")
     scales.log_ticks(left.xaxis)
     for pair in pairs:
         if pair.ratio.n:

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import apart
-from analysis.shared.notes import clock_word, machine_line
+from analysis.shared.notes import machine_line, total_word
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
@@ -95,7 +95,7 @@ class Sweep:
 
 def make(spec: Spec, results: Results) -> Report:
     sweep = Sweep(spec, results)
-    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"prepare and solve, {clock_word(results)}, ms",
+    table = tables.Table(spec.caption, ["pair", spec.axis, "prepare, ms", f"{total_word(results)}, ms",
                                         "times the least", *MEASURES, *[header for header, _ in spec.columns]], left=1)
     records: list[tables.Record] = []
     for scene in sweep.scenes:
@@ -140,7 +140,7 @@ def draw(sweep: Sweep) -> Any:
                 ax.plot(place[value], height[value], **style.filled_marker(looks))
         lost += [f"{scene} at {spec.text_of(v)}: {cell.failure_text()}" for (of, v), cell in sweep.cells.items()
                  if of == scene and cell.failures]
-    for ax, label in zip(axes, (f"{clock_word(sweep.results)} to prepare and solve (s)", "time / least time of the pair")):
+    for ax, label in zip(axes, (f"{total_word(sweep.results)} (s)", "time / least time of the pair")):
         ax.set(xlabel=spec.axis, ylabel=label)
         ax.set_xticks(list(place.values()), [spec.text_of(v) for v in sweep.values])
         if spec.recommended in place:

@@ -79,7 +79,7 @@ def test_table3_takes_milliseconds_where_times_are_short(make: Make) -> None:
     file.case("earlybreak", "a_pears", spread(0.05, 9), lower=1.0, upper=1.0)
     _, rows, text = make(file)
     header, cells = rows["scene"][0], rows["(a) pears"][0]
-    assert cells[header.index("NAIVEHDD")] == "50.0 [48.1, 51.9]" and "solve, ms" in text
+    assert cells[header.index("NAIVEHDD")] == "50.0 [48.1, 51.9]" and "solve (CPU), ms" in text
     assert cells[header.index("NAIVEHDD / EARLYBREAK")].endswith("(not separated)")
     assert rows[""][3][2] == "47282"
 

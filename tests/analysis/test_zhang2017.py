@@ -301,7 +301,7 @@ def test_clocks_are_named(tmp_path: Path) -> None:
     file = ResultFile("clocks")
     file.case("naive", "x", [1.0], lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
-    assert notes.clock_word(results) == "CPU time"
+    assert notes.clock_word(results) == "CPU time" and notes.total_title(results) == "Time to prepare (wall) and solve (CPU)"
     file.case("cgal", "x", [1.0], lower=1.0, upper=1.0, clock="wall")
     results = load.load(file.write(tmp_path))
     assert notes.clock_word(results) == "time" and "but wall time for CGAL, where several" in notes.clock_note(results)
