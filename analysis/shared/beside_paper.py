@@ -18,6 +18,7 @@ from analysis.shared.sizes import tests_claims
 
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
     """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes."""
+    here = "here, the paper's sizes" if tests_claims(grid.results) else f"here, smaller sizes (profile {grid.results.meta.get('profile', '')})"
     if not tests_claims(grid.results):
         papers = {}
     scenes, cells = grid.scenes, grid.cells
@@ -52,7 +53,6 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{total_word(grid.results)} (s)")
-    here = f"here, {grid.results.meta.get('profile', '')} sizes"
     entries = [*style.handles(present, lines=False), style.filled_entry(here)]
     style.legend_above(figure, [*entries, style.open_entry("the paper")] if papers else entries)
     return figure

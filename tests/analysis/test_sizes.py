@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 from synthetic import ResultFile
 
 from analysis import opposite
-from analysis.shared import claims, sizes
+from analysis.shared import beside_paper, claims, sizes
+from analysis.shared.cells import Grid
 from analysis.shared.load import load
 from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict
@@ -48,6 +50,13 @@ def results_of(tmp_path: Path, toml: str, profile: str = "quick") -> Results:
 @pytest.mark.parametrize(("source", "profile", "expected"), [("small", "quick", False), ("large", "quick", True), ("small", "paper", True)])
 def test_sizes_are_the_scenes_and_not_the_rounds(tmp_path: Path, source: str, profile: str, expected: bool) -> None:
     assert sizes.tests_claims(results_of(tmp_path, TOML.replace("{}", source), profile)) is expected
+
+
+@pytest.mark.parametrize(("source", "expected"), [("large", "here, the paper's sizes"), ("small", "here, smaller sizes (profile quick)")])
+def test_the_legend_says_which_sizes(tmp_path: Path, source: str, expected: str) -> None:
+    figure = beside_paper.draw(Grid(results_of(tmp_path, TOML.replace("{}", source))), {})
+    assert expected in [text.get_text() for text in figure.legends[0].get_texts()]
+    plt.close(figure)
 
 
 def test_another_tolerance_is_another_size(tmp_path: Path) -> None:
