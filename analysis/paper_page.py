@@ -44,7 +44,7 @@ class Line:
     @property
     def name(self) -> str:
         if self.verdict is None:
-            return self.entry.text
+            return self.entry.in_general or self.entry.text
         place = str(self.verdict["place"])
         return f"{place}: {self.verdict['claim']}" if place else str(self.verdict["claim"])
 

@@ -2,7 +2,8 @@
 
 A table in such a file is one claim: `claim` (the words that tables print, perhaps with {blanks}), `stem` (or a list of them) that judges it,
 `judged_as` (average, every pair, most, never, ...), and the sentence of the paper, `quote`, with its `section`. Claims of our own are in
-hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, where that is known.
+hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, where that is known. A claim
+with blanks has `in_general`: the same words without blanks, for a page on which it has no verdict.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from analysis.shared.verdicts import Ratio, Verdict
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
 STATED: Final = "experiment"  # in place of a paper, for claims that an experiment states itself
-KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs"})
+KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general"})
 SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
 Record = dict[str, object]
 
@@ -40,6 +41,7 @@ class Entry:
     judged_as: str
     counts: bool  # its ratio is of counted work, not of time
     differs: str  # why it does not hold here, where that is known
+    in_general: str = ""  # its words without blanks, if it has blanks
 
 
 class Claim(str):
@@ -63,9 +65,11 @@ def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
         raise ValueError(f"{path}: claim '{name}' has no '{missing[0]}': add it")
     if unknown := sorted(table.keys() - KEYS):
         raise ValueError(f"{path}: claim '{name}' has the unknown key '{unknown[0]}': remove it")
+    if "{" in str(table["claim"]) and "in_general" not in table:
+        raise ValueError(f"{path}: claim '{name}' has blanks and no 'in_general': add the claim in words without blanks")
     stems = table["stem"] if isinstance(table["stem"], list) else [table["stem"]]
     return Entry(path.stem, name, tuple(map(str, stems)), str(table["claim"]), str(table.get("section", "")), str(table.get("quote", "")),
-                 str(table["judged_as"]), bool(table.get("counts", False)), str(table.get("differs", "")))
+                 str(table["judged_as"]), bool(table.get("counts", False)), str(table.get("differs", "")), str(table.get("in_general", "")))
 
 
 def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:

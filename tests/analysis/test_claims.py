@@ -46,7 +46,8 @@ def test_blanks_are_filled_in_and_the_place_stands_first() -> None:
 def test_a_claims_file_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(claims, "FOLDER", tmp_path)
     whole = 'claim = "a"\nstem = "s"\njudged_as = "never"\n'
-    for name, text, problem in (("p1", whole, "no 'quote'"), ("p2", whole + 'quote = "q"\nsection = "1"\nquot = 2\n', "unknown key 'quot'")):
+    for name, text, problem in (("p1", whole, "no 'quote'"), ("p2", whole + 'quote = "q"\nsection = "1"\nquot = 2\n', "unknown key 'quot'"),
+                                ("p3", whole.replace('"a"', '"{a}"') + 'quote = "q"\nsection = "1"\n', "has blanks and no 'in_general'")):
         (tmp_path / f"{name}.toml").write_text(f"[c]\n{text}", encoding="utf-8")
         with pytest.raises(ValueError, match=problem):
             claims.entries(name)
