@@ -23,7 +23,7 @@ PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
 LARGE: Final = {"cover": 30_000}  # triangles of A and B, of the pairs that count for that mean, where not all do
 EVERYWHERE: Final = {"cover": 5}  # times as fast as CGAL, on every pair
-
+INTERVAL: Final = ", interval over rounds, of these pairs"
 
 Pair = tuple[Cell, Cell]  # CGAL, and the solver
 
@@ -84,7 +84,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     verdict = above_one(claim, scaled)
     lost = sum(not peer.failures for peer, own in pairs if own.failures)
     if mean.n:
-        verdict = replace(verdict, evidence=f"{tables.estimate(mean)} times over {len(answered)} pairs")
+        verdict = replace(verdict, evidence=f"{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
     if stopped := sum(bool(peer.failures) for peer, _ in answered):  # its limit is the least that it takes: the mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
                           evidence=f"{verdict.evidence}, at the least: CGAL did not end on {stopped}")
@@ -125,7 +125,7 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
     if not answered:
         return []
     return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} "
-            f"in geometric mean over the {len(answered)} pairs that both answered."]
+            f"in geometric mean over the {len(answered)} pairs that both answered (interval over rounds, of these pairs)."]
 
 
 def make(results: Results) -> Report:
@@ -163,7 +163,7 @@ def make(results: Results) -> Report:
                       *[judge_each(label, pairs[label]) for label in EVERYWHERE if label in pairs]]
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
-        f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥).",
+        f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, of these pairs: it says how sure the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
     return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
