@@ -26,6 +26,7 @@ BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
 SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_paper_profile.md", "tang2009_paper_profile.md", "mesh_peers.md")
 # Stem, how its rows of times are marked and in which column, and what it is called.
+SURE: Final = re.compile(r"intervals in brackets \((at least )?95 %\)")  # older kept tables say "(95 %)"
 RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
                 ("mesh_peers", "ms", 3, "pairs of real meshes"))
 
@@ -52,7 +53,7 @@ def sections(text: str) -> dict[str, Section]:
                 section.rows.append(cells)
             else:
                 section.header = cells
-        elif "intervals in brackets (95 %)" in line:
+        elif SURE.search(line):
             section.sure = True
         section.apart |= APART in line
     return found

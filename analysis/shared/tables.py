@@ -88,7 +88,7 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
     n = f"n = {counts[0]}" if len(counts) == 1 else f"n = {counts[0]} to {counts[-1]}"
     if counts[-1] == 1:
         return f"Single times ({n}): no interval."
-    percent = "95 %" if least >= 0.95 else f"95 % where n allows, at least {math.floor(least * 100)} %"
+    percent = "at least 95 %" if least >= 0.95 else f"at least 95 % where n allows, else at least {math.floor(least * 100)} %"
     return (f"Medians of {n} rounds (fresh processes; repeats within one count once), "
             f"with order-statistic intervals in brackets ({percent}).")
 

@@ -219,7 +219,7 @@ def make(caption: str, results: Results) -> Report:
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
     table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
-                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (95 % from six on). The band in the "
+                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). The band in the "
                    "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others there is one "
                    "number a seed, and one seed (n = 1) separates nothing. Times are of the first seed. Which poses stand for "
                    "the peak is chosen by counted work, of the first seed. α is the overlap of the boxes, as a fraction of the smaller one.",

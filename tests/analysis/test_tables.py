@@ -35,7 +35,7 @@ def test_unit() -> None:
 
 def test_coverage_note() -> None:
     nine = tables.coverage_note([median(range(9))])
-    assert "n = 9 rounds" in nine and "(95 %)" in nine
+    assert "n = 9 rounds" in nine and "(at least 95 %)" in nine and "brackets (at least 95 %)" in tables.coverage_note([median([float(i) for i in range(8)])])
     assert "at least 75 %" in tables.coverage_note([median(range(9)), median(range(3))])
     assert "no interval" in tables.coverage_note([median([1.0])])
 
