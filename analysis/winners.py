@@ -24,11 +24,12 @@ from analysis.shared.notes import APART
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SOURCES: Final = ("zhang2017_paper_profile.md", "points_speed.md", "sacht2024_paper_profile.md", "tang2009_paper_profile.md", "mesh_peers.md")
-# Stem, how its rows of times are marked and in which column, and what it is called.
 SURE: Final = re.compile(r"intervals in brackets \((at least )?95 %\)")  # older kept tables say "(95 %)"
-RACES: Final = (("zhang2017_table3", "here", 1, "pairs of Table 3"), ("points_speed", "ms", 1, "workloads of 100K and 1M points"),
-                ("mesh_peers", "ms", 3, "pairs of real meshes"))
+# File, stem, how its rows of times are marked and in which column, and what it is called.
+RACES: Final = (("zhang2017_paper_profile.md", "zhang2017_table3", "here", 1, "pairs of Table 3"),
+                ("points_speed.md", "points_speed", "ms", 1, "workloads of 100K and 1M points"),
+                ("mesh_peers.md", "mesh_peers", "ms", 3, "pairs of real meshes"))
+SOURCES: Final = tuple(dict.fromkeys(file for file, *_ in RACES))
 
 
 @dataclass
@@ -110,7 +111,7 @@ def race(section: Section, mark: str, column: int) -> Race:
 
 def victories(found: dict[str, Section]) -> dict[str, list[str]]:
     texts: dict[str, list[str]] = {}
-    for stem, mark, column, what in RACES:
+    for _, stem, mark, column, what in RACES:
         if stem not in found:
             continue
         seen = race(found[stem], mark, column)
@@ -124,7 +125,7 @@ def victories(found: dict[str, Section]) -> dict[str, list[str]]:
 def unjudged(found: dict[str, Section]) -> list[str]:
     """Why scenes have no winner, one line a table."""
     lines = []
-    for stem, mark, column, what in RACES:
+    for _, stem, mark, column, what in RACES:
         seen = race(found[stem], mark, column) if stem in found else Race()
         if not seen.unjudged:
             continue
@@ -141,7 +142,8 @@ def table(folder: Path = REFERENCE) -> str:
     for name in SOURCES:
         found |= sections((folder / name).read_text(encoding="utf-8"))
     won = victories(found)
-    lines = ["| solver | fastest on |", "| --- | --- |", *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won]]
+    stated = ", ".join(f"[{what}](results/reference/{file})" for file, *_, what in RACES)
+    lines = [f"From the kept tables: {stated}.", "", "| solver | fastest on |", "| --- | --- |", *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won]]
     return "\n".join(lines + [line for note in unjudged(found) for line in ("", note)])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,17 @@ def test_small_times_have_exponents(tmp_path: Path) -> None:
     assert "| `scan` | 2 of the 3 pairs of Table 3" in winners.table(kept(tmp_path, text))
 
 
+def test_the_stated_sources_are_the_files_that_are_read(tmp_path: Path) -> None:
+    """Without any of them there is no table; another kept file is not asked for."""
+    stated = re.findall(r"\(results/reference/([^)]*)\)", winners.table(kept(tmp_path)))
+    assert stated == list(winners.SOURCES) and set(stated) == {path.name for path in tmp_path.iterdir()}
+    for name in stated:
+        (tmp_path / name).rename(tmp_path / "away")
+        with pytest.raises(FileNotFoundError):
+            winners.table(tmp_path)
+        (tmp_path / "away").rename(tmp_path / name)
+
+
 def test_the_table_follows_the_data(tmp_path: Path) -> None:
     text = TABLE3.replace("2.00 [1.50, 2.50]", "2.00 [1.50, 3.50]")
     assert "`scan`" not in winners.table(kept(tmp_path, text))
@@ -105,6 +117,6 @@ def test_marks_are_needed(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text(f"a\n{winners.BEGIN}\noutdated\n{winners.END}\nb\n", encoding="utf-8")
     winners.write(kept(tmp_path), tmp_path / "README.md")
     text = (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert text.startswith(f"a\n{winners.BEGIN}\n| solver |") and text.endswith(f"|\n{winners.END}\nb\n") and "outdated" not in text
+    assert text.startswith(f"a\n{winners.BEGIN}\nFrom the kept tables: [pairs of Table 3]") and text.endswith(f"|\n{winners.END}\nb\n") and "outdated" not in text
     with pytest.raises(ValueError, match="marks"):
         winners.rewritten("no marks", "x")
