@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter
 
 from analysis.shared import claims, style
 
 CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values above 1 support the claim. Filled: time; hollow: counted work, or memory. "
-                  "A marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest.")
+                  "A marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest. "
+                  "A triangle: beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
-ROW: Final = 0.122  # inches
+ROW: Final = 0.116  # inches
+SECOND: Final = 0.08  # inches more for a name of two lines
 WORK: Final = "distances, bounds and nodes"
-WIDTH: Final = 104  # letters; a longer claim is shortened in the middle and keeps its last END letters
-END: Final = 22
+WIDTH: Final = 96  # letters of a line; a longer claim takes two
+FOOT: Final = 0.75  # inches: axis label, directions, note
 PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
 
 Bar = tuple[float, float, float]  # value (NaN: a range of several ratios), lower end, upper end (NaN: unknown)
@@ -40,8 +44,8 @@ def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
     return [(kind, one_bar) for kind, one_bar in found if one_bar is not None]
 
 
-def draw(found: Sequence[claims.Record]) -> Any:
-    """Draws one row per claim, in the given order, and a heading above each paper."""
+def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
+    """Draws one row per claim, in the given order, and a heading above each paper. `measured` says on which machine, and of how many rounds."""
     shown = [one for one in found if bars(one)]
     heights, at, heads, before = [], 0.0, [], ""
     for one in shown:
@@ -49,31 +53,39 @@ def draw(found: Sequence[claims.Record]) -> Any:
             before = str(one["paper"])
             heads.append((at, before))
             at += 1
-        heights.append(at)
-        at += 1
-    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, ROW * at + 0.55))
+        more = 0.5 * SECOND / ROW if "\n" in name_of(one) else 0.0
+        heights.append(at + more)
+        at += 1 + 2 * more
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, ROW * (at + 1) + FOOT))
     ax = figure.add_subplot()
     ax.set(xscale="log", xlim=(LEAST, MOST), ylim=(at, -1), yticks=[])
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     ax.axvline(1, color="black", linewidth=0.8)
     left = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "center", "clip_on": False}
     for one, y in zip(shown, heights):
         ax.axhline(y, color="#EEEEEE", linewidth=0.5, zorder=0)
-        ax.text(-0.02, y, name_of(one), fontsize=5.2, **left)
+        ax.text(-0.02, y, name_of(one), fontsize=5.6, linespacing=1.05, **left)
         both = len(bars(one)) > 1
         for k, (in_time, bar) in enumerate(bars(one)):
             _draw_bar(ax, y + (0.4 * k - 0.2 if both else 0.0), bar, in_time)
     for y, paper in heads:
         ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5, fontweight="bold", **left)
-    ax.set_xlabel("measured / claimed")
+    ax.set_xlabel("← less than claimed        measured / claimed        more than claimed →")
     entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work, or memory", **_marker(False)),
                plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
     ax.legend(handles=entries, loc="lower right", bbox_to_anchor=(1, 1), ncol=3, frameon=False)
+    note = f"{CAPTION} {measured}".removeprefix("Measured / claimed, for each claim about a ratio. ")
+    figure.text(0.5, 0.06 / figure.get_figheight(), "\n".join(textwrap.wrap(note, 200)), ha="center", va="bottom", fontsize=6, color=style.GREY)
+    figure.get_layout_engine().set(rect=(0, (FOOT - 0.4) / figure.get_figheight(), 1, 1 - (FOOT - 0.4) / figure.get_figheight()))
     return figure
 
 
 def name_of(one: claims.Record) -> str:
+    """The claim, in two lines if it is long."""
     text = f"{one['place']}: {one['claim']}" if one["place"] else str(one["claim"])
-    return text if len(text) <= WIDTH else f"{text[:WIDTH - END - 3].rstrip()} … {text[-END:].lstrip()}"  # the end may name the solver
+    if len(text) <= WIDTH:
+        return text
+    return "\n".join(textwrap.wrap(text, len(text) // 2 + 8))
 
 
 def _marker(in_time: bool) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from analysis import forest
+from analysis import conditions, forest
 from analysis.shared import claims, report, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.printable import printable
@@ -109,25 +109,27 @@ def count(lines: Sequence[Line]) -> str:
     return ", ".join(f"{outcomes.count(each)} {each}" for each in (HOLDS, NOT_REFUTED, FAILS, OPEN, UNTESTED) if each in outcomes)
 
 
-def markdown(paper: str, lines: Sequence[Line]) -> str:
+def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
+    """`measured` says where and how the numbers were measured."""
     def row(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
     stems = items(paper)
     parts = [f"# {TITLES.get(paper, paper)}", "", f"{len(lines)} verdicts: {count(lines)}." + (" Those marked (kept) are from results/reference." if any(line.kept for line in lines) else ""), ""]
+    parts += [measured, ""] if measured else []
     if stems:
         parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems], ""]
     marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells(lines)]
     return "\n".join([*parts, row(HEADER), "| --- " * len(HEADER) + "|", *map(row, marked)]) + "\n"
 
 
-def latex(paper: str, lines: Sequence[Line]) -> str:
+def latex(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     """A longtable, as wide as the page."""
     widths = (0.07, 0.31, 0.1, 0.24, 0.28)
     columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
     head = " & ".join(HEADER[:5]) + r" \\"
     rows = [" & ".join(map(tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]
-    return "\n".join([r"% needs \usepackage{booktabs,longtable,array}", r"{\footnotesize", rf"\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
+    return "\n".join([r"% needs \usepackage{booktabs,longtable,array}", rf"{{\footnotesize {tex_escape(measured)}", rf"\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
                       rf"\caption{{{tex_escape(TITLES.get(paper, paper))}: {count(lines)}.}}\label{{tab:{paper}_claims}}\\", r"\toprule", head,
                       r"\midrule\endfirsthead", r"\toprule", head, r"\midrule\endhead", r"\bottomrule\endfoot", *rows, r"\end{longtable}}", ""])
 
@@ -141,14 +143,26 @@ def records(folder: Path) -> list[claims.Record]:
     return [one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)]
 
 
+def judging(lines: Iterable[Line], kept: bool) -> set[str]:
+    """The stems with a verdict, kept or of this run."""
+    return {str(line.verdict["stem"]) for line in lines if line.verdict and line.kept == kept}
+
+
+def texts_of(lines: Sequence[Line], out: Path) -> list[str]:
+    """The tables behind the verdicts: of this run in `out`, or kept."""
+    return conditions.present_texts(out / "tables", judging(lines, False)) + conditions.kept_texts(REFERENCE, judging(lines, True))
+
+
 def write_kept(folder: Path = REFERENCE, picture: Path = ROOT / "docs" / "claims.png") -> list[Path]:
     kept, paths, all_lines = records(folder), [], []
     for paper in papers():
         lines = [replace(line, kept=False) for line in lines_of(paper, [], kept)]
         all_lines += lines
         paths.append(folder / f"{paper}_claims.md")
-        tables.write_whole(paths[-1], printable(markdown(paper, lines), lines=True))
-    return [*paths, report.save_png(forest.draw([line.verdict for line in all_lines if line.verdict]), picture)]
+        measured = conditions.line(conditions.kept_texts(folder, judging(lines, False)))
+        tables.write_whole(paths[-1], printable(markdown(paper, lines, measured), lines=True))
+    measured = conditions.measured(conditions.kept_texts(folder, judging(all_lines, False)))
+    return [*paths, report.save_png(forest.draw([line.verdict for line in all_lines if line.verdict], measured), picture)]
 
 
 def write(out: Path) -> list[Path]:
@@ -156,11 +170,13 @@ def write(out: Path) -> list[Path]:
     for paper in papers():
         lines = lines_of(paper, now, kept)
         all_lines += lines
-        for suffix, text in (("md", markdown(paper, lines)), ("tex", latex(paper, lines))):
+        measured = conditions.line(texts_of(lines, out))
+        for suffix, text in (("md", markdown(paper, lines, measured)), ("tex", latex(paper, lines, measured))):
             paths.append(out / "tables" / f"{paper}_claims.{suffix}")
             paths[-1].parent.mkdir(parents=True, exist_ok=True)
             tables.write_whole(paths[-1], printable(text, lines=True))
-    return [*paths, *report.save_figure(forest.draw([line.verdict for line in all_lines if line.verdict]), out, "claims", forest.CAPTION)]
+    figure = forest.draw([line.verdict for line in all_lines if line.verdict], conditions.measured(texts_of(all_lines, out)))
+    return [*paths, *report.save_figure(figure, out, "claims", forest.CAPTION)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

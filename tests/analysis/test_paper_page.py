@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import pytest
 
-from analysis import forest, paper_page
+from analysis import conditions, forest, paper_page
 from analysis.shared import claims
 from analysis.shared.load import REFERENCE
 from analysis.shared.statistics import Estimate, exact
@@ -30,7 +31,7 @@ def line(now: list[claims.Record], kept: list[claims.Record]) -> list[str]:
 
 
 def test_the_kept_pages_are_what_the_kept_verdicts_give(tmp_path: Path) -> None:
-    for path in REFERENCE.glob(f"*{claims.SUFFIX}"):
+    for path in [*REFERENCE.glob(f"*{claims.SUFFIX}"), *REFERENCE.glob("*.md")]:
         (tmp_path / path.name).write_bytes(path.read_bytes())
     for path in paper_page.write_kept(tmp_path, tmp_path / "claims.png")[:-1]:
         assert path.read_text(encoding="utf-8") == (REFERENCE / path.name).read_text(encoding="utf-8"), "run python3 -m analysis.paper_page --kept"
@@ -87,3 +88,26 @@ def test_the_picture_tells_time_from_counted_work() -> None:
     figure = forest.draw([inc, culled, record(HOLDS, "x")])
     shown = [text.get_text() for text in figure.axes[0].texts]
     assert shown == ["the framework takes less time than INC on average", "Culling leaves out more than 99 % of A on most pairs", "Zhang et al. 2017", "Tang et al. 2009"]
+
+
+def test_names_in_the_picture_are_whole_and_its_directions_are_said() -> None:
+    long = claims.record(Verdict(claims.of("hausbench", "times_cgal", title="cover (ours)", aim=40, among=" over pairs of 30,000 triangles and more"),
+                                 HOLDS, "x", ratio=Ratio(2.0, 1.5, 3.0)), "mesh_peers", "paper")
+    figure = forest.draw([long], "Measured on Test CPU, 2 cores; n = 6 rounds.")
+    assert figure.axes[0].texts[0].get_text().replace("\n", " ") == long["claim"]
+    assert "more than claimed →" in figure.axes[0].get_xlabel() and "← less than claimed" in figure.axes[0].get_xlabel()
+    assert "Measured on Test CPU, 2 cores; n = 6 rounds." in figure.texts[0].get_text().replace("\n", " ")
+    figure.draw_without_rendering()
+    assert all(text.get_window_extent().x0 >= 0 for text in figure.axes[0].texts) and figure.texts[0].get_window_extent().x0 >= 0
+    plt.close(figure)
+
+
+def test_a_page_says_where_and_how_its_numbers_were_measured(tmp_path: Path) -> None:
+    kept = REFERENCE / "zhang2017_claims.md"
+    said = next(line for line in kept.read_text(encoding="utf-8").splitlines() if line.startswith("Measured on "))
+    assert "2 cores, 24 GiB" in said and "n = 2 to 10 rounds" in said and "preparing is wall time" in said and "Brackets: an interval of at least 95 %" in said
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / f"{STEM}.md").write_text("- Medians of n = 7 rounds.\n- Here: My CPU @ 3 GHz, 4 cores, 8 GiB, Linux, GNU 12, commit 1, profile paper. Paper: x.\n", encoding="utf-8")
+    now = paper_page.lines_of("zhang2017", [record(HOLDS, "now")], [])
+    assert conditions.measured(paper_page.texts_of(now, tmp_path)) == "Measured on My CPU @ 3 GHz, 4 cores, 8 GiB, Linux; n = 7 rounds or seeds (fresh processes)."
+    assert "My CPU" in paper_page.latex("zhang2017", now, "Measured on My CPU.")

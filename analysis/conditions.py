@@ -1,0 +1,53 @@
+"""The conditions of kept and present tables, for the pages of claims and their picture: the machines, the rounds, the clocks and the brackets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+from analysis.shared.results import ResultError
+from analysis.shared.stems import results_of
+
+_MACHINE: Final = re.compile(r"(?:^- |\bon |Here: |\. )([^,.:\n]{3,80}, \d+ cores, \d+ GiB, [^,\n]+), [^\n]*?commit", re.MULTILINE)
+_ROUNDS: Final = re.compile(r"n = (\d+)(?: (?:to|or) (\d+))? (?:rounds|seeds)")
+CLOCKS: Final = "Solving is CPU time, or wall time where several threads work; preparing is wall time."
+BRACKETS: Final = ("Brackets: an interval of at least 95 % (of fewer than six rounds their whole range), over rounds for one ratio, over pairs for a mean over pairs, "
+                   "unless it says 'over rounds'. 'Ratio a to b': the least and the greatest of several.")
+
+
+def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:
+    """The sections of these stems in the kept files of tables, each with the machine of its file."""
+    wanted, found = {_results_of(stem) for stem in stems}, []
+    for path in sorted(folder.glob("*.md")):
+        head, *sections = path.read_text(encoding="utf-8").split("\n## ")
+        own = [section for section in sections if section.partition("\n")[0].strip() in wanted]
+        found += [head, *own] if own else []
+    return found
+
+
+def _results_of(stem: str) -> str:
+    try:
+        return results_of(stem)
+    except ResultError:  # of a script that is no longer there
+        return stem
+
+
+def present_texts(folder: Path, stems: Iterable[str]) -> list[str]:
+    return [path.read_text(encoding="utf-8") for stem in sorted(set(stems)) if (path := folder / f"{stem}.md").exists()]
+
+
+def measured(texts: Iterable[str]) -> str:
+    """'Measured on CPU, 2 cores, 24 GiB, SYSTEM; n = 2 to 10 rounds (fresh processes).'; empty without a machine."""
+    texts = list(texts)
+    machines = list(dict.fromkeys(machine for text in texts for machine in _MACHINE.findall(text)))
+    counts = sorted(int(count) for text in texts for pair in _ROUNDS.findall(text) for count in pair if count)
+    n = f"; n = {counts[0]}" + (f" to {counts[-1]}" if counts[-1] > counts[0] else "") + " rounds or seeds (fresh processes)" if counts else ""
+    return f"Measured on {' and on '.join(machines)}{n}." if machines else ""
+
+
+def line(texts: Iterable[str]) -> str:
+    """What a page of claims says of its numbers; empty if nothing was measured."""
+    where = measured(texts)
+    return f"{where} {CLOCKS} {BRACKETS}" if where else ""
