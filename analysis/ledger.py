@@ -2,7 +2,7 @@
 
     python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and .tex; prints the totals
 
-An unknown saving, such as the time of a structure that was never built, counts as zero. If S.everything.h5 (from `run --leave-nothing-out`)
+A saving that was not measured, such as the time of a structure that was never built, counts as zero in sums; the table has it as "not measured". If S.everything.h5 (from `run --leave-nothing-out`)
 lies beside S.h5, the table says how many answers the two files have in common.
 """
 
@@ -42,6 +42,7 @@ class Stem:
     name: str
     run: float  # seconds in solvers: structures, first answers, repeats
     entries: Counter[str] = field(default_factory=Counter)  # by key of KINDS
+    unknown: Counter[str] = field(default_factory=Counter)  # entries whose saving was not measured
     saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, likewise
     reasons: dict[str, Counter[str]] = field(default_factory=dict)
     proof: str = ""
@@ -79,6 +80,7 @@ def read(path: Path) -> Stem:
         key = what if what in KINDS and kind != "prepared_again" else kind
         found.entries[key] += 1
         found.saved[key] += float(seconds) if np.isfinite(seconds) else 0.0
+        found.unknown[key] += not np.isfinite(seconds)
         found.reasons.setdefault(key, Counter())[reason] += 1
     found.run -= sum(found.saved[key] for key in COSTS)
     if (everything := path.with_name(path.stem + EVERYTHING)).exists():
@@ -103,20 +105,28 @@ def stems_in(folder: Path) -> list[Stem]:
 
 
 def table(stems: Sequence[Stem]) -> tables.Table:
-    entries, saved, reasons = Counter[str](), defaultdict[str, float](float), dict[str, Counter[str]]()
+    entries, unknown, saved, reasons = Counter[str](), Counter[str](), defaultdict[str, float](float), dict[str, Counter[str]]()
     for stem in stems:
         entries += stem.entries
+        unknown += stem.unknown
         for key, seconds in stem.saved.items():
             saved[key] += seconds
         for key, texts in stem.reasons.items():
             reasons.setdefault(key, Counter()).update(texts)
     known = [key for key in KINDS if entries[key]] + sorted(key for key in entries if key not in KINDS)
-    rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", tables.number(saved[key])] for key in known]
+    rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", seconds_text(saved[key], unknown[key], entries[key])] for key in known]
     proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
     return tables.Table("Work that all runs skipped, why skipping it is safe, and the seconds saved (negative: seconds spent).",
                         ["left out", "the most usual reason", "entries", "s"], rows,
-                        ["An unknown saving counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
+                        ["Not measured: what was never built or run has no time; such an entry counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
                          "table then says how many answers are the same.")] + proofs, left=2)
+
+
+def seconds_text(saved: float, unknown: int, entries: int) -> str:
+    """The seconds, with the number of entries that are not in them."""
+    if unknown == entries:
+        return "not measured"
+    return tables.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
 
 
 def _most(reasons: Counter[str]) -> str:
@@ -159,7 +169,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(problem, file=sys.stderr)
         return 2
     found = table(stems)
-    records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "seconds_saved": stem.saved[key]}
+    records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "entries_not_measured": stem.unknown[key],
+                                     "seconds_saved": stem.saved[key] if stem.unknown[key] < stem.entries[key] else float("nan")}
                                     for stem in stems for key in stem.entries]
     for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", found.caption)]:
         print(path)

@@ -32,7 +32,7 @@ def test_entries_are_added_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert stems[1].run >= 12.0  # three first answers and three repeats of two seconds
     assert ledger.line(stems).startswith("left out: 4 entries in the ledgers of 2 results, 3 s saved beside")
     rows = {row[0]: row[1:] for row in ledger.table(stems).rows}
-    assert rows["structures that the scene does not need"] == ["not needed", "2", "0"]
+    assert rows["structures that the scene does not need"] == ["not needed", "2", "not measured"]
     assert rows["tolerances read off the trace of a finer run"] == ["the trace has them", "1", "3.00"]
     assert ledger.main(["--results", str(tmp_path)]) == 0
     assert capsys.readouterr().out.splitlines()[-1].startswith("left out: 4 entries")
@@ -49,6 +49,16 @@ def test_a_run_that_left_nothing_out_is_its_proof(tmp_path: Path, upper: float, 
     (found,) = ledger.stems_in(tmp_path)
     assert found.proof == f"{same} of 1 answers are the same with nothing left out"
     assert any(found.proof in note for note in ledger.table([found]).notes)
+
+
+def test_a_saving_that_was_not_measured_is_not_a_saving_of_0(tmp_path: Path) -> None:
+    file = result("a")
+    file.ledger += [entry("not_prepared", "source BVH", "not needed", float("nan")), entry("not_prepared", "target BVH", "not needed", 2.0),
+                    entry("not_run", "case", "points only", float("nan"))]
+    file.write(tmp_path)
+    assert [row[-1] for row in ledger.table(ledger.stems_in(tmp_path)).rows] == ["2.00 (1 not measured)", "not measured"]
+    assert ledger.main(["--results", str(tmp_path)]) == 0
+    assert (tmp_path / "tables" / "ledger.csv").read_text(encoding="utf-8").splitlines()[1:] == ["a,13.5,not_prepared,2,1,2.0", "a,13.5,not_run,1,1,"]
 
 
 def test_no_results_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
