@@ -10,7 +10,7 @@ from typing import Final
 
 from analysis.shared import style, tables
 from analysis.shared.results import Results
-from analysis.stability.stability_outcomes import Judge, Outcome, judge
+from analysis.stability.stability_outcomes import STOPS, Judge, Outcome, judge
 from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
 
 KINDS: Final = ("points", "meshes", "surfaces")
@@ -31,6 +31,12 @@ class Answer:
     outcome: Outcome
     can_be_met: bool | None  # None: unknown
     legal: bool
+    status: str
+
+    @property
+    def letter(self) -> str:
+        """In figures; of one that stopped it says at what."""
+        return STOPS[self.status][0] if self.outcome == Outcome.STOPPED else self.outcome.letter
 
 
 Step = tuple[str, int]  # a scene and a pose: one severity
@@ -68,6 +74,11 @@ class Family:
         """Where the experiment does not ask a solver, it was not run."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return answer.outcome if answer else Outcome.NOT_RUN
+
+    def mark(self, label: str, step: Step, tolerance: float) -> tuple[Outcome, str]:
+        """The outcome, and its letter in figures."""
+        answer = self.answers.get(label, {}).get((step, tolerance))
+        return (answer.outcome, answer.letter) if answer else (Outcome.NOT_RUN, "")
 
     def finest(self, label: str) -> list[Answer]:
         """Of each step the answer at the finest tolerance, the mildest severity first."""
@@ -114,7 +125,7 @@ class Suite:
         # Input that cannot be read is refused for all solvers alike, also for those that take no such shapes.
         asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
-                      judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal)
+                      judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal, ending.status)
 
     @cached_property
     def labels(self) -> list[Label]:

@@ -24,25 +24,27 @@ LEAST: Final = 40 * 2.0**-1074  # where u M is below the smallest double
 class Outcome(Enum):
     """From best to worst, after the two of rows that were not asked: words, short word, letter in figures, colour, colour of the letter.
 
-    The good ones are light and the ill ones dark, so that grey print keeps them apart; letters tell those of like grey.
+    The worse, the darker (but a crash is black), with a step in lightness between any two colours: they can be told apart in grey and with every
+    kind of colour blindness.
     """
 
-    NOT_APPLICABLE = ("not applicable", "n/a", "", "#EEEEEE", "#777777")
+    NOT_APPLICABLE = ("not applicable", "n/a", "", "#FFFFFF", "#777777")
     NOT_RUN = ("not run", "not run", "", "#FFFFFF", "#777777")
-    TIGHT = ("right and tight", "tight", "", "#7CC0B0", "#222222")
-    RIGHTLY_REFUSED = ("rightly refused", "refused it", "r", "#7CC0B0", "#222222")
-    LOOSE = ("right but loose", "loose", "~", "#D5EBE4", "#222222")
-    STOPPED = ("stopped, bounds hold", "stopped", "s", "#F3DFA2", "#222222")
-    REFUSED = ("refused", "refused", "R", "#B9A3CE", "#222222")
-    HUNG = ("hung", "hung", "H", "#5B4A8A", "#FFFFFF")
-    CRASHED = ("crashed", "crashed", "C", "#3A2A1A", "#FFFFFF")
-    WRONG = ("wrong", "wrong", "X", "#B2380E", "#FFFFFF")
+    TIGHT = ("right and tight", "tight", "", "#D6EEE6", "#222222")
+    RIGHTLY_REFUSED = ("rightly refused", "refused it", "r", "#D6EEE6", "#222222")
+    LOOSE = ("right but loose", "loose", "~", "#A8D3C4", "#222222")
+    STOPPED = ("stopped, bounds hold", "stopped", "", "#D3A02A", "#222222")  # its letter is in STOPS
+    REFUSED = ("refused", "refused", "R", "#A97FC4", "#222222")
+    HUNG = ("hung", "hung", "H", "#4F6DB8", "#FFFFFF")
+    CRASHED = ("crashed", "crashed", "C", "#2A1E14", "#FFFFFF")
+    WRONG = ("wrong", "wrong", "X", "#A3200B", "#FFFFFF")
 
     def __init__(self, words: str, short: str, letter: str, colour: str, ink: str) -> None:
         self.words, self.short, self.letter, self.colour, self.ink = words, short, letter, colour, ink
         self.badness = len(type(self).__members__)
 
 
+STOPS: Final = {"timeout": ("T", "stopped at its time limit"), "budget": ("B", "stopped at its budget"), "floor": ("P", "stopped at the precision of doubles")}
 ASKED: Final = tuple(outcome for outcome in Outcome if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN))
 ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
 

@@ -112,7 +112,7 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
             ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="s", markersize=7, markerfacecolor="none", markeredgewidth=1.1,
                     markeredgecolor=MARK)
     for answer in own:
-        letter = answer.outcome.letter or "?"
+        letter = answer.letter or "?"
         if math.isfinite(measure.of(answer)) or answer.outcome in (Outcome.NOT_RUN, Outcome.NOT_APPLICABLE):
             continue
         at = measure.stopped_at(answer)

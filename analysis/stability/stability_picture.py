@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from analysis.shared import style
 from analysis.stability.stability_families import KINDS, Family, Label, Suite, look, range_text
-from analysis.stability.stability_outcomes import Outcome
+from analysis.stability.stability_outcomes import STOPS, Outcome
 
 # In inches, for the figure is laid out by hand: cells of one size in all bands.
 WIDE: Final = style.DOUBLE_COLUMN
@@ -53,12 +53,13 @@ def footnote(suite: Suite) -> list[str]:
 
 def legend(suite: Suite) -> list[Any]:
     """Of what there is."""
-    shown = {family.outcome(label, step, tolerance) for family in suite.families for _, label in suite.labels_of(family.kind)
+    shown = {family.mark(label, step, tolerance) for family in suite.families for _, label in suite.labels_of(family.kind)
              for step in family.steps for tolerance in family.tolerances}
+    words = dict(STOPS.values())
     entries: list[Any] = [Rectangle((0, 0), 1, 1, facecolor=outcome.colour, edgecolor="#BBBBBB", linewidth=0.4,
                                     hatch="//////" if outcome == Outcome.NOT_RUN else None,
-                                    label=f"{outcome.letter}  {outcome.words}" if outcome.letter else outcome.words)
-                          for outcome in reversed(Outcome) if outcome in shown]
+                                    label=f"{letter}  {words.get(letter, outcome.words)}" if letter else outcome.words)
+                          for outcome in reversed(Outcome) for letter in dict.fromkeys(("", *words, outcome.letter)) if (outcome, letter) in shown]
     if any(answer.can_be_met is False for answer in suite.answers):
         entries.append(Rectangle((0, 0), 1, 1, facecolor=DARK, label="first column: tolerance too fine for doubles"))
     return entries
@@ -107,22 +108,22 @@ def draw_floor(ax: Any, family: Family, i: int) -> None:
 
 def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: float) -> None:
     """A letter stands in the middle of each run of like strips; runs too narrow for it get a smaller one."""
-    outcomes = {key: family.outcome(label, *key) for key, *_ in parts(family, 0, 1)}
+    marks = {key: family.mark(label, *key) for key, *_ in parts(family, 0, 1)}
     for key, x, y, wide, high in parts(family, at[0], 1):
-        outcome = outcomes[key]
+        outcome, _ = marks[key]
         ax.add_patch(Rectangle((x, at[1] + y), wide, high, facecolor=outcome.colour, linewidth=0.1,
                                edgecolor="#BBBBBB" if outcome == Outcome.NOT_RUN else outcome.colour,
                                hatch="//////" if outcome == Outcome.NOT_RUN else None))
     across = (1 - GAP) / len(family.steps)
     for l, tolerance in enumerate(family.tolerances):
-        line = [outcomes[step, tolerance] for step in family.steps]
+        line = [marks[step, tolerance] for step in family.steps]
         y = at[1] + GAP + (l + 0.5) * (1 - 2 * GAP) / len(family.tolerances)
         for begin, end in runs(line):
-            outcome, points = line[begin], (end - begin) * across * pitch
+            (outcome, letter), points = line[begin], (end - begin) * across * pitch
             x = at[0] + GAP / 2 + (begin + end) / 2 * across
-            if outcome.letter:
+            if letter:
                 size = min(6.0 if len(family.tolerances) == 1 else 4.6, max(3.6, 1.25 * points))
-                ax.text(x, y, outcome.letter, ha="center", va="center_baseline", fontsize=size, color=outcome.ink, fontweight="bold",
+                ax.text(x, y, letter, ha="center", va="center_baseline", fontsize=size, color=outcome.ink, fontweight="bold",
                         family="DejaVu Sans")
         for k in range(1, len(line)):  # so that strips of one colour can be counted
             x = at[0] + GAP / 2 + k * across
@@ -130,7 +131,7 @@ def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: f
                     solid_capstyle="butt")
 
 
-def runs(line: Sequence[Outcome]) -> list[tuple[int, int]]:
+def runs(line: Sequence[object]) -> list[tuple[int, int]]:
     """Where each run of equal values begins and ends."""
     ends = [k for k in range(1, len(line)) if line[k] != line[k - 1]]
     return list(zip([0, *ends], [*ends, len(line)]))

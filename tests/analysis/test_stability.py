@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 from stem_runner import Make, stem_runner
 from synthetic import NAN, ResultFile
-from synthetic_stability import GOOD, HUNG, MESHES, U, WRONG, Sweeps, killed, small, write_shapes
+from synthetic_stability import BUDGET, FLOOR, GOOD, HUNG, MESHES, TIMEOUT, U, WRONG, Sweeps, killed, small, write_shapes
 
 from analysis.__main__ import main
+from analysis.shared import style
 from analysis.shared.load import load
 from analysis.shared.results import Interval
 from analysis.shared.stems import drawn_with, results_of
 from analysis.stability import stability_error, stability_picture, stability_time
 from analysis.stability.stability_families import Suite, range_text, severity_text
-from analysis.stability.stability_outcomes import Ending, Judge, Outcome, judge
+from analysis.stability.stability_outcomes import STOPS, Ending, Judge, Outcome, judge
 from analysis.stability.stability_panels import choose
 
 KNOWN = Interval(np.nextafter(0.5, 0), np.nextafter(0.5, 1))
@@ -93,17 +94,32 @@ def test_what_is_not_legal_is_to_be_refused(columns: dict[str, Any], outcome: Ou
 
 
 def test_outcomes_are_told_apart_in_grey() -> None:
-    """By letter, or by how light they are: the ill ones are dark and all have letters."""
+    """By how light they are: any two colours are more than 7 of 100 apart in CIE lightness. The ill ones are dark and have letters."""
     def light(outcome: Outcome) -> float:
-        red, green, blue = (int(outcome.colour[i:i + 2], 16) / 255 for i in (1, 3, 5))
-        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+        parts = [int(outcome.colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+        red, green, blue = (x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055)**2.4 for x in parts)
+        return 116 * float(np.cbrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)) - 16
 
-    letters = [outcome.letter for outcome in Outcome if outcome.letter]
-    assert len(set(letters)) == len(letters)
-    plain = sorted(light(outcome) for outcome in Outcome if not outcome.letter)
-    assert all(above - below > 0.05 for below, above in zip(plain, plain[1:]))
-    assert all(light(outcome) < 0.4 and outcome.letter for outcome in (Outcome.WRONG, Outcome.CRASHED, Outcome.HUNG))
+    letters = [outcome.letter for outcome in Outcome if outcome.letter] + [letter for letter, _ in STOPS.values()]
+    assert len({letter.lower() for letter in letters}) == len(letters) - 1  # r and R: rightly refused, and refused
+    assert {status: letter for status, (letter, _) in STOPS.items()} == {status: style.STATUS_LETTERS[status] for status in STOPS}
+    shades = sorted(light(outcome) for outcome in {outcome.colour: outcome for outcome in Outcome}.values())
+    assert all(above - below > 7 for below, above in zip(shades, shades[1:]))
+    assert all(light(outcome) < 50 and outcome.letter for outcome in (Outcome.WRONG, Outcome.CRASHED, Outcome.HUNG))
     assert [outcome.badness for outcome in Outcome] == sorted(outcome.badness for outcome in Outcome)
+
+
+def test_the_letter_of_a_stop_says_at_what(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sweeps = Sweeps()
+    stops = {"timeout": TIMEOUT, "budget": BUDGET, "floor": FLOOR}
+    sweeps.family("offset", "mesh", [1.0, 2.0, 3.0], {"guthe": list(stops.values())})
+    suite = written(sweeps, tmp_path, monkeypatch)
+    family = suite.families[0]
+    assert [family.mark("guthe", step, family.tolerances[0]) for step in family.steps] == [(Outcome.STOPPED, letter) for letter in "TBP"]
+    figure = stability_picture.draw(suite)
+    entries = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [f"{letter}  {words}" for letter, words in STOPS.values()] == [text for text in entries if "stopped" in text]
+    plt.close(figure)
 
 
 def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,7 +256,7 @@ def test_matrix_draws_every_strip(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert len(points.patches) == 3 * (5 + 1) and len(meshes.patches) == (2 + 1 + 1) * (6 + 1)
     dark = [patch for patch in points.patches if patch.get_x() < 0 and patch.get_facecolor()[0] < 0.5]
     assert len(dark) == 1  # M is 1e12 at the last severity
-    assert {text.get_text() for text in meshes.texts} == {"", "~", "s", "X", "C", "R", "r"} | {"10 to 1e6", "1"}
+    assert {text.get_text() for text in meshes.texts} == {"", "~", "T", "B", "P", "X", "C", "R", "r"} | {"10 to 1e6", "1"}
     styles = {label.get_text(): label.get_style() for label in meshes.get_xticklabels()}
     assert styles["CGAL"] == "italic" and styles["Guthe 2005"] == "normal"
     plt.close(figure)
