@@ -18,7 +18,7 @@ from analysis.shared.sizes import tests_claims
 
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
     """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes."""
-    here = "here, the paper's sizes" if tests_claims(grid.results) else f"here, smaller sizes (profile {grid.results.meta.get('profile', '')})"
+    here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
         papers = {}
     scenes, cells = grid.scenes, grid.cells

@@ -15,7 +15,7 @@ from synthetic import ResultFile, spread
 
 from analysis import draw
 from analysis.shared import report, style
-from analysis.shared.drawable import make_drawable
+from analysis.shared.drawable import as_formula, make_drawable
 
 CLAIMS = """
 [[claim]]
@@ -169,7 +169,11 @@ def test_legends_have_names_with_an_underscore_in_front() -> None:
     figure.legend(handles=[style.filled_entry("_b"), style.open_entry("$_c^$ 中")])
     ax.set_yticks([1, 2], ["$y_1$", "$10^{2}$"])
     ax.legend()
+    formula, name = ax.text(1, 1, "$x^2$"), ax.text(1, 2, "$x^2$")
+    as_formula(formula)
     make_drawable(figure)
+    make_drawable(figure)  # once more changes nothing
+    assert formula.get_text() == "$x^2$" and name.get_text() == r"\$x^2\$"
     figure.draw_without_rendering()
     texts = {text.get_text().strip() for legend in (ax.get_legend(), figure.legends[0]) for text in legend.get_texts()}
     assert texts == {r"_a\$x_1\$", "_b", r"\$_c^\$ <U+4E2D>"}

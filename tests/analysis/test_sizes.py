@@ -52,7 +52,7 @@ def test_sizes_are_the_scenes_and_not_the_rounds(tmp_path: Path, source: str, pr
     assert sizes.tests_claims(results_of(tmp_path, TOML.replace("{}", source), profile)) is expected
 
 
-@pytest.mark.parametrize(("source", "expected"), [("large", "here, the paper's sizes"), ("small", "here, smaller sizes (profile quick)")])
+@pytest.mark.parametrize(("source", "expected"), [("large", "here, the paper's sizes"), ("small", "here, smaller sizes")])
 def test_the_legend_says_which_sizes(tmp_path: Path, source: str, expected: str) -> None:
     figure = beside_paper.draw(Grid(results_of(tmp_path, TOML.replace("{}", source))), {})
     assert expected in [text.get_text() for text in figure.legends[0].get_texts()]
