@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 namespace hausbench {
 
 namespace {
@@ -41,7 +43,9 @@ std::string show_ledger(const ResultFile& result, Form form, const Paper& paper)
     for (const LedgerEntry& entry : result.ledger) {
         const double saved = entry.seconds_saved;
         table.add({{entry.kind, entry.subject, entry.what, std::to_string(entry.count),
-                    saved < 0 ? "-" + duration_text(-saved) : duration_text(saved)},
+                    std::isnan(saved) ? "not measured"
+                    : saved < 0       ? "-" + duration_text(-saved)
+                                      : duration_text(saved)},
                    entry.reason});
     }
     return table.text(paper);
