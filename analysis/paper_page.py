@@ -125,7 +125,7 @@ def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
 
 def latex(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     """A longtable, as wide as the page."""
-    widths = (0.07, 0.31, 0.1, 0.24, 0.28)
+    widths = (0.09, 0.29, 0.1, 0.24, 0.28)
     columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
     head = " & ".join(HEADER[:5]) + r" \\"
     rows = [" & ".join(map(tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]

@@ -68,7 +68,7 @@ def make(spec: Spec, results: Results) -> Report:
     table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in "
                          f"{pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024; and the work counted.",
                          ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(),
-                          *map(title, spec.ratios)], left=2)
+                          *map(title, spec.ratios)], left=2, parts=(2, 4 + len(pairs.titles())))
     for scene in pairs.scenes:
         table.rules.add(len(table.rows))
         table.rows += rows_of(pairs, spec.ratios, scene, scale)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import math
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from analysis.shared import tex
+from analysis.shared.latex import latex
 from analysis.shared.printable import printable
 from analysis.shared.statistics import CONFIDENCE, Estimate
 
@@ -24,7 +23,7 @@ Record = dict[str, object]
 
 @dataclass
 class Table:
-    """A printed table: texts, and verdicts, which are printed before the notes. `rules` are the rows before which a thin line is drawn."""
+    """A printed table: texts, and verdicts, which are printed apart from the notes. `rules` are the rows before which a thin line is drawn."""
 
     caption: str
     header: Sequence[str]
@@ -33,6 +32,7 @@ class Table:
     verdicts: Sequence[Verdict] = ()
     left: int = 1  # the number of columns with texts, aligned left; the others hold numbers
     rules: set[int] = field(default_factory=set)
+    parts: Sequence[int] = ()  # LaTeX: columns that begin a block where a table is too wide for a page; those before the first are in all blocks
 
     def lines_below(self) -> list[str]:
         """What stands below it, a line each."""
@@ -99,35 +99,15 @@ def seconds(x: Estimate) -> Record:
 
 
 def markdown(table: Table) -> str:
+    """The caption, the cells, then the claims and the notes, each under a heading of their own."""
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
     marks = ["---" if i < table.left else "---:" for i in range(len(table.header))]
     parts = [f"**{table.caption}**", "", line(table.header), "|" + "|".join(marks) + "|", *map(line, table.rows), ""]
-    return "\n".join(parts + [f"- {line}" for line in table.lines_below()]) + "\n"
-
-
-def latex(table: Table, stem: str) -> str:
-    """A table* for a paper that loads booktabs and adjustbox (which shrinks a table too wide for the page)."""
-    columns = "l" * table.left + "r" * (len(table.header) - table.left)
-    below = table.lines_below()
-    if note := tex.noted(tex.tex_escape(" ".join([table.caption, *table.header, *below, *(cell for row in table.rows for cell in row)]))):
-        below = [*below, note]
-    lines = [r"% needs \usepackage{booktabs,adjustbox}", r"\begin{table*}", r"\centering\small",
-             rf"\caption{{{tex.tex_escape(table.caption)}}}", rf"\label{{tab:{re.sub('[^A-Za-z0-9_.-]', '-', stem)}}}",
-             r"\begin{adjustbox}{max width=\linewidth}", rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"\toprule",
-             " & ".join(map(tex.tex_escape, table.header)) + r" \\", r"\midrule"]
-    for i, row in enumerate(table.rows):
-        if i in table.rules and i > 0:
-            lines.append(r"\addlinespace")
-        # LaTeX would read a '[' or '*' at the start of a row as an argument of the \\ before it.
-        cells = ["{" + cell + "}" if cell.startswith(("[", "*")) else cell for cell in map(tex.tex_escape, row)]
-        lines.append(" & ".join(cells) + r" \\")
-    lines += [r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
-    if below:
-        notes = r" \\ {}".join(map(tex.tex_escape, below))
-        lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {notes}}}"]
-    return "\n".join(lines + [r"\end{table*}", ""])
+    for heading, lines in (("Claims", [verdict.line() for verdict in table.verdicts]), ("Notes", table.notes)):
+        parts += [f"### {heading}", "", *[f"- {line}" for line in lines], ""] if lines else []
+    return "\n".join(parts)
 
 
 def comma_separated(records: Sequence[Record]) -> str:

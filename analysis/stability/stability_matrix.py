@@ -127,7 +127,7 @@ def cell(family: Family, label: str) -> str:
 def table_of(suite: Suite) -> tables.Table:
     results, labels = suite.results, suite.labels
     table = tables.Table("The worst that each solver comes to on each family of scenes, and at how many of its severities.",
-                         ["family", "severity", "scenes", *[look(*pair).title for pair in labels]], left=3 + len(labels))
+                         ["family", "severity", "scenes", *[look(*pair).title for pair in labels]], left=3 + len(labels), parts=_kinds_begin(suite))
     for kind in KINDS:
         table.rules.add(len(table.rows))
         for family in suite.of_kind(kind):
@@ -151,6 +151,12 @@ def table_of(suite: Suite) -> tables.Table:
     table.notes += [f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))]
     table.notes.append(f"{machine_line(results)}.")
     return table
+
+
+def _kinds_begin(suite: Suite) -> list[int]:
+    """The columns where the solvers of points alone, of meshes and of surfaces begin."""
+    takes = [next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "") for pair in suite.labels]
+    return [3 + i for i, kind in enumerate(takes) if i == 0 or kind != takes[i - 1]]
 
 
 def seconds_text(results: Results) -> str:

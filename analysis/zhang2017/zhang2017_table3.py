@@ -76,7 +76,7 @@ def make(results: Results) -> Report:
         f"{total_title(results)}, {unit}, of exact directed Hausdorff "
         "distances between point sets, measured here and as printed in Table 3 of Zhang et al. 2017; and the work counted.",
         ["scene", "", "|A| / |B|", *grid.titles(),
-         *[ratio_title(*pair) for pair in RATIOS]], left=2)
+         *[ratio_title(*pair) for pair in RATIOS]], left=2, parts=(2, 3 + len(grid.titles())))
     records: list[tables.Record] = []
     for scene in grid.scenes:
         paper, first, own = papers.get(scene, {}), grid.first(scene), grid.row(scene)

@@ -1,0 +1,113 @@
+"""A table in LaTeX: a float with the caption, the cells and at most NOTE_WORDS words of notes; further notes and the claims follow it as text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Final
+
+from analysis.shared import tex
+from analysis.shared.table_width import GAP, Block, Layout, layout, unbroken
+
+if TYPE_CHECKING:
+    from analysis.shared.tables import Table
+
+NOTE_WORDS: Final = 120
+NEEDS: Final = r"% needs \usepackage{booktabs,array,longtable,rotating,pdflscape,adjustbox}"
+
+
+def split_notes(notes: Sequence[str], words: int = NOTE_WORDS) -> tuple[list[str], list[str]]:
+    """Returns the notes that fit that many words, and the others, each in their order."""
+    inside: list[str] = []
+    after: list[str] = []
+    for note in notes:
+        count = len(note.split())
+        (inside if count <= words else after).append(note)
+        words -= count if count <= words else 0
+    return inside, after
+
+
+def _sentences(notes: Iterable[str]) -> str:
+    """One paragraph; a note without an end gets a full stop."""
+    return " ".join(tex.tex_escape(note.strip() if note.rstrip().endswith((".", "!", "?")) else f"{note.strip()}.") for note in notes)
+
+
+def _row(cells: Sequence[str]) -> str:
+    # LaTeX would read a '[' or '*' at the start of a row as an argument of the \\ before it.
+    escaped = [tex.tex_escape(unbroken(cell)) for cell in cells]
+    return " & ".join("{" + cell + "}" if cell.startswith(("[", "*")) else cell for cell in escaped) + r" \\"
+
+
+def _columns(block: Block, left: int) -> str:
+    def column(i: int, width: float | None) -> str:
+        if width is None:
+            return "l" if i < left else "r"
+        return rf">{{\{'raggedright' if i < left else 'raggedleft'}\arraybackslash}}p{{{width:.1f}pt}}"
+
+    return "@{}" + "".join(column(i, width) for i, width in block.items()) + "@{}"
+
+
+def _body(table: Table, block: Block) -> list[str]:
+    """The rows; of a block of columns, those with another cell than 'n/a' in the columns that are its own."""
+    own = [k for k in block if k >= (table.parts[0] if table.parts else table.left)]
+    lines: list[str] = []
+    for i, row in enumerate(table.rows):
+        if i in table.rules and lines:
+            lines.append(r"\addlinespace")
+        if not own or any(row[k] != "n/a" for k in own):
+            lines.append(_row([row[k] for k in block]))
+    return lines
+
+
+def _tabular(table: Table, block: Block) -> list[str]:
+    head = _row([table.header[k] for k in block])
+    return [r"\begin{adjustbox}{max width=\linewidth}", rf"\begin{{tabular}}{{{_columns(block, table.left)}}}", r"\toprule", head, r"\midrule",
+            *_body(table, block), r"\bottomrule", r"\end{tabular}", r"\end{adjustbox}"]
+
+
+def _longtable(table: Table, block: Block, caption: str) -> list[str]:
+    head = _row([table.header[k] for k in block])
+    return [rf"\begin{{longtable}}{{{_columns(block, table.left)}}}", *[caption + r"\\"] * bool(caption), r"\toprule", head, r"\midrule\endfirsthead",
+            r"\toprule", head, r"\midrule\endhead", r"\bottomrule\endfoot", *_body(table, block), r"\end{longtable}"]
+
+
+def _float(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> list[str]:
+    kind = "sidewaystable*" if chosen.sideways else "table*"
+    lines = [rf"\begin{{{kind}}}", r"\centering", caption, rf"\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}%"]
+    for number, block in enumerate(chosen.blocks):
+        lines += [r"\par\medskip"] * (number > 0) + _tabular(table, block)
+    if notes:
+        lines += [r"\par\smallskip", rf"\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"]
+    return [*lines, rf"\end{{{kind}}}"]
+
+
+def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> list[str]:
+    """A table of several pages is no float: it stands where it is in the text."""
+    lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
+    for number, block in enumerate(chosen.blocks):
+        lines += _longtable(table, block, "" if number else caption)
+    lines += ["}"] + [rf"\noindent{{\footnotesize {_sentences(notes)}\par}}"] * bool(notes)
+    return lines + [r"\end{landscape}"] * chosen.sideways
+
+
+def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
+    """The claims, and the notes that have no room in the float."""
+    where, lines = rf"Table~\ref{{{label}}}", []
+    if table.verdicts:
+        lines += [rf"\par\medskip\noindent\textbf{{Claims tested in {where}.}}", r"\begin{itemize}",
+                  *[rf"\item {tex.tex_escape(verdict.line().removeprefix('Claim: '))}" for verdict in table.verdicts], r"\end{itemize}"]
+    if notes:
+        lines += [rf"\par\medskip\noindent\textbf{{Notes to {where}.}} {_sentences(notes)}", r"\par"]
+    return lines
+
+
+def latex(table: Table, stem: str) -> str:
+    """The table and what follows it, for pages of 7.16 x 9.2 inches; a table too wide for an upright page is printed sideways or in several blocks."""
+    label = "tab:" + re.sub("[^A-Za-z0-9_.-]", "-", stem)
+    whole = " ".join([table.caption, *table.header, *table.lines_below(), *(cell for row in table.rows for cell in row)])
+    spelt = list(filter(None, [tex.noted(tex.tex_escape(whole))]))
+    inside, after = split_notes(table.notes, NOTE_WORDS - sum(len(note.split()) for note in spelt))
+    chosen = layout(table.header, table.rows, table.left, table.parts)
+    caption = rf"\caption{{{tex.tex_escape(table.caption)}}}\label{{{label}}}"
+    set_ = _pages if chosen.long else _float
+    return "\n".join([NEEDS, *set_(table, chosen, caption, [*inside, *spelt]), *_after(table, label, after), ""])

@@ -1,0 +1,156 @@
+"""Chooses how a LaTeX table fits a page: its font size, the columns that wrap, upright or sideways, one block of columns or several, one page or many.
+
+Widths are estimated with those of the letters of Computer Modern, so no LaTeX is needed to write a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from analysis.shared.tex import tex_escape
+
+POINTS: Final = 72.27  # of LaTeX in an inch
+PAGE_WIDTH: Final = 7.16 * POINTS
+PAGE_HEIGHT: Final = 9.2 * POINTS
+GAP: Final = 4.0  # \tabcolsep
+SPARE: Final = 1.03  # a column is that much wider than its estimate
+CROWDED: Final = 1.7  # a table whose cells need more than so many times the width, each on one line, is set in another way
+AROUND: Final = 130.0  # height of a caption and of 120 words of notes
+# By size: the height of a line, and the width of 1/1000 em (small letters are relatively wider).
+SIZES: Final = {"small": (11.0, 9 * 1.027), "footnotesize": (9.5, 8 * 1.0625), "scriptsize": (8.0, 7 * 1.138)}
+_BY_WIDTH: Final = {278: "il.,:;[]!|'", 306: "fj", 333: "- ", 394: "rst()`I\"", 444: "cez", 500: "ago0123456789/_?*#$", 528: "kvxy", 556: "bdhnpquJS", 653: "LF", 681: "EP",
+                    750: "wABCRTUVXYZ&", 785: "DGHKNOQ+=<>~^@", 917: "mM%", 1028: "W"}
+_WIDTHS: Final = {letter: width for width, letters in _BY_WIDTH.items() for letter in letters}
+
+Block = dict[int, float | None]  # the columns of a block, each with its width in points if it wraps
+
+
+def text_width(text: str, size: str) -> float:
+    """Returns the estimated width in points."""
+    def of(letter: str) -> float:
+        return _WIDTHS.get(letter) or (3200 if "texttt" in tex_escape(letter) else 1000 if letter == "—" else 778)
+
+    return sum(map(of, text)) * SIZES[size][1] / 1000
+
+
+def unbroken(text: str) -> str:
+    """Returns the text with non-breaking spaces inside brackets, so that no interval is split between two lines."""
+    inside, letters = 0, []
+    for letter in text:
+        inside += (letter == "[") - (letter == "]" and inside > 0)
+        letters.append("\u00a0" if letter == " " and inside else letter)
+    joined = "".join(letters)
+    return joined if len(joined) < 40 else text
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a table is set."""
+
+    size: str
+    sideways: bool
+    long: bool
+    blocks: list[Block]
+
+    @property
+    def wraps(self) -> bool:
+        return any(width is not None for block in self.blocks for width in block.values())
+
+
+def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> list[float] | None:
+    """Narrows the widest columns to one common width, but none below its least, until all fit the room. None if they cannot."""
+    if sum(natural) <= room:
+        return list(natural)
+    if sum(least) > room:
+        return None
+    low, high = 0.0, max(natural)
+    for _ in range(40):
+        middle = (low + high) / 2
+        total = sum(min(x, max(y, middle)) for x, y in zip(natural, least))
+        low, high = (middle, high) if total <= room else (low, middle)
+    return [min(x, max(y, low)) for x, y in zip(natural, least)]
+
+
+def _lines(text: str, width: float, size: str) -> int:
+    """Returns the number of lines of a cell that is wrapped at that width."""
+    count, at, space = 1, 0.0, text_width(" ", size)
+    for word in unbroken(text).split(" "):
+        wide = text_width(word, size)
+        if at and at + space + wide > width:
+            count, at = count + 1, wide
+        else:
+            at += (space if at else 0) + wide
+    return count
+
+
+@dataclass(frozen=True)
+class Cells:
+    """The header and the rows of a table, measured at one size."""
+
+    size: str
+    rows: Sequence[Sequence[str]]
+    natural: list[float]
+    least: list[float]
+
+    @staticmethod
+    def of(rows: Sequence[Sequence[str]], size: str) -> Cells:
+        columns = list(zip(*rows))
+        natural = [max(text_width(cell, size) for cell in cells) * SPARE for cells in columns]
+        least = [max(text_width(word, size) for cell in cells for word in unbroken(cell).split(" ")) * SPARE for cells in columns]
+        return Cells(size, rows, natural, least)
+
+    def height(self, columns: Sequence[int], widths: Sequence[float]) -> float:
+        lines = sum(max(_lines(row[i], width, self.size) if width < self.natural[i] else 1 for i, width in zip(columns, widths)) for row in self.rows)
+        return lines * SIZES[self.size][0] * 1.05 + 12
+
+
+def _block(cells: Cells, columns: list[int], room: float) -> list[float] | None:
+    return _shared([cells.natural[i] for i in columns], [cells.least[i] for i in columns], room - 2 * GAP * (len(columns) - 1))
+
+
+def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None:
+    """Lays out these blocks of columns; None if one is too wide."""
+    room, page = (PAGE_HEIGHT, PAGE_WIDTH) if sideways else (PAGE_WIDTH, PAGE_HEIGHT)
+    found: list[Block] = []
+    height = 0.0
+    for columns in blocks:
+        widths = _block(cells, columns, room)
+        if widths is None:
+            return None
+        height += cells.height(columns, widths) + 10
+        found.append({i: width if width < cells.natural[i] - 0.01 else None for i, width in zip(columns, widths)})
+    return Layout(cells.size, sideways, height > page - AROUND, found)
+
+
+def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
+    """Splits the columns into blocks that fit a page upright, each after the first `kept` columns: at `parts`, or else into as few of like size as possible."""
+    first, others = list(range(kept)), len(cells.natural) - kept
+    tried = [[*parts, kept + others]] * bool(parts) + [[kept + round(others * i / count) for i in range(count + 1)] for count in range(2, others + 1)]
+    for ends in tried:
+        blocks = [first + list(range(low, high)) for low, high in zip(ends, ends[1:])]
+        if all(_block(cells, block, PAGE_WIDTH) for block in blocks):
+            return blocks
+    return [list(range(len(cells.natural)))]
+
+
+def layout(header: Sequence[str], rows: Sequence[Sequence[str]], left: int, parts: Sequence[int] = ()) -> Layout:
+    """Returns the first that fits: upright as it is, upright with a few cells wrapped, sideways, and else upright in several blocks of columns.
+
+    `parts` are the columns that begin a block, the first of them after the columns that all blocks have; without it those are the columns of texts.
+    """
+    texts = [header, *rows]
+    measured = {size: Cells.of(texts, size) for size in SIZES}
+    everything = [list(range(len(header)))]
+    found = [_set(measured[size], everything, False) for size in ("small", "footnotesize")]
+    if plain := next((each for each in found if each and not each.wraps), None):
+        return plain
+    for size, sideways in (("footnotesize", False), ("scriptsize", False), ("footnotesize", True), ("scriptsize", True)):
+        fitting = _set(measured[size], everything, sideways)
+        if fitting and sum(measured[size].natural) < CROWDED * (PAGE_HEIGHT if sideways else PAGE_WIDTH):
+            return fitting
+    kept = parts[0] if parts else left if left < len(header) else 1
+    several = [_set(measured[size], _split(measured[size], kept, parts), False) for size in ("footnotesize", "scriptsize")]
+    few = min((each for each in several if each), key=lambda each: len(each.blocks), default=None)
+    return few or Layout("scriptsize", False, True, [dict.fromkeys(everything[0])])
