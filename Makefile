@@ -53,7 +53,7 @@ GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(sub
 CPP_FILES = $(sort $(shell find algorithms bench datasets harness tests -name '*.cpp'))
 HEADERS = $(sort $(shell find algorithms bench datasets harness tests -name '*.h'))
 
-.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test searches test-slurm hostile certificates mutants types experiments figures check-reference tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
+.PHONY: help deps build datasets fetch-corpus fetch-kicad recordings test searches test-slurm hostile certificates mutants types experiments figures documents check-reference tidy format format-check asan asan-kernels tsan fuzz fuzz-short track track-counts history bisect bench bench-reference clean $(STEMS) $(GROUPS)
 
 help:
 	@echo 'make deps         install the Debian packages of packages.txt that are missing (as root)'
@@ -69,6 +69,7 @@ help:
 	@echo 'make certificates write and check the proofs of 41 pairs of real meshes, and false claims, which must be refused; fewer of guthe and sacht'
 	@echo 'make experiments  run every experiment, then draw every table and figure'
 	@echo 'make figures      draw again from the results that exist; runs nothing'
+	@echo 'make documents    a document of all figures and tables of each paper, results/tables/PAPER.tex; with pdflatex also results/documents/PAPER.pdf'
 	@echo 'make STEM         run and draw one experiment'
 	@echo 'make check-reference   do the bounds and the counted work of results/ equal those in results/reference/counts? STEM=... for some'
 	@echo 'make asan         the C++ tests under the address and undefined behaviour sanitizers'
@@ -225,6 +226,10 @@ figures: $(DEPS)
 	[ -n "$$none" ] || $(PYTHON) -m analysis.paper_page || failed+=" the pages of the papers"; \
 	[ -n "$$none" ] || $(PYTHON) -m analysis.ledger || failed+=" the ledger"; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
+
+# Without pdflatex it writes the documents, and says that it compiled none.
+documents: $(DEPS)
+	$(PYTHON) -m analysis.document --compile
 
 # A run says it too; here a difference is an error.
 check-reference: $(DEPS)

@@ -1,0 +1,135 @@
+"""Writes a LaTeX document with every figure and table of a paper: `python3 -m analysis.document [PAPER ...] [--results DIR] [--out DIR] [--compile]`.
+
+It takes the files that `python3 -m analysis` has written to <results>/figures and <results>/tables, and writes <out>/tables/PAPER.tex; `hausbench` is for
+the stems that belong to no paper. With --compile, pdflatex makes <out>/documents/PAPER.pdf of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.paper_page import TITLES, papers
+from analysis.shared import claims, tables
+from analysis.shared.stems import ANALYSIS, drawn_with
+from analysis.shared.tex import tex_escape
+
+# Without adjustbox: nothing is shrunk, so LaTeX reports each table that is too wide.
+PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
+\usepackage[textwidth=7.16in,textheight=9.2in]{geometry}
+\usepackage{textcomp,graphicx,booktabs,array,longtable,rotating,pdflscape}
+\newenvironment{adjustbox}[1]{}{}
+\setcounter{topnumber}{9}\setcounter{totalnumber}{9}\renewcommand{\topfraction}{1}\renewcommand{\textfraction}{0}\renewcommand{\floatpagefraction}{0.6}
+\makeatletter\def\fps@table{!htbp}\makeatother
+\setlength{\parindent}{0pt}
+"""
+WITHOUT_LATEX: Final = "there is no pdflatex (on Debian: texlive-latex-extra)"
+_OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
+
+
+def _place(stem: str) -> tuple[int, int, str]:
+    """Figures in the order of their numbers, then tables, then the rest."""
+    found = re.search(r"_(fig|table|section)(\d+)$", stem)
+    return (["fig", "table", "section"].index(found[1]), int(found[2]), stem) if found else (3, 0, stem)
+
+
+def stems_of(paper: str) -> list[str]:
+    """The stems of a paper in its order; of `hausbench`, those of no paper. Each is followed by the stems that draw its results."""
+    others = {each for each in papers() if each != claims.OWN}
+    found = [file.stem for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
+             if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)]
+    ordered = found if paper == claims.OWN else sorted(found, key=_place)
+    known = {file.stem for file in ANALYSIS.rglob("*.py")}
+    return list(dict.fromkeys(each for stem in ordered if stem in known for each in drawn_with(stem)))
+
+
+def _caption(folder: Path, stem: str) -> str:
+    """The caption of the stem's table, for its figure."""
+    table = folder / "tables" / f"{stem}.md"
+    return table.read_text(encoding="utf-8").partition("\n")[0].strip("*") if table.exists() else stem
+
+
+def _stem(folder: Path, stem: str, out: Path) -> list[str]:
+    """The figures and the table of a stem, as far as there are files."""
+    lines = []
+    for figure in sorted((folder / "figures").glob(f"{stem}.pdf")) + sorted((folder / "figures").glob(f"{stem}-*.pdf")):
+        part = figure.stem.removeprefix(stem).lstrip("-")
+        caption = tex_escape(_caption(folder, stem) + (f" Part: {part}." if part else ""))
+        lines += [r"\begin{figure}[!htbp]\centering", rf"\includegraphics{{{os.path.relpath(figure, out)}}}", rf"\caption{{{caption}}}", r"\end{figure}"]
+    if (table := folder / "tables" / f"{stem}.tex").exists():
+        lines += [rf"\input{{{os.path.relpath(table, out)}}}"]
+    return [r"\clearpage", rf"\subsection*{{{tex_escape(stem)}}}", *lines] if lines else []
+
+
+def document(paper: str, folder: Path, out: Path) -> str:
+    """Returns the document; empty if no file of the paper is there."""
+    parts = [line for stem in stems_of(paper) for line in _stem(folder, stem, out)][1:]  # the first begins below the title
+    if parts and (page := folder / "tables" / f"{paper}_claims.tex").exists():
+        parts += [r"\clearpage", rf"\input{{{os.path.relpath(page, out)}}}"]
+    title = rf"\section*{{{tex_escape(TITLES.get(paper, paper))}}}"
+    return "\n".join([PREAMBLE + r"\begin{document}", title, *parts, r"\end{document}", ""]) if parts else ""
+
+
+def too_wide(log: str, allowed: float = 5.0) -> list[str]:
+    """The lines of a log that tell of a box or float that is larger than the page by more than `allowed` points."""
+    return [found[0] for found in _OVERFULL.finditer(log) if float(found[1] or found[2]) > allowed]
+
+
+def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
+    """Runs pdflatex until references and columns are settled. Returns the PDF and what is larger than its page. Raises OSError if LaTeX fails."""
+    out.mkdir(parents=True, exist_ok=True)
+    command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", f"-output-directory={out.resolve()}", source.name]
+    for _ in range(3):
+        done = subprocess.run(command, cwd=source.parent, capture_output=True, encoding="utf-8", errors="replace", check=False,
+                              env={**os.environ, "max_print_line": "1000"})
+        if done.returncode:
+            at = done.stdout.find("\n!")
+            raise OSError(f"{source}: pdflatex failed: {done.stdout[at:at + 400].strip()}")
+    return out / f"{source.stem}.pdf", too_wide((out / f"{source.stem}.log").read_text(encoding="utf-8", errors="replace"))
+
+
+def write(paper: str, folder: Path, out: Path) -> Path | None:
+    """Writes <out>/tables/PAPER.tex; None if there is nothing to print."""
+    path = out / "tables" / f"{paper}.tex"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = document(paper, folder, path.parent)
+    if text:
+        tables.write_whole(path, text)
+    return path if text else None
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns the exit code: 2 if a document cannot be written or compiled."""
+    parser = argparse.ArgumentParser(prog="analysis.document", description="A document with all figures and tables of a paper.")
+    parser.add_argument("papers", nargs="*", metavar="PAPER", help=f"default: all of {', '.join(papers())}")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder that has figures/ and tables/ (results)")
+    parser.add_argument("--out", type=Path, help="documents go to its tables/ (the folder of --results)")
+    parser.add_argument("--compile", action="store_true", help="make OUT/documents/PAPER.pdf with pdflatex, if it is installed")
+    chosen, code = parser.parse_args(arguments), 0
+    if unknown := sorted(set(chosen.papers) - set(papers())):
+        parser.error(f"unknown paper '{unknown[0]}': one of {', '.join(papers())}")
+    out = chosen.out or chosen.results
+    latex = shutil.which("pdflatex") is not None
+    if chosen.compile and not latex:
+        print(f"documents: not compiled: {WITHOUT_LATEX}")
+    for paper in chosen.papers or papers():
+        try:
+            if not (path := write(paper, chosen.results, out)):
+                continue
+            pdf, wide = compiled(path, out / "documents") if chosen.compile and latex else (None, [])
+            print(*filter(None, [path, pdf, *wide]), sep="\n")
+        except OSError as problem:
+            print(problem, file=sys.stderr)
+            code = 2
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
