@@ -22,7 +22,7 @@ from analysis.shared import claims, report, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.printable import printable
 from analysis.shared.tex import tex_escape
-from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN, UNTESTED
 
 ROOT: Final = REFERENCE.parent.parent
 TITLES: Final = {**forest.PAPERS, claims.OWN: "Claims of our own"}
@@ -106,7 +106,7 @@ def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
 
 def count(lines: Sequence[Line]) -> str:
     outcomes = [line.outcome for line in lines]
-    return ", ".join(f"{outcomes.count(each)} {each}" for each in (HOLDS, NOT_REFUTED, FAILS, OPEN, UNTESTED) if each in outcomes)
+    return ", ".join(f"{outcomes.count(each)} {each}" for each in (HOLDS, NOT_REFUTED, FAILS, OPEN, NOT_JUDGED, UNTESTED) if each in outcomes)
 
 
 def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:

@@ -17,7 +17,7 @@ from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_of_medians
-from analysis.shared.verdicts import FAILS, OPEN, Verdict, above_one, everywhere
+from analysis.shared.verdicts import FAILS, NOT_JUDGED, OPEN, Verdict, above_one, everywhere
 
 PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
@@ -84,12 +84,13 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     verdict = above_one(claim, scaled)
     lost = sum(not peer.failures for peer, own in pairs if own.failures)
     if mean.n:
-        verdict = replace(verdict, evidence=f"{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
+        too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
+        verdict = replace(verdict, evidence=f"{too_few}{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
     if stopped := sum(bool(peer.failures) for peer, _ in answered):  # its limit is the least that it takes: the mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
                           evidence=f"{verdict.evidence}, at the least: CGAL did not end on {stopped}")
     if lost:
-        verdict = replace(verdict, outcome=OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
+        verdict = replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
     if reasons := [why for pair in pairs if (why := apart_of(pair))]:
         verdict = replace(verdict, outcome=OPEN if mean.n else verdict.outcome, evidence=f"{verdict.evidence}; times {reasons[0]} on {len(reasons)} pairs")
     return verdict

@@ -11,7 +11,7 @@ from analysis.shared.cells import MEASURES
 from analysis.shared.comparable import Origin, apart, origins
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, few, why
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, weighed, why
 
 ENDED: Final = ("ok", "floor")  # a row that ended by itself
 STOPPED: Final = ("timeout", "budget")
@@ -103,7 +103,7 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
     if x.n:
         scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)
         outcome = OPEN if not scaled.separated else HOLDS if scaled.low > 1 else FAILS
-        return Verdict(claim, outcome, f"ratio {tables.estimate(x)}{few([x])}{against}", ratio=Ratio.of(scaled))
+        return weighed(Verdict(claim, outcome, f"ratio {tables.estimate(x)}{against}", ratio=Ratio.of(scaled)), [x])
     if ratio.at_least:
         return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
                        f"ratio above {tables.number(ratio.at_least)}, for the slower was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))

@@ -20,7 +20,7 @@ import scipy.stats
 from analysis.shared import tables
 from analysis.shared.columns import Floats
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
-from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, why
+from analysis.shared.verdicts import ERROR, FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict, weighed, why
 
 Wins = npt.NDArray[np.bool_]  # one a pair
 
@@ -91,7 +91,7 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with both")
     known = mean.has_interval and mean.coverage >= CONFIDENCE
     outcome = HOLDS if known and mean.low >= bar else FAILS if known and mean.high < bar else OPEN
-    return Verdict(claim, outcome, f"{what} {tables.estimate(mean)} over {mean.n} pairs", ratio=Ratio.of(mean, bar))
+    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(mean)} over {mean.n} pairs", ratio=Ratio.of(mean, bar)), [mean])
 
 
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:
@@ -104,7 +104,7 @@ def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verd
     if verdict.outcome == HOLDS and not mean.low > bar:  # as in counts that are all the same
         return replace(verdict, outcome=OPEN)
     if len(known) < len(ratios):
-        return replace(verdict, outcome=OPEN, evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(known)}{why(ratios)}")
+        return replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(known)}{why(ratios)}")
     return verdict
 
 

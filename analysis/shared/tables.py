@@ -66,11 +66,10 @@ def estimate(x: Estimate, scale: float = 1.0) -> str:
 
 
 def ratio(x: Estimate) -> str:
-    """A ratio of times: as above, marked where its interval contains 1, or n is too small for one of 95 %."""
+    """A ratio of times: as above, marked if its interval contains 1, or if n is too small for one of 95 %."""
     if x.n == 0:
         return NOTHING
-    few = f", n = {x.n}" if x.coverage < CONFIDENCE else ""
-    return estimate(x) if x.separated else f"{estimate(x)} (not separated{few})"
+    return estimate(x) if x.separated else f"{estimate(x)} ({f'not judged, n = {x.n}' if x.coverage < CONFIDENCE else 'not separated'})"
 
 
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:

@@ -1,4 +1,4 @@
-"""What the data say of a paper's claims: 'holds', 'does not hold', 'not separated'. Worked out, never written by hand.
+"""What the data say of a paper's claims: 'holds', 'does not hold', 'not separated', 'not judged'. Worked out, never written by hand.
 
 'Not separated' is what few or noisy times give: both answers remain possible. Every verdict errs with at most 5 %; where a
 verdict looks at many ratios, its docstring says how that is kept. Each claim about time is looked at in counted work as
@@ -21,6 +21,7 @@ from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"
 OPEN: Final = "not separated"
+NOT_JUDGED: Final = "not judged"  # so few rounds (n < 6 for one ratio) separate nothing, whatever the data say
 NOT_REFUTED: Final = "not refuted"  # of what no number of cases can prove
 UNTESTED: Final = "not tested"  # the experiment, or what became of it, left no data
 
@@ -64,6 +65,12 @@ class Verdict:
         return text
 
 
+def weighed(verdict: Verdict, ratios: Iterable[Estimate]) -> Verdict:
+    """Returns the verdict, or 'not judged' in place of 'not separated' if some of the estimates behind it are of too few rounds for 95 %."""
+    n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
+    return replace(verdict, outcome=NOT_JUDGED, evidence=f"n = {n}; {verdict.evidence}") if n and verdict.outcome == OPEN else verdict
+
+
 def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
     """A claim that every one of the ratios is above 1.
 
@@ -80,10 +87,12 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     outcome = HOLDS if above == len(ratios) else FAILS if simes(x.p_below for x in known) <= ERROR else OPEN
     least, most = min(x.value for x in known), max(x.value for x in known)
     rest, lost = len(known) - above - below, len(ratios) - len(known)
+    hopeless = simes(x.p_least for x in known) > ERROR
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
         + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}{why(ratios)}"] * bool(lost) \
         + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
-    return Verdict(claim, outcome, ", ".join(part for part in parts if part), ratio=Ratio(math.nan, least, most))
+    verdict = Verdict(claim, outcome, ", ".join(part for part in parts if part), ratio=Ratio(math.nan, least, most))
+    return weighed(verdict, known if hopeless else [])
 
 
 def why(ratios: Iterable[Estimate]) -> str:
@@ -115,8 +124,9 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
     above, below = sorted(x.p_above for x in ratios), sorted(x.p_below for x in ratios)
     outcome = HOLDS if simes(above[n // 2:]) <= ERROR else FAILS if simes(below[(n + 1) // 2 - 1:]) <= ERROR else OPEN
     clear = [sum(chance <= ERROR / 2 for chance in chances) for chances in (above, below)]
-    return Verdict(claim, outcome, f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
-                   f"ratio {tables.number(min(known))} to {tables.number(max(known))}", ratio=Ratio(math.nan, min(known), max(known)))
+    verdict = Verdict(claim, outcome, f"above 1 for {clear[0]} of {n} {what}, below 1 for {clear[1]}, "
+                      f"ratio {tables.number(min(known))} to {tables.number(max(known))}", ratio=Ratio(math.nan, min(known), max(known)))
+    return weighed(verdict, ratios if simes(sorted(x.p_least for x in ratios)[n // 2:]) > ERROR else [])
 
 
 def least_of(ratios: Sequence[Estimate]) -> Estimate:
@@ -134,13 +144,7 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     if not ratio.n:
         return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
-    return Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}{few([ratio])}", ratio=Ratio.of(ratio))
-
-
-def few(ratios: Sequence[Estimate]) -> str:
-    """Says so where some of them are of too few rounds (or of one seed) to be separated."""
-    n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
-    return f", n = {n}" if n else ""
+    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}", ratio=Ratio.of(ratio)), [ratio])
 
 
 def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
@@ -191,7 +195,7 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
     tau = median(taus)
     known = tau.has_interval and tau.coverage >= 1 - ERROR
     outcome = HOLDS if known and tau.low > 0 else FAILS if known and tau.high < 0 else OPEN
-    return Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau)}, over {tau.n} independent runs")
+    return weighed(Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau)}, over {tau.n} independent runs"), [tau])
 
 
 def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
@@ -226,7 +230,7 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
         return Verdict(claim, UNTESTED, what + why(ratios))
     outcome = (HOLDS if all(x.n and x.separated and x.low > 1 for x in ratios) else
                FAILS if rival.n and rival.separated and rival.high < 1 else OPEN)
-    return Verdict(claim, outcome, what + few(known))
+    return weighed(Verdict(claim, outcome, what), [rival] if rival.n else known)
 
 
 def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:

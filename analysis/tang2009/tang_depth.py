@@ -12,7 +12,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.results import Results
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict
 
 BATCHES: Final = 8
 CUT: Final = "seconds: cut"
@@ -89,7 +89,7 @@ def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) ->
         return Verdict(claim, UNTESTED, "times are missing")
     value = f"{1e3 * spent.value:.3g} ms"
     if not spent.has_interval:
-        return Verdict(claim, OPEN, f"{value} against {printed:g} ms, of too few frames for an interval")
+        return Verdict(claim, NOT_JUDGED, f"n = {spent.n} frames; {value} against {printed:g} ms")
     low, high = 1e3 * spent.low, 1e3 * spent.high
     return Verdict(claim, HOLDS if high < printed else FAILS if low > printed else OPEN, f"{value} [{low:.3g}, {high:.3g}] against {printed:g} ms",
                    ratio=Ratio(printed / (1e3 * spent.value), printed / high, printed / low))

@@ -84,7 +84,7 @@ def test_a_claim_about_one_case_is_about_that_case(tmp_path: Path, capsys: pytes
     file.case("guthe", "y", spread(0.4, 6), lower=1.0, upper=1.0)
     file.case("mine", "y", [], status="failed", reason="it crashed")
     assert run(file, tmp_path, "--as", "table") == 0
-    assert "Here: not separated" in capsys.readouterr().out  # one of two cases has no ratio
+    assert "Here: not judged (n = 1; " in capsys.readouterr().out  # one of two cases has no ratio
 
 
 def test_a_claim_about_a_solver_that_was_run_with_several_parameters_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,7 +17,7 @@ from analysis.shared import over_pairs
 from analysis.shared.load import load
 from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_least, on_average, share_near, shared_wins, wins_more
 from analysis.shared.statistics import NO_DATA, exact
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Verdict
 
 
 @pytest.fixture()
@@ -41,7 +41,7 @@ def test_means() -> None:
 
 
 @pytest.mark.parametrize(("ratios", "outcome"), [
-    ([15.0, 20.0, 18.0, 22.0] * 3, HOLDS), ([1.0, 1.2, 3.0] * 4, FAILS), ([3.0, 90.0, 16.0, 20.0], OPEN), ([20.0], OPEN), ([], UNTESTED)])
+    ([15.0, 20.0, 18.0, 22.0] * 3, HOLDS), ([1.0, 1.2, 3.0] * 4, FAILS), ([3.0, 90.0, 16.0, 20.0], OPEN), ([20.0], NOT_JUDGED), ([], UNTESTED)])
 def test_mean_at_least(ratios: Sequence[float], outcome: str) -> None:
     for mean in (geometric_mean, arithmetic_mean):
         assert mean_at_least("x", mean(ratios), 16, "mean").outcome == outcome
@@ -223,7 +223,7 @@ def test_fig2_draws_no_bound_for_a_pair_that_was_not_stopped_by_the_clock(tmp_pa
 @pytest.mark.parametrize(("ratios", "bar", "outcome"), [
     ([2.0, 3.0, 0.9, 4.0, 5.0, 2.0], 1.0, HOLDS),  # one below 1 does not refute an average
     ([0.5, 0.3, 1.1, 0.2, 0.4, 0.5], 1.0, FAILS), ([0.5, 2.0, 0.5, 2.0], 1.0, OPEN), ([1.0, 1.0, 1.0], 1.0, OPEN),
-    ([20.0, 30.0, 25.0, 15.0], 10.0, HOLDS), ([2.0, 3.0, 2.5, 2.0], 4.38, FAILS), ([2.0], 1.0, OPEN), ([], 1.0, UNTESTED)])
+    ([20.0, 30.0, 25.0, 15.0], 10.0, HOLDS), ([2.0, 3.0, 2.5, 2.0], 4.38, FAILS), ([2.0], 1.0, NOT_JUDGED), ([], 1.0, UNTESTED)])
 def test_on_average(ratios: list[float], bar: float, outcome: str) -> None:
     assert on_average("x", [exact(x) for x in ratios], bar).outcome == outcome
 

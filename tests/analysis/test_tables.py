@@ -22,7 +22,7 @@ def test_estimate_and_ratio() -> None:
     clear, open_ = Estimate(2.0, 1.5, 2.5, 9, 0.96), Estimate(1.1, 0.9, 1.3, 9, 0.96)
     assert tables.estimate(clear) == "2.00 [1.50, 2.50]" == tables.ratio(clear)
     assert tables.ratio(open_) == "1.10 [0.900, 1.30] (not separated)"
-    assert tables.ratio(Estimate(2.0, 1.5, 2.5, 2, 0.5)) == "2.00 [1.50, 2.50] (not separated, n = 2)"
+    assert tables.ratio(Estimate(2.0, 1.5, 2.5, 2, 0.5)) == "2.00 [1.50, 2.50] (not judged, n = 2)"
     assert tables.ratio(exact(2.0)) == "2.00" and tables.ratio(exact(1.0)) == "1.00 (not separated)"
     assert tables.estimate(median([0.5]), 1e3) == "500"
     assert tables.estimate(NO_DATA) == tables.ratio(NO_DATA) == "—"

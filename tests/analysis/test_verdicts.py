@@ -10,7 +10,7 @@ import pytest
 
 from analysis.shared import verdicts
 from analysis.shared.statistics import NO_DATA, Estimate, exact, one_draw, paired_ratio
-from analysis.shared.verdicts import FAILS, HOLDS, NOT_REFUTED, OPEN, UNTESTED
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN, UNTESTED
 
 
 def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:
@@ -23,7 +23,7 @@ FASTER, SLOWER, LEVEL, FEW = ratio(2.0), ratio(0.5), ratio(1.1, odd=4), ratio(2.
 
 @pytest.mark.parametrize(("ratios", "outcome"), [
     ([FASTER, FASTER], HOLDS), ([FASTER, LEVEL], OPEN), ([FASTER, LEVEL, SLOWER], FAILS), ([FASTER, NO_DATA], OPEN),
-    ([NO_DATA], UNTESTED), ([], UNTESTED), ([FEW, FEW], OPEN),
+    ([NO_DATA], UNTESTED), ([], UNTESTED), ([FEW, FEW], NOT_JUDGED), ([FEW, LEVEL], OPEN), ([FEW, SLOWER], FAILS),
     ([exact(2.0), exact(1.5)], HOLDS), ([exact(2.0), exact(1.0)], OPEN), ([exact(2.0), exact(0.5)], FAILS),
     # Six rounds: one ratio of six below 1 may be chance, two are not (2 tails of 1/64, 6 / 2 of them).
     ([ratio(2.0, 6)] * 5 + [ratio(0.5, 6)], OPEN), ([ratio(2.0, 6)] * 4 + [ratio(0.5, 6)] * 2, FAILS)])
@@ -34,7 +34,7 @@ def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
 @pytest.mark.parametrize(("ratios", "outcome"), [
     ([FASTER] * 3 + [SLOWER], HOLDS), ([FASTER] * 2 + [SLOWER] * 2, FAILS), ([FASTER, SLOWER, SLOWER, SLOWER], FAILS),
     ([FASTER] * 2 + [LEVEL] * 2, OPEN), ([FASTER] * 3 + [NO_DATA], HOLDS), ([FASTER] * 2 + [NO_DATA] * 2, OPEN), ([NO_DATA], UNTESTED), ([], UNTESTED),
-    ([FEW] * 4, OPEN), ([exact(2.0), exact(2.0), exact(0.5)], HOLDS), ([exact(2.0), exact(0.5), exact(0.5)], FAILS),
+    ([FEW] * 4, NOT_JUDGED), ([FEW] * 3 + [FASTER], NOT_JUDGED), ([FEW] + [FASTER, LEVEL] * 2, OPEN), ([exact(2.0), exact(2.0), exact(0.5)], HOLDS), ([exact(2.0), exact(0.5), exact(0.5)], FAILS),
     # Six rounds: each of four alone is 1/64, and the clearest of two that are left may be chance, 2/64 not.
     ([ratio(2.0, 6)] * 3 + [SLOWER], HOLDS), ([ratio(2.0, 6, odd=1)] * 3 + [SLOWER], OPEN)])
 def test_most_of(ratios: list[Estimate], outcome: str) -> None:
@@ -62,7 +62,7 @@ def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
     assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # it holds
-    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == OPEN
+    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == NOT_JUDGED
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("n = 1 cannot refute it for 5 pairs")
 
 
@@ -94,10 +94,11 @@ def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
 
 def test_above_one() -> None:
     assert [verdicts.above_one("x", r).outcome for r in (FASTER, LEVEL, SLOWER, NO_DATA, FEW)] == \
-        [HOLDS, OPEN, FAILS, UNTESTED, OPEN]
-    assert verdicts.above_one("x", one_draw(2.0)).evidence == "ratio 2.00, n = 1"
-    assert verdicts.above_one("x", FEW).evidence == "ratio 2.00 [2.00, 2.00], n = 2"
+        [HOLDS, OPEN, FAILS, UNTESTED, NOT_JUDGED]
+    assert verdicts.above_one("x", one_draw(2.0)).evidence == "n = 1; ratio 2.00"
+    assert verdicts.above_one("x", FEW).evidence == "n = 2; ratio 2.00 [2.00, 2.00]"
     assert verdicts.above_one("x", exact(2.0)).evidence == "ratio 2.00"
+    assert verdicts.above_one("x", FEW).line() == "Claim: x. Here: not judged (n = 2; ratio 2.00 [2.00, 2.00])."
 
 
 def test_never_is_never_proven() -> None:
@@ -138,10 +139,10 @@ def test_rising_by_run() -> None:
     assert verdicts.rising_by_run("x", [(x, x)] * 6).outcome == HOLDS
     assert verdicts.rising_by_run("x", [(x, x[::-1])] * 6).outcome == FAILS
     assert verdicts.rising_by_run("x", [(x, x)] * 5 + [(x, x[::-1])]).outcome == OPEN
-    assert verdicts.rising_by_run("x", [(x, x)] * 5).outcome == OPEN and verdicts.rising_by_run("x", []).outcome == UNTESTED
+    assert verdicts.rising_by_run("x", [(x, x)] * 5).outcome == NOT_JUDGED and verdicts.rising_by_run("x", []).outcome == UNTESTED
     # One smooth run is one trial, however many neighbours it visits.
     long = [float(i) for i in range(100)]
-    assert verdicts.rising_by_run("x", [(long, long)]).outcome == OPEN
+    assert verdicts.rising_by_run("x", [(long, long)]).outcome == NOT_JUDGED
 
 
 def test_constant() -> None:
@@ -167,7 +168,7 @@ def test_greatest() -> None:
     assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
     assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
     assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # nothing is known of one place
-    assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", OPEN, "at 0, n = 1")
+    assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", NOT_JUDGED, "n = 1; at 0")
     assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves: no proof
 
 

@@ -54,7 +54,7 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
 
 def test_table2_pairs_seeds(make: Make) -> None:
     """Ten seeds, twice as long and three times the work without culling; of one seed, no more than one draw."""
-    for seeds, ratio in ((10, "3.00 [3.00, 3.00]"), (1, "3.00 (not separated, n = 1)")):
+    for seeds, ratio in ((10, "3.00 [3.00, 3.00]"), (1, "3.00 (not judged, n = 1)")):
         file = ResultFile("zhang2017_table2", cpu=1.0)
         for seed in range(1, seeds + 1):
             for label, factor in (("ohd_without_culling", 2), ("ohd", 1)):
@@ -64,7 +64,7 @@ def test_table2_pairs_seeds(make: Make) -> None:
         _, rows, text = make(file)
         header, first = rows["pair"][0], rows["1"][0]
         assert first[header.index("here: ratio")] == "2.00 [2.00, 2.00]" and first[header.index("distances: ratio")] == ratio
-        assert "Counted in distances it is not separated (geometric mean 3.00 over 1 pairs)" in text  # one pair is no average
+        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is no average
         assert ("paired by seeds" in text) == (seeds > 1)
 
 
@@ -117,10 +117,10 @@ def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
             case["options"] = '{"seed": 1}'
     _, rows, text = make(file)
     header, apart = rows["models"][0], rows["ring, boxes apart"][0]
-    assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0 (not separated, n = 1)"
+    assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0 (not judged, n = 1)"
     for claim in ("peaks where the models overlap most", "boxes are apart, NOHD takes less time", "0.33, OHD takes less time than"):
         line = next(line for line in text.splitlines() if claim in line)
-        assert "Here it holds" in line and "Counted in distances it is not separated" in line and ", n = 1)" in line
+        assert "Here it holds" in line and "Counted in distances it is not judged (n = 1; " in line
 
 
 def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
@@ -318,7 +318,7 @@ def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = N
 
 
 @pytest.mark.parametrize(("level", "rounds", "outcome"), [
-    ([1, 1, 2, 1, 1], 6, "holds"), ([3, 1, 2, 1, 1], 6, "does not hold"), ([1, 1, 2, 1, 1], 5, "not separated"),
+    ([1, 1, 2, 1, 1], 6, "holds"), ([3, 1, 2, 1, 1], 6, "does not hold"), ([1, 1, 2, 1, 1], 5, "not judged"),
     ([1, 1, 1, 1, 1], 6, "not separated")])
 def test_a_peak_can_come_out_three_ways(level: list[int], rounds: int, outcome: str, tmp_path: Path) -> None:
     times = [[y * (1 + 0.01 * ((7 * i + 3 * j) % 5)) for j in range(rounds)] for i, y in enumerate(level)]
