@@ -90,14 +90,19 @@ def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
     return lines + [r"\end{landscape}"] * chosen.sideways
 
 
+def _list(heading: str, items: Iterable[str]) -> list[str]:
+    """A heading, which no page ends with, and a list."""
+    return [r"\begingroup\footnotesize\csname @beginparpenalty\endcsname=10000\relax", rf"\par\medskip\noindent\textbf{{{heading}}}",
+            r"\begin{itemize}\setlength{\itemsep}{0pt}\setlength{\parskip}{0pt}\setlength{\parsep}{0pt}", *[rf"\item {item}" for item in items], r"\end{itemize}\endgroup"]
+
+
 def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
     """The claims, and the notes that have no room in the float."""
-    where, lines = rf"Table~\ref{{{label}}}", []
+    where, lines = rf"Table~\ref{{{label}}}", list[str]()
     if table.verdicts:
-        lines += [rf"\par\medskip\noindent\textbf{{Claims tested in {where}.}}", r"\begin{itemize}",
-                  *[rf"\item {tex.tex_escape(verdict.line().removeprefix('Claim: '))}" for verdict in table.verdicts], r"\end{itemize}"]
+        lines += _list(f"Claims tested in {where}.", [tex.tex_escape(verdict.line().removeprefix("Claim: ")) for verdict in table.verdicts])
     if notes:
-        lines += [rf"\par\medskip\noindent\textbf{{Notes to {where}.}} {_sentences(notes)}", r"\par"]
+        lines += _list(f"Notes to {where}.", [_sentences([note]) for note in notes])
     return lines
 
 
