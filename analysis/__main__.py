@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from analysis.shared import style
 from analysis.shared.load import load
 from analysis.shared.printable import printable
 from analysis.shared.report import Report
@@ -27,6 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stem in chosen.stems:
         try:
             results = load(chosen.results / f"{results_of(stem)}.h5")
+            style.introduce(results)
             for each in drawn_with(stem):
                 report: Report = importlib.import_module(module_of(each)).make(results)
                 print(*report.save(results, chosen.out, each), sep="\n")

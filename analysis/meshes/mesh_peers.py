@@ -116,7 +116,8 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
     verdict = everywhere(claims.of("hausbench", "times_cgal_everywhere", title=style.title(label), aim=aim, label=label), ratios)
     known = [aim * x.value for x in ratios if x.n]
     spread = f"{tables.number(min(known))} to {tables.number(max(known))} times; over {aim}: " if known else ""
-    return replace(verdict, evidence=spread + verdict.evidence)
+    few, _, rest = verdict.evidence.partition("; ") if verdict.outcome == NOT_JUDGED else ("", "", verdict.evidence)
+    return replace(verdict, evidence=f"{few}; " * bool(few) + spread + rest)
 
 
 def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:

@@ -97,7 +97,7 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], row
     """A square a solver and pair, coloured by how it ended, with the time where it converged."""
     names = [name for name, _ in OUTCOMES]
     codes = np.full((len(scenes), len(labels)), np.nan)
-    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN + 0.3 * max(0, len(labels) - 6), 1.5 + 0.17 * len(scenes)))
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN if len(labels) <= 6 else style.DOUBLE_COLUMN, 1.5 + 0.17 * len(scenes)))
     for i, scene in enumerate(scenes):
         for j, (_, label) in enumerate(labels):
             row = rows.get((scene, label))

@@ -22,6 +22,7 @@ DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
 SINGLE: Final = ("1", "2", "3", "4")
 BEST, SOLVED = "1234", 0.753
+WITHOUT_U3: Final = "#4D4D4D"  # darker than the other bars, also in grey
 WITHIN = 0.1  # of the share of pairs that are solved
 NEVER_RAN = ("skipped", "failed", "not_built")
 
@@ -163,7 +164,7 @@ def draw(found: Orders) -> Any:
             drawn.append(best)
     figure, axes = plt.subplots(2, 1, sharex=True, sharey=True, figsize=(style.DOUBLE_COLUMN, 3.4))
     x = np.arange(len(drawn))
-    colours = ["#E69F00" if "3" in order else "#999999" for order in drawn]
+    colours = ["#E69F00" if "3" in order else WITHOUT_U3 for order in drawn]
     ended = [100 * sum(found.ends(order, scene) for scene in found.solved) / max(1, len(found.solved)) for order in drawn]
     for ax, what, name in zip(axes, ("", work), (clock_word(found.results), work)):
         ax.bar(x, ended, width=0.78, facecolor="none", edgecolor=style.GREY, linewidth=0.6)
@@ -172,7 +173,7 @@ def draw(found: Orders) -> Any:
             ax.text(i, (found.percent(order, what) if found.solved else 0.0) + 1.5, tables.number(found.percent(order, what), 2), ha="center",
                     fontsize=6, color="#333333", zorder=3)
         ax.set_ylim(0, 108)
-        ax.set_ylabel("pairs (%)")
+        ax.set_ylabel(f"pairs (%), n = {len(found.solved)}")
         ax.set_title(f"shared wins in {name}", fontsize=8)
         ax.grid(False, axis="x")
         for edge in (7, 9, len(DRAWN)):  # the paper's worst, those in between, its best, ours
@@ -185,7 +186,7 @@ def draw(found: Orders) -> Any:
     axes[1].set_xlabel("order of the bounds, from the paper's worst (left) to its best" + "; then the best here" * (more > 0))
     patch = plt.Rectangle
     entries = [patch((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),
-               patch((0, 0), 1, 1, color="#999999", label="wins, one without u3"),
+               patch((0, 0), 1, 1, color=WITHOUT_U3, label="wins, one without u3"),
                patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
     style.legend_above(figure, entries, columns=3)
     return figure

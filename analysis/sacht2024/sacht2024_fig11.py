@@ -20,7 +20,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_
 
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
 THIN: Final = 0.1
-COLOURS: Final = ("#999999", "#0072B2", "#56B4E9", "#E69F00", "#D55E00")
+COLOURS: Final = ("#FFFFFF", "#332288", "#0072B2", "#56B4E9", "#F0E442")  # each of another lightness
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
             ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
         left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles")
         right.set_title(f"B: {results.cases.target_elements[pair.case]:,} triangles")
-    entries = [*[Patch(facecolor=colour, label=name) for name, colour in zip(NAMES, COLOURS)],
+    entries = [*[Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=name) for name, colour in zip(NAMES, COLOURS)],
                plt.Line2D([], [], linestyle="none", marker="o", markersize=6, markerfacecolor="none", markeredgecolor="black",
                           label="the farthest point found")]
     style.legend_above(figure, entries, columns=6)

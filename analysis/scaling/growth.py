@@ -237,7 +237,9 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
                 continue
             above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
             above.plot(one.sizes, one.solve, **style.filled_marker(looks))
-            above.plot(one.sizes, one.prepare, color=looks.colour, linestyle=style.DOTTED, linewidth=0.9)
+            # CGAL builds soups and manifolds differently: no line joins the two.
+            prepare = {"marker": ".", "markersize": 2.0, "linestyle": "none"} if one.solver == "cgal" else {"linestyle": style.DOTTED, "linewidth": 0.9}
+            above.plot(one.sizes, one.prepare, color=looks.colour, **prepare)
             told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]
             if told:
                 below.plot(*np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
@@ -249,5 +251,6 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
     axes[1][0].set_ylabel(f"peak memory, bytes a {what}")
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
-    style.legend_above(figure, style.handles(labels), columns=6)
+    prepared = plt.Line2D([], [], color=style.GREY, linestyle=style.DOTTED, linewidth=0.9, label="prepare")
+    style.legend_above(figure, [*style.handles(labels), prepared], columns=4)
     return figure

@@ -16,6 +16,7 @@ from matplotlib.transforms import Bbox
 from analysis.shared import claims, sizes, style, tables
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
+from analysis.shared.panels import add_letters
 from analysis.shared.results import Results
 
 
@@ -25,7 +26,7 @@ NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
 
 @dataclass(frozen=True)
 class Report:
-    draw: Callable[[], Any] | None  # the figure; tables do not wait for it; None: there is none
+    draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: there is none
     table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
@@ -49,13 +50,13 @@ class Report:
         beside = side_by_side_line(results)
         table = self.printed(results, stem)
         if table is None:
-            return save_figure(self.draw(), out, stem, str(results.meta.get("title", "")), beside, formats) if self.draw else []
+            return save_figures(self.draw(), out, stem, str(results.meta.get("title", "")), beside, formats) if self.draw else []
         footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))
         paths = tables.save(table, self.records, out, stem)
         if table.verdicts:
             found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
             paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
-        return paths + save_figure(self.draw(), out, stem, table.caption, footnote, formats) if self.draw else paths
+        return paths + save_figures(self.draw(), out, stem, table.caption, footnote, formats) if self.draw else paths
 
 
 def save_png(figure: Any, path: Path) -> Path:
@@ -68,6 +69,15 @@ def save_png(figure: Any, path: Path) -> Path:
     return path
 
 
+def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, formats: Sequence[str]) -> list[Path]:
+    """Writes one figure as <stem>, or several as <stem>-<name>; of several, an old <stem> is deleted."""
+    if not isinstance(drawn, dict):
+        return save_figure(drawn, out, stem, caption, footnote, formats)
+    for suffix in formats:
+        (out / "figures" / f"{stem}.{suffix}").unlink(missing_ok=True)
+    return [path for name, figure in drawn.items() for path in save_figure(figure, out, f"{stem}-{name}", caption, footnote, formats)]
+
+
 def _whole(figure: Any) -> Any:
     """The figure and what stands above and below it; wider than the figure only if something sticks out."""
     box, pad = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05
@@ -78,6 +88,7 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
     """Writes <out>/figures/<stem>.pdf and .png, or the formats named, without dates, so that the same numbers give the same bytes. A footnote stands
     below all else, and makes the figure higher.
     """
+    add_letters(figure)
     make_drawable(figure)
     if footnote:
         figure.draw_without_rendering()  # so that the layout is settled before the text, which it must not make room for

@@ -112,10 +112,11 @@ def status_letter(status: str) -> str:
 
 # Colours of Paul Tol's muted and light sets that no solver above has.
 _OWN_COLOURS: Final = ("#332288", "#AA4499", "#117733", "#CC6677", "#44AA99", "#DDCC77", "#6699CC", "#661100")
-_OWN_MARKERS: Final = "o^sDvP*X"
+_OWN_MARKERS: Final = "o^sDvP*Xp8Hd<>"
+_VARIANT_MARKERS: Final = "phd<>8*PHXv"
 _own: dict[str, Look] = {}  # by the solver's name, or the label of an external program
 _LINES: Final[tuple[Line, ...]] = ("-", DASHED, DOTTED, (0, (4, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
-_variants: dict[str, int] = {}  # the number of each label of a solver that has several
+_variants: dict[str, tuple[int, str]] = {}  # of each label of a solver that has several: its number, and its marker
 _in_front = ""
 _width = DOUBLE_COLUMN
 _behind: dict[str, int] = {}  # the number of each label that is drawn in grey
@@ -125,6 +126,7 @@ def introduce(results: Results) -> None:
     """Gives solvers of plug-ins and external programs their titles and colours of their own, and the variants of a solver shades and lines of
     their own, in the order of the file.
     """
+    used = {LOOKS[solver].marker for solver, name in zip(results.cases.solver, results.names) if solver in LOOKS and name == solver}
     titles: dict[str, str] = {}
     for plugin in json.loads(str(results.meta.get("plugins") or "[]")):
         titles |= {str(name): str(title) for name, title in plugin.get("titles", {}).items()}
@@ -132,13 +134,21 @@ def introduce(results: Results) -> None:
         name = label if solver == "external" else solver
         if (solver == "external" or solver not in LOOKS) and name not in _own:
             k = len(_own)
-            _own[name] = Look(titles.get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], _OWN_MARKERS[k % len(_OWN_MARKERS)], (DASHED, "-")[k % 2])
+            marker = _unused(_OWN_MARKERS, used, k)
+            _own[name] = Look(titles.get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], marker, (DASHED, "-")[k % 2])
     named: dict[str, list[str]] = {}
     for solver, label in dict.fromkeys(zip(results.cases.solver, results.names)):
         if label != solver and label not in _own:
             named.setdefault(solver, []).append(label)
     for labels in named.values():
-        _variants.update({label: k for k, label in enumerate(labels)})
+        _variants.update({label: (k, _unused(_VARIANT_MARKERS, used, k)) for k, label in enumerate(labels)})
+
+
+def _unused(markers: str, used: set[str], k: int) -> str:
+    """The first of the markers that no solver here has, which is then used; the k-th if all are."""
+    found = next((marker for marker in markers if marker not in used), markers[k % len(markers)])
+    used.add(found)
+    return found
 
 
 def set_width(inches: float) -> None:
@@ -176,8 +186,8 @@ def _look(solver: str, label: str) -> Look:
     if label in ("", solver):
         return known
     if label in _variants:
-        k = _variants[label]
-        return Look(label, _shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), "phd<>8*P"[k % 8], _LINES[k % len(_LINES)])
+        k, marker = _variants[label]
+        return Look(label, _shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), marker, _LINES[k % len(_LINES)])
     variant = zlib.crc32(label.encode())
     return Look(label, known.colour, "phd<>8"[variant % 6], (DOTTED, (0, (6, 2)), (0, (3, 1, 1, 1)))[variant % 3])
 

@@ -137,7 +137,7 @@ def draw_interval(ax: Any, pruned: Points, exact: float, left: float) -> None:
         ax.plot(x, [getattr(one, end) for _, one in pruned], color=plain.colour, marker=plain.marker, markersize=3.5)
     ax.axhline(exact, color=style.look("surface_enclosure").colour, linewidth=0.9, linestyle=(0, (3, 2)))
     as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (left, exact), xytext=(4, -3), textcoords="offset points", ha="left", va="top", fontsize=7))
-    ax.set_ylabel("interval of H")
+    ax.set_ylabel("interval of H (units of the model)")
 
 
 def look_of(form: str) -> dict[str, Any]:
@@ -176,4 +176,4 @@ def draw_widths(ax: Any, pruned: Points, every: Points, ours: list[Joined]) -> N
     ax.set_yscale("log")
     ax.minorticks_off()
     ax.set_xlabel("time, s (subdivision included)")
-    ax.set_ylabel("width of the interval")
+    ax.set_ylabel("width of the interval (units of the model)")

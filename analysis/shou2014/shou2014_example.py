@@ -121,5 +121,5 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
                 va="center", fontsize=7))
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.9)
-    ax.set_xlabel("Hausdorff distance H")
+    ax.set_xlabel("Hausdorff distance H (units of the model)")
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -25,6 +25,9 @@ PITCH: Final = 1.68
 DEEP: Final = 0.2 + 2 * TALL + 0.08 + 0.36
 LEFT: Final = 0.6
 MARK: Final = "#D00000"
+BEHIND: Final = "#C4C4C4"  # of solvers that have no colour here
+SHOWN: Final = 6
+OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # come first, in this order
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,27 @@ def swept(suite: Suite) -> list[Family]:
             and all(answer.legal for own in family.answers.values() for answer in own.values())]
 
 
+def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
+    """At most SHOWN solvers, no two of one colour or marker: ours, then those that most often have no tight answer."""
+    def score(pair: Label) -> float:
+        own = [answer for family in families for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]
+        return sum(1.0 + 9.0 * (answer.outcome == Outcome.WRONG) for answer in own if answer.outcome != Outcome.TIGHT) + OURS.get(pair[0], 0.0) * bool(own)
+
+    found: list[Label] = []
+    for pair in sorted(suite.labels, key=lambda pair: -score(pair)):
+        looks = [look(*other) for other in found]
+        if len(found) < SHOWN and any(family.asked(pair[1]) for family in families) and not any(
+                look(*pair).colour == other.colour or look(*pair).marker == other.marker for other in looks):
+            found.append(pair)
+    return [pair for pair in suite.labels if pair in found]
+
+
 def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Measure], notes: Sequence[str]) -> Any:
-    shown = [pair for pair in suite.labels if any(family.asked(pair[1]) for family in families)]
-    legend_rows = -(-max(1, len(shown)) // 6)
+    shown = telling(suite, families)
+    entries = [handle(pair) for pair in shown]
+    if any(family.asked(label) for family in families for _, label in suite.labels if (_, label) not in shown):
+        entries.append(plt.Line2D([], [], color=BEHIND, linewidth=0.8, label="the others, in the table"))
+    legend_rows = -(-max(1, len(entries)) // 4)
     height = 0.1 + DEEP * max(1, -(-len(families) // ACROSS)) + 0.145 * legend_rows + 0.14 * len(notes) + 0.12
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
     figure.set_layout_engine("none")
@@ -59,7 +80,7 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
         left, floor = LEFT + (i % ACROSS) * PITCH, height - (i // ACROSS) * DEEP - 0.26 - 2 * TALL
         for measure, bottom in zip(measures, (floor + TALL + 0.08, floor)):
             ax = figure.add_axes((left / style.DOUBLE_COLUMN, bottom / height, WIDE / style.DOUBLE_COLUMN, TALL / height))
-            draw_frame(ax, suite, family, measure)
+            draw_frame(ax, suite, family, measure, shown)
             if i % ACROSS == 0:
                 ax.set_ylabel(measure.name)
                 ax.yaxis.set_label_coords(-0.3, 0.5)
@@ -67,8 +88,8 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
                 ax.set_title(family.title if family.title.startswith(family.kind) else f"{family.title} ({family.kind})", pad=3)
                 ax.tick_params(labelbottom=False)
             else:
-                ax.set_xlabel("severity", labelpad=1)
-    figure.legend(handles=[handle(pair) for pair in shown], loc="lower center", ncol=6, handlelength=2.2, fontsize=6.5,
+                ax.set_xlabel("severity (no unit)", labelpad=1)
+    figure.legend(handles=entries, loc="lower center", ncol=4, handlelength=2.2, fontsize=6.5,
                   bbox_to_anchor=(0.5, (0.14 * len(notes) + 0.06) / height))
     figure.text(0.5, 0.04 / height, "\n".join(notes), ha="center", va="bottom", fontsize=7, color=style.GREY)
     return figure
@@ -79,7 +100,7 @@ def handle(pair: Label) -> Any:
     return plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
 
 
-def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure) -> None:
+def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: Sequence[Label]) -> None:
     answers = {pair: [answer for answer in family.finest(pair[1]) if math.isfinite(answer.severity)] for pair in suite.labels
                if family.asked(pair[1])}
     everyone = [answer for own in answers.values() for answer in own]
@@ -91,23 +112,24 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure) -> None:
         ax.plot(along, axis.place([guide[x] for x in along]), color="black", linewidth=0.8, linestyle=(0, (1, 1)), zorder=2)
     lost: Counter[float] = Counter()
     for pair, own in answers.items():
-        draw_line(ax, axis, pair, own, measure, lost)
+        draw_line(ax, axis, pair, own, measure, lost, pair in shown)
     if lost:  # room for the letters
         low, high = ax.get_ylim()
         ax.set_ylim(low, high * (high / low) ** (0.09 * max(lost.values())))
     set_severities(ax, sorted({answer.severity for answer in everyone}), family)
 
 
-def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float]) -> None:
-    """A line through the answers, and what has none above it: a letter at the top, in the colour of the solver."""
-    looks = look(*pair)
+def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
+    """A line through the answers, and what has none above it: a letter at the top, in the colour of the solver. A solver that is not in front is grey."""
+    looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
     known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
     if known:
         ax.plot([x for x, _, _ in known], axis.place([y for _, y, _ in known]), color=looks.colour, linestyle=looks.line, linewidth=0.8,
-                zorder=3)
+                zorder=3 if front else 2.5)
     for x, y, answer in known:
         kind = style.open_marker if answer.outcome in (Outcome.STOPPED, Outcome.LOOSE) else style.filled_marker
-        ax.plot([x], axis.place([y]), zorder=4, clip_on=False, **kind(looks) | {"markersize": 0.7 * looks.size})
+        if front:
+            ax.plot([x], axis.place([y]), zorder=4, clip_on=False, **kind(looks) | {"markersize": 0.7 * looks.size})
         if answer.outcome == Outcome.WRONG:
             ax.plot([x], axis.place([y]), zorder=5, clip_on=False, marker="s", markersize=7, markerfacecolor="none", markeredgewidth=1.1,
                     markeredgecolor=MARK)

@@ -1,4 +1,4 @@
-"""The matrix of outcomes: a band of rows for each kind of shape, a cell a family and solver, in it a strip a severity."""
+"""The matrix of outcomes: a figure for each kind of shape, a cell a family and solver, in it a strip a severity."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ BELOW: Final = 0.6  # how wide the first column is, which is of no solver
 DARK: Final = "#555555"
 
 
-def draw(suite: Suite) -> Any:
-    kinds = [kind for kind in KINDS if suite.of_kind(kind)]
-    columns = max(len(suite.labels_of(kind)) for kind in kinds) + BELOW
-    pitch = min(0.46, (WIDE - LEFT - RIGHT) / columns)
-    bands = [HEAD + ROW * len(suite.of_kind(kind)) + 0.12 for kind in kinds]
-    entries = legend(suite)
-    height = sum(bands) + 0.16 * -(-len(entries) // 5) + 0.3
+def draw(suite: Suite) -> dict[str, Any]:
+    """A figure for each kind of shape: together they are higher than a page."""
+    return {kind: draw_kind(suite, kind) for kind in KINDS if suite.of_kind(kind)}
+
+
+def draw_kind(suite: Suite, kind: str) -> Any:
+    families, labels = suite.of_kind(kind), suite.labels_of(kind)
+    pitch = min(0.46, (WIDE - LEFT - RIGHT) / (len(labels) + BELOW))
+    entries = legend(suite, families)
+    height = HEAD + ROW * len(families) + 0.12 + 0.16 * -(-len(entries) // 5) + 0.3
     figure = plt.figure(figsize=(WIDE, height))
     figure.set_layout_engine("none")
-    top = height
-    for kind, band in zip(kinds, bands):
-        families, labels = suite.of_kind(kind), suite.labels_of(kind)
-        wide = pitch * (len(labels) + BELOW)
-        ax = figure.add_axes((LEFT / WIDE, (top - HEAD - ROW * len(families)) / height, wide / WIDE, ROW * len(families) / height))
-        draw_band(ax, suite, families, labels, 72 * pitch)
-        figure.text(0.05 / WIDE, (top - HEAD + 0.09) / height, kind[0].upper() + kind[1:], fontsize=9, fontweight="bold", va="bottom")
-        top -= band
+    wide = pitch * (len(labels) + BELOW)
+    ax = figure.add_axes((LEFT / WIDE, (height - HEAD - ROW * len(families)) / height, wide / WIDE, ROW * len(families) / height))
+    draw_band(ax, suite, families, labels, 72 * pitch)
+    figure.text(0.05 / WIDE, (height - HEAD + 0.09) / height, kind[0].upper() + kind[1:], fontsize=9, fontweight="bold", va="bottom")
+    figure.text((LEFT + wide + 0.04) / WIDE, (height - HEAD + 0.02) / height, "severity\n(no unit)", fontsize=6, color=style.GREY, va="bottom")
     figure.legend(handles=entries, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncol=5, handlelength=1.4, handleheight=1.0)
     figure.text(0.5, 0.04 / height, "\n".join(footnote(suite)), ha="center", va="bottom", fontsize=7, color=style.GREY)
     return figure
@@ -51,16 +51,16 @@ def footnote(suite: Suite) -> list[str]:
             + ". Names in italics: not certified, so that bounds may be wrong."]
 
 
-def legend(suite: Suite) -> list[Any]:
-    """Of what there is."""
-    shown = {family.mark(label, step, tolerance) for family in suite.families for _, label in suite.labels_of(family.kind)
+def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
+    """Of what these families show."""
+    shown = {family.mark(label, step, tolerance) for family in families for _, label in suite.labels_of(family.kind)
              for step in family.steps for tolerance in family.tolerances}
     words = dict(STOPS.values())
     entries: list[Any] = [Rectangle((0, 0), 1, 1, facecolor=outcome.colour, edgecolor="#BBBBBB", linewidth=0.4,
                                     hatch="//////" if outcome == Outcome.NOT_RUN else None,
                                     label=f"{letter}  {words.get(letter, outcome.words)}" if letter else outcome.words)
                           for outcome in reversed(Outcome) for letter in dict.fromkeys(("", *words, outcome.letter)) if (outcome, letter) in shown]
-    if any(answer.can_be_met is False for answer in suite.answers):
+    if any(answer.can_be_met is False for family in families for own in family.answers.values() for answer in own.values()):
         entries.append(Rectangle((0, 0), 1, 1, facecolor=DARK, label="first column: tolerance too fine for doubles"))
     return entries
 

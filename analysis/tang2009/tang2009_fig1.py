@@ -57,7 +57,7 @@ def draw(results: Results, groups: dict[str, list[int]]) -> Any:
     upper, lower = figure.subfigures(2, 1, height_ratios=(1, 1.1))
     for ax, row in zip(upper.subplots(1, max(1, len(pairs)), squeeze=False).flat, pairs):
         tang_pictures.draw_pair(ax, results, row)
-        ax.set_title(results.cases.scene[row])
+        ax.set_title(tang_pictures.title(results, row))
     for ax, (name, rows) in zip(lower.subplots(1, max(1, len(frames)), squeeze=False).flat, frames.items()):
         tang_pictures.draw_frame(ax, results, [row for row in rows if results.is_bounded(row)], VIEWS.get(name, tang_pictures.SIDE))
         ax.set_title(f"{name}, frame {int(results.cases.frame[rows[0]])}")

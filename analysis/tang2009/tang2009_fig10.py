@@ -18,6 +18,7 @@ from analysis.shared.verdicts import Verdict, everywhere
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
 MOST: Final = 0.03  # of the longest side: where the paper's models overlap
+HATCHES: Final = {"guthe": "////", "cover": "xxxx"}  # bars of one lightness differ in grey, too
 TIMES: Final = 10  # "by more than an order of magnitude"
 
 
@@ -85,13 +86,18 @@ def draw(pairs: Pairs, clock: str) -> Any:
                     ax.text(0.01, y, cell.failure_text(), va="center", fontsize=6, color=looks.colour, transform=ax.get_yaxis_transform())
                     continue
                 value = 1e3 * cell.time.value if what == "time" else cell.peak / 1e6
-                ax.barh(y, value, height * 0.92, color=looks.colour, label=looks.entry)
+                ax.barh(y, value, height * 0.92, color=looks.colour, label=looks.entry, hatch=HATCHES.get(solver), edgecolor="black", linewidth=0.3)
                 if what == "time":
                     style.interval(ax, cell.time, y, 1e3, color="black", linewidth=0.7)
+                    if solver == "guthe":
+                        ax.plot([value / TIMES] * 2, [i - 0.42, i + 0.42], color="black", linewidth=1.0, linestyle=style.DOTTED, zorder=4)
         ax.set_xscale("log")
         ax.set_xlabel(f"{clock} (ms)" if what == "time" else "peak memory (MB)")
         scales.log_ticks(ax.xaxis)
     axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} %" for scene in pairs.scenes])
     axes[0].invert_yaxis()
-    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, label=style.title(*pair)) for pair in pairs.labels], columns=3)
+    entries: list[Any] = [plt.Rectangle((0, 0), 1, 1, facecolor=style.look(*pair).colour, hatch=HATCHES.get(pair[0]), edgecolor="black", linewidth=0.3, label=style.title(*pair))
+                          for pair in pairs.labels]
+    paper = plt.Line2D([], [], color="black", linewidth=1.0, linestyle=style.DOTTED, label=f"a {TIMES}th of Guthe's time: the paper's claim")
+    style.legend_above(figure, [*entries, paper], columns=4)
     return figure

@@ -39,10 +39,11 @@ def make(results: Results) -> Report:
 def draw(results: Results, scenes: list[int]) -> Any:
     """A column a pair, A above B."""
     cases = results.cases
-    figure, axes = plt.subplots(2, max(1, len(scenes)), figsize=(style.DOUBLE_COLUMN, 3.0), squeeze=False)
+    figure, axes = plt.subplots(2, max(1, len(scenes)), figsize=(style.DOUBLE_COLUMN, 3.3), squeeze=False)
     for column, row in zip(axes.T, scenes):
+        stand_ins = tang_pictures.stand_ins(results, row)
         for i, (ax, model, name, count) in enumerate(zip(column, (cases.source[row], cases.target[row]), cases.scene[row].split("/"),
                                                         np.array([cases.source_elements[row], cases.target_elements[row]]))):
             tang_pictures.draw_model(ax, results, str(model), i)
-            ax.set_title(f"{name}\n{count:,}", fontsize=7)
+            ax.set_title("\n".join(filter(None, [name, stand_ins[i] and f"({stand_ins[i]})", f"{count:,} triangles"])), fontsize=6.5)
     return figure

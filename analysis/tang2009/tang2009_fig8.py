@@ -36,10 +36,10 @@ def make(results: Results) -> Report:
 
 def draw(results: Results, shown: list[int]) -> Any:
     columns = min(3, len(shown))
-    figure, axes = plt.subplots(-(-len(shown) // columns), columns, figsize=(style.DOUBLE_COLUMN, 1.9 * -(-len(shown) // columns)), squeeze=False)
+    figure, axes = plt.subplots(-(-len(shown) // columns), columns, figsize=(style.DOUBLE_COLUMN, 2.0 * -(-len(shown) // columns)), squeeze=False)
     for ax in axes.flat[len(shown):]:
         ax.set_visible(False)
     for ax, row in zip(axes.flat, shown):
         tang_pictures.draw_pair(ax, results, row)
-        ax.set_title(results.cases.scene[row])
+        ax.set_title(tang_pictures.title(results, row))
     return figure

@@ -14,7 +14,7 @@ from analysis.shared.results import Results
 from analysis.tang2009 import tang_motion
 from analysis.tang2009.tang_motion import Motion
 
-STAGES: Final = {"cull on A": "#56B4E9", "cull on B": "#E69F00", "subdivide": "#009E73"}
+STAGES: Final = {"cull on A": "#9AD0F5", "cull on B": "#D97B00", "subdivide": "#00513B"}  # each of another lightness
 
 
 def make(results: Results) -> Report:

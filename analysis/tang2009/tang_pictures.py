@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -25,6 +26,18 @@ SIDE: Final = mesh_picture.view((0.15, 0.3, 1))  # the motions are along x, so f
 VIEWS: Final = {"tang_puma1": mesh_picture.view((1, -0.6, 0.3), (0, 0, 1)),
                 "tang_fish2": mesh_picture.view((-0.3, -1, 0.1), (0, 0, 1)), "tang_dog": mesh_picture.view((1, 0.3, -0.5)),
                 "tang_bird1": mesh_picture.view((0.5, -1, 0.4), (0, 0, 1)), "tang_watch2": mesh_picture.view((0.3, -1, 0.3), (0, 0, 1))}
+
+
+def stand_ins(results: Results, row: int) -> list[str]:
+    """What stands in for A and for B: 'stand-in: hand', or nothing if the note of the scene names no two of them."""
+    found = re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", str(results.cases.scene_note[row]).partition(";")[0])
+    return [f"stand-in: {name.partition(' of ')[0]}" for name in found.groups()] if found else ["", ""]
+
+
+def title(results: Results, row: int) -> str:
+    """The paper's names, and what stands in for them."""
+    note = str(results.cases.scene_note[row])
+    return f"{results.cases.scene[row]}\n({note})" if note else str(results.cases.scene[row])
 
 
 def placed(results: Results, name: str, pose: Floats) -> Mesh:

@@ -176,7 +176,9 @@ def draw(results: Results, scenes: list[str]) -> Any:
         lower.axhline(1, color="#333333", linewidth=0.6)
         upper.set_title(scene)
         upper.set_ylim(-4, 104)
-        lower.set_xlabel("shift along x")
+        lower.set_xlabel("shift along x (units of the model)")
+        if not any(wrong(results, results.rows(scene=scene, label=label)) for label in labels):
+            lower.text(0.5, 0.3, "no wrong answers", transform=lower.transAxes, ha="center", fontsize=7, color=style.GREY)
         lower.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5, prune="both"))
     axes[0][0].set_ylabel("wrong answers (%)")
     axes[1][0].set_ylabel("wrong answer / h")

@@ -164,14 +164,13 @@ class Motion:
         return in_time_and_work(verdict)
 
     def reuse(self) -> list[str]:
-        """What the ledger says of structures, one text a solver."""
-        ledger, found = self.results.ledger, dict[str, str]()
+        """What the ledger says of structures, one text a reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
+        ledger, found = self.results.ledger, dict[str, dict[str, str]]()
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
             if solver and what == "structures for each pose":
-                title = style.title(*solver)
-                found.setdefault(title, f"{title}: {reason}, {tables.number(1000 * seconds)} ms saved")
-        return list(found.values())
+                found.setdefault(str(reason), {}).setdefault(style.title(*solver), f"{tables.number(1000 * seconds)} ms")
+        return [f"{reason}: saved {', '.join(f'{title} {saved}' for title, saved in own.items())}" for reason, own in found.items()]
 
 
 def _regime(results: Results, rows: dict[str, int]) -> str:
@@ -220,9 +219,8 @@ def make(caption: str, results: Results) -> Report:
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
     table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
                    f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). The band in the "
-                   "figure is the interval of a pose. Counted work is exact of solvers without a seed; of the others there is one "
-                   "number a seed, and one seed (n = 1) separates nothing. Times are of the first seed. Which poses stand for "
-                   "the peak is chosen by counted work, of the first seed. α is the overlap of the boxes, as a fraction of the smaller one.",
+                   "figure is the interval of a pose. Counted work is exact, or one number a seed: one seed (n = 1) separates nothing. "
+                   "Times, and the poses of the peak (by counted work), are of the first seed. α: overlap of the boxes, as a fraction of the smaller one.",
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
                    f"Here: {machine_line(results)}."]
@@ -258,7 +256,7 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
         lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} to solve a pose (s)")
-    axes[1][0].set_ylabel("h(A, B)")
+    axes[1][0].set_ylabel("h(A, B)\n(units of the model)")
     entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
                                                      linewidth=0.4, label=title) for regime, title in REGIMES]
     style.legend_above(figure, entries, columns=4)

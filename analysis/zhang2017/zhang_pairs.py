@@ -149,18 +149,14 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
              solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
-        points = sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n)
-        if points:
-            left.plot([n for n, _ in points], [t.value for _, t in points], color=looks_like.colour,
-                      linestyle=looks_like.line, linewidth=0.7)
-        for n, t in points:
+        # No line: |A| and |B| differ from pair to pair, so the pairs are no series.
+        for n, t in sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n):
             style.interval(left, t, n, upright=True, color=looks_like.colour, linewidth=1.2)
             left.plot(n, t.value, **style.filled_marker(looks_like))
         sizes = [(pair.n + pair.m, papers[pair.number][label]) for pair in pairs
                  if label in papers.get(pair.number, {})]
         if sizes:
-            left.plot(*np.array(sorted(sizes)).T, linewidth=0.5, alpha=0.8,
-                      **{**style.open_marker(looks_like), "linestyle": "-"})
+            left.plot(*np.array(sorted(sizes)).T, **style.open_marker(looks_like))
     left.set(xscale="log", yscale="log", xlabel="points, |A| + |B|", ylabel=f"{clock} (s)")
     scales.log_ticks(left.xaxis)
     for pair in pairs:
@@ -176,8 +172,6 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
     right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
     right.set_xticks([pair.number for pair in pairs])
-    entries = [plt.Line2D([], [], label=x.title, linestyle=x.line, linewidth=0.7,
-                          **{k: v for k, v in style.filled_marker(x).items() if k != "linestyle"})
-               for x in looks.values()]
+    entries = [plt.Line2D([], [], label=x.title, **style.filled_marker(x)) for x in looks.values()]
     style.legend_above(figure, [*entries, style.filled_entry("filled: here"), style.open_entry("open: the paper")], columns=5)
     return figure

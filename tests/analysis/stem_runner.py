@@ -34,8 +34,8 @@ def stem_runner(folder: Path) -> Make:
                 patch.setattr(report, "save_figure", lambda figure, *_: plt.close(figure) or [])
             assert main([file.stem, "--results", str(folder), "--out", str(folder)]) == 0
         for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")) if file.stem not in _rendered else ():
-            path = folder / "figures" / f"{file.stem}.{suffix}"
-            assert path.read_bytes().startswith(magic) and path.stat().st_size > 5000
+            paths = [*(folder / "figures").glob(f"{file.stem}.{suffix}"), *(folder / "figures").glob(f"{file.stem}-*.{suffix}")]
+            assert paths and all(path.read_bytes().startswith(magic) and path.stat().st_size > 5000 for path in paths)
         _rendered.add(file.stem)
         text = (folder / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
         tex = (folder / "tables" / f"{file.stem}.tex").read_text(encoding="utf-8")

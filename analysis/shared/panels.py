@@ -1,0 +1,44 @@
+"""Letters of the panels of a figure, (a), (b), ..., from the top left to the bottom right."""
+
+from __future__ import annotations
+
+import re
+from string import ascii_lowercase
+from typing import Any, Final
+
+STRIP: Final = 0.35  # inches: lower axes are a strip of a panel
+ROW: Final = 0.3  # inches: panels whose tops are nearer than this are in one row
+LETTERS: Final = [*ascii_lowercase, *[first + second for first in ascii_lowercase for second in ascii_lowercase]]
+_LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
+
+
+def panels(figure: Any) -> list[Any]:
+    """The axes that show something, row by row; neither the scales of colours nor second axes on one place."""
+    found: dict[tuple[float, ...], Any] = {}
+    for ax in figure.get_axes():
+        shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images
+        high = ax.get_window_extent().height > STRIP * figure.dpi
+        if ax.get_visible() and ax.get_label() != "<colorbar>" and shows and high:
+            found.setdefault(tuple(round(x) for x in ax.get_window_extent().bounds), ax)
+
+    def place(ax: Any) -> tuple[int, float]:
+        box = ax.get_window_extent()
+        return -round(box.y1 / (ROW * figure.dpi)), box.x0
+
+    return sorted(found.values(), key=place)
+
+
+def add_letters(figure: Any) -> None:
+    """Adds a letter to each panel, if there are several: before its title, or else inside, at the top left. A title that begins with one keeps it."""
+    axes = panels(figure)
+    own = {found[1] for ax in axes if (found := _LETTERED.match(ax.get_title()))}
+    free = (letter for letter in LETTERS if letter not in own)
+    for ax in axes if len(axes) > 1 else []:
+        if _LETTERED.match(ax.get_title()):
+            continue
+        letter = f"({next(free)})"
+        if ax.get_title():
+            ax.title.set_text(f"{letter} {ax.get_title()}")
+        else:
+            ax.annotate(letter, (0, 1), (3, -3), xycoords="axes fraction", textcoords="offset points", ha="left", va="top", fontsize=7, zorder=9,
+                        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7})
