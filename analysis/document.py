@@ -12,10 +12,12 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from analysis import forest
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
 from analysis.shared.stems import ANALYSIS, drawn_with
@@ -30,6 +32,7 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
+OF_ALL: Final = {"claims": forest.CAPTION, "ledger": "What was left out, and the time that this saved"}  # pictures of all stems
 WITHOUT_LATEX: Final = "there is no pdflatex (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 
@@ -47,13 +50,17 @@ def stems_of(paper: str) -> list[str]:
              if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)]
     ordered = found if paper == claims.OWN else sorted(found, key=_place)
     known = {file.stem for file in ANALYSIS.rglob("*.py")}
-    return list(dict.fromkeys(each for stem in ordered if stem in known for each in drawn_with(stem)))
+    return [*dict.fromkeys(each for stem in ordered if stem in known for each in drawn_with(stem)), *(OF_ALL if paper == claims.OWN else ())]
 
 
 def _caption(folder: Path, stem: str) -> str:
-    """The caption of the stem's table, for its figure."""
+    """For the figure of a stem: the caption of its table, or the title of its experiment."""
     table = folder / "tables" / f"{stem}.md"
-    return table.read_text(encoding="utf-8").partition("\n")[0].strip("*") if table.exists() else stem
+    if table.exists():
+        return table.read_text(encoding="utf-8").partition("\n")[0].strip("*")
+    for file in (ANALYSIS.parent / "experiments").rglob(f"{stem}.toml"):
+        return str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem))
+    return OF_ALL.get(stem, stem)
 
 
 def _stem(folder: Path, stem: str, out: Path) -> list[str]:

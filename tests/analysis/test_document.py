@@ -108,6 +108,18 @@ def test_stems_in_the_order_of_the_paper() -> None:
     assert len(every) == len(set(every))
 
 
+def test_a_figure_has_a_caption_with_or_without_a_table(tmp_path: Path) -> None:
+    for stem in ("overview", "claims", "zhang2017_fig8"):
+        (tmp_path / "figures").mkdir(exist_ok=True)
+        (tmp_path / "figures" / f"{stem}.pdf").write_bytes(b"")
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "zhang2017_fig8.md").write_text("**OHD by depth.**\n\n| x |\n")
+    own = document.document("hausbench", tmp_path, tmp_path / "tables")
+    assert r"\includegraphics{../figures/overview.pdf}" in own and r"\caption{overview}" not in own and r"\caption{Measured / claimed" in own
+    assert r"\caption{OHD by depth.}" in document.document("zhang2017", tmp_path, tmp_path / "tables")
+    assert document.document("tang2009", tmp_path, tmp_path / "tables") == ""
+
+
 def test_without_latex_only_the_source_is_written(drawn: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(shutil, "which", lambda _: None)
     assert document.main(["zhang2017", "--results", str(drawn), "--out", str(tmp_path), "--compile"]) == 0
