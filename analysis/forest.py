@@ -17,7 +17,7 @@ CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values abov
                   "A triangle: beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
 ROW: Final = 0.116  # inches
-HIGHEST: Final = 9.1  # inches: rows are nearer to each other where there are more
+HIGHEST: Final = 8.4  # inches, which leaves room for a caption: rows are nearer to each other where there are more
 SECOND: Final = 0.08  # inches more for a name of two lines
 WORK: Final = "distances, bounds and nodes"
 WIDTH: Final = 96  # letters of a line; a longer claim takes two
