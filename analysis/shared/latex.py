@@ -86,8 +86,8 @@ def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
     lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
     for number, block in enumerate(chosen.blocks):
         lines += _longtable(table, block, "" if number else caption)
-    lines += ["}"] + [rf"\noindent{{\footnotesize {_sentences(notes)}\par}}"] * bool(notes)
-    return lines + [r"\end{landscape}"] * chosen.sideways
+    # Upright, on the page of what follows: sideways they would often be alone on a page.
+    return [*lines, "}", *[r"\end{landscape}"] * chosen.sideways, *[rf"\noindent{{\footnotesize {_sentences(notes)}\par}}"] * bool(notes)]
 
 
 def _list(heading: str, items: Iterable[str]) -> list[str]:
