@@ -219,11 +219,14 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-m", "analysis", stem, "--results", str(tmp_path),
                            "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
-    written = [Path(line) for line in done.stdout.splitlines()]
+    lines = done.stdout.splitlines()
+    said = [line for line in lines if line.startswith("Claim: ")]  # after the files
+    written = [Path(line) for line in lines if line not in said]
     suffixes = [output.suffix for output in written]
     assert [suffix for suffix in suffixes if suffix != ".json"] == [".csv", ".md", ".tex", ".pdf", ".png"]
     text = written[1].read_text(encoding="utf-8")
-    assert suffixes.count(".json") == ("- Claim: " in text)  # the verdicts, of a stem that has some
+    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts, of a stem that has some
+    assert all(f"- {line}" in text for line in said)
     assert all(output.stat().st_size for output in written)
     assert path.read_bytes() == before
 
