@@ -148,7 +148,12 @@ TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
             return result;
         };
         check("inc", {});
-        for (const std::int64_t depth : {2, 6, 12}) check("nohd", {{"depth", depth}});
+        for (const std::int64_t depth : {0, 2, 6, 12}) {
+            const Result shared = check("nohd", {{"depth", depth}});
+            const Result own = check("nohd", {{"depth", depth}, {"build", std::string("to_depth")}});
+            EXPECT_EQ(own.counters, shared.counters) << "depth " << depth << " on scene " << i;
+            EXPECT_EQ(own.witness.source_element, shared.witness.source_element);
+        }
         check("nohd", {{"early_break", false}});
         check("ohd", {{"culling", std::string("none")}});
         culled += std::get<double>(check("ohd", {}).reported.at("culled"));
