@@ -149,10 +149,8 @@ TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
         };
         check("inc", {});
         for (const std::int64_t depth : {0, 2, 6, 12}) {
-            const Result shared = check("nohd", {{"depth", depth}});
-            const Result own = check("nohd", {{"depth", depth}, {"build", std::string("to_depth")}});
-            EXPECT_EQ(own.counters, shared.counters) << "depth " << depth << " on scene " << i;
-            EXPECT_EQ(own.witness.source_element, shared.witness.source_element);
+            check("nohd", {{"depth", depth}});
+            check("nohd", {{"depth", depth}, {"build", std::string("to_depth")}});
         }
         check("nohd", {{"early_break", false}});
         check("ohd", {{"culling", std::string("none")}});
