@@ -175,3 +175,5 @@ def test_a_view_is_turned_until_the_point_is_seen() -> None:
     turned = mesh_picture.showing(solid, front, behind)
     assert turned is not front and turned.axes[2][0] < 0  # towards the eye, from the side x < 0
     np.testing.assert_allclose(turned.axes @ turned.axes.T, np.eye(3), atol=1e-12)
+    from_below = mesh_picture.showing(solid, front, np.array([0.3, 0.0, 0.3]))
+    assert from_below.axes[2][1] < -0.3  # and not edge-on
