@@ -199,6 +199,7 @@ endef
 experiments: build
 	$(call walk,$(WALKED),$(call fetch_for,$(WALKED)))
 	@[ ! -f analysis/paper_page.py ] || $(PYTHON) -m analysis.paper_page
+	@[ ! -f analysis/which_solver.py ] || $(PYTHON) -m analysis.which_solver
 	@[ ! -f analysis/ledger.py ] || $(PYTHON) -m analysis.ledger
 	@[ ! -f analysis/opposite.py ] || $(PYTHON) -m analysis.opposite
 
@@ -224,6 +225,7 @@ figures: $(DEPS)
 	done; \
 	[ -z "$$none" ] || echo 'figures: there are no results yet; `make experiments` makes them'; \
 	[ -n "$$none" ] || $(PYTHON) -m analysis.paper_page || failed+=" the pages of the papers"; \
+	[ -n "$$none" ] || $(PYTHON) -m analysis.which_solver || failed+=" which_solver"; \
 	[ -n "$$none" ] || $(PYTHON) -m analysis.ledger || failed+=" the ledger"; \
 	[ -z "$$failed" ] || { echo "failed:$$failed" >&2; exit 1; }
 

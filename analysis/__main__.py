@@ -32,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for each in drawn_with(stem):
                 report: Report = importlib.import_module(module_of(each)).make(results)
                 print(*report.save(results, chosen.out, each), sep="\n")
+                for verdict in table.verdicts if (table := report.printed(results, each)) else ():
+                    print(printable(verdict.line()))
         except ResultError as problem:
             print(printable(str(problem)), file=sys.stderr)
             code = 2

@@ -8,8 +8,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import mesh_picture, shapes, style
+from analysis.shared.columns import Floats
+from analysis.shared.mesh_picture import View
 from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
+from analysis.shared.shapes import Drawn
 
 FROM = (-0.5, 0.3, -1.0)  # where the eye is, if the witness can be seen from there
 
@@ -35,15 +38,28 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
     eye = mesh_picture.showing(shown, mesh_picture.view(FROM), results.cases.witness_source[case])
     diagonal = float(results.cases.source_diagonal[case])
     scale = plt.Normalize(0, float(shown.distances.max()) / diagonal)
-    mesh_picture.draw(ax, shown, eye, plt.get_cmap("viridis")(scale(shown.colours / diagonal)))
-    witness = eye.seen(results.cases.witness_source[case])
-    ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="#D55E00", markeredgewidth=1.6)
-    ax.annotate("witness", witness[:2], xytext=(38, 24), textcoords="offset points", color="#D55E00",
-                arrowprops={"arrowstyle": "-", "color": "#D55E00", "linewidth": 0.8, "shrinkB": 5})
+    colours = plt.get_cmap("viridis")(scale(shown.colours / diagonal))
+    mesh_picture.draw(ax, shown, eye, colours)
+    magnify(ax, shown, eye, colours, eye.seen(results.cases.witness_source[case])[:2])
     ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each place\nof it is from B, "
                  f"{results.cases.target_elements[case]:,} triangles (not shown)")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02)
     bar.set_label("distance to B / diagonal of A")
+
+
+def magnify(ax: Any, shown: Drawn, eye: View, colours: Floats, witness: Floats) -> None:
+    """Draws the surroundings of the witness again, ten times as large: the largest distance is that of a place too small to see."""
+    inset = ax.inset_axes((0.66, 0.0, 0.42, 0.42))
+    mesh_picture.draw(inset, shown, eye, colours)
+    inset.set_aspect("equal", adjustable="datalim")
+    reach = 0.042 * (ax.get_ylim()[1] - ax.get_ylim()[0]) / 2
+    inset.set(xlim=(witness[0] - reach, witness[0] + reach), ylim=(witness[1] - reach, witness[1] + reach))
+    inset.plot(*witness, "+", color="#D55E00", markersize=7, markeredgewidth=1.2)
+    inset.text(0.04, 0.04, "witness, × 10", color="#D55E00", fontsize=7, transform=inset.transAxes, va="bottom",
+               bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "linewidth": 0})
+    for spine in inset.spines.values():
+        spine.set(visible=True, color="#D55E00", linewidth=0.8)
+    ax.indicate_inset_zoom(inset, edgecolor="#D55E00", alpha=1.0)
 
 
 def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any) -> None:

@@ -95,6 +95,12 @@ def cells(lines: Sequence[Line]) -> list[list[str]]:
     return rows
 
 
+# Figures and tables with nothing to measure.
+SKETCHES: Final = {"tang2009": (("Figs. 2 to 6, Table 1", "the steps of the algorithm, sketches of them, and notation"),),
+                   "sacht2024": (("Figs. 3 to 9", "sketches of branch and bound and of the four upper bounds"),),
+                   "zhang2017": (("Figs. 1 to 7", "sketches of culling, of bounds and of the algorithms"),)}
+
+
 def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
     """The paper's tables and figures that have a stem, and what the stem measures."""
     rows = []
@@ -118,7 +124,8 @@ def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     parts = [f"# {TITLES.get(paper, paper)}", "", f"{len(lines)} verdicts: {count(lines)}." + (" Those marked (kept) are from results/reference." if any(line.kept for line in lines) else ""), ""]
     parts += [measured, ""] if measured else []
     if stems:
-        parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems], ""]
+        parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems],
+                  *[row([figures, f"nothing is measured: {what}"]) for figures, what in SKETCHES.get(paper, ())], ""]
     marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells(lines)]
     return "\n".join([*parts, row(HEADER), "| --- " * len(HEADER) + "|", *map(row, marked)]) + "\n"
 

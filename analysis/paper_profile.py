@@ -6,6 +6,7 @@ writes results/reference/zhang2017_paper_profile.md; a single stem, such as poin
 `corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
 Their verdicts are kept beside it, in NAME.verdicts.json.
 Stems of the group without a result here keep the tables and the verdicts that the files have, so that a long group may be measured in parts.
+A section `What it says`, before the tables, is written by hand and kept.
 README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are written again from these files.
 """
 
@@ -18,6 +19,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
 from analysis import paper_page, winners
 from analysis.shared import claims, tables
@@ -25,6 +27,9 @@ from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.results import ResultError, Results
 from analysis.shared.stems import drawn_with, module_of, results_of
+
+
+SAYS: Final = "What it says"  # the section that is written by hand
 
 
 @dataclass
@@ -35,6 +40,7 @@ class Kept:
     rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
+    says: str = ""
 
 
 def kept_of(path: Path) -> Kept:
@@ -45,6 +51,8 @@ def kept_of(path: Path) -> Kept:
     rows = {match[1]: line for line in head.splitlines() if (match := re.match(r"\| (\w+) \| \d", line))}
     for section in sections:
         stem, _, body = section.partition("\n")
+        if stem == SAYS:
+            kept.says = body.strip("\n")
         if stem in rows:
             kept.rows[stem], kept.tables[stem] = rows[stem], body.strip("\n")
     kept.verdicts = claims.read(path.with_suffix(claims.SUFFIX))
@@ -96,12 +104,15 @@ def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Rec
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
+    by_hand = f', but for "{SAYS}"' if kept.says else ""
     parts = [f"# {group}, profile `{whole}`", "",
              f"Measured here, and written by `make {group} PROFILE={whole} && python3 -m analysis.paper_profile {group}`. "
-             "Nothing below is edited by hand.", "", *[f"- {line}" for line in sorted(machines)], "",
+             f"Nothing below is edited by hand{by_hand}.", "", *[f"- {line}" for line in sorted(machines)], "",
              "| stem | begun (UTC) | ended (UTC) | rows |", "|---|---|---|---|"]
     ordered = in_order(group, set(rows))
     parts += [rows[stem] for stem in ordered]
+    if kept.says:
+        parts += ["", f"## {SAYS}", "", kept.says]
     for stem in ordered:
         parts += ["", f"## {stem}", "", texts[stem]]
     judged += [one for one in kept.verdicts if results_of(str(one["stem"])) not in stems]

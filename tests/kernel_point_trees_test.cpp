@@ -69,6 +69,25 @@ TEST(PointOctree, HoldsEachPointInEachOfItsCells) {
 }
 
 // Walks the full octree to some depth, with the levels the tree passes over.
+// Down to a depth, it is the full tree without the cells below: NOHD sees the same ones.
+TEST(PointOctree, EndsAtTheDepthAskedFor) {
+    for (const Points& points : point_sets()) {
+        const PointOctree full(points);
+        for (const int deepest : {0, 1, 4}) {
+            const PointOctree tree(points, PointOctree::root_around(points), deepest);
+            expect_all_points(tree, points);
+            std::size_t above = 0;
+            for (const PointOctree::Node& node : full.nodes()) above += node.depth < deepest && node.child_count > 0;
+            std::size_t split = 0;
+            for (const PointOctree::Node& node : tree.nodes()) {
+                split += node.child_count > 0;
+                EXPECT_TRUE(node.child_count == 0 || node.depth < deepest);
+            }
+            EXPECT_EQ(split, above) << "down to " << deepest;
+        }
+    }
+}
+
 TEST(PointOctree, CursorsCoverTheFullOctree) {
     for (const Points& points : point_sets()) {
         const PointOctree tree(points);

@@ -148,7 +148,10 @@ TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
             return result;
         };
         check("inc", {});
-        for (const std::int64_t depth : {2, 6, 12}) check("nohd", {{"depth", depth}});
+        for (const std::int64_t depth : {0, 2, 6, 12}) {
+            check("nohd", {{"depth", depth}});
+            check("nohd", {{"depth", depth}, {"build", std::string("to_depth")}});
+        }
         check("nohd", {{"early_break", false}});
         check("ohd", {{"culling", std::string("none")}});
         culled += std::get<double>(check("ohd", {}).reported.at("culled"));

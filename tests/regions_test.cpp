@@ -94,7 +94,7 @@ TEST(SourceRegions, SettlesOrShowsEachTriangleOnceAndItsBoundHolds) {
                 seen.insert(triangle);
                 for (const Index v : a.triangles.row(triangle)) bounds.measure(points.row(v), near, triangle, 0);
             },
-            [&](Index triangle, double upper, Index shown) {
+            [&](Index triangle, double upper, Index) {
                 seen.insert(triangle);
                 EXPECT_LE(upper, bounds.purged_at_most(0));
                 const Index v = a.triangles(triangle, static_cast<Index>(random.below(3)));

@@ -362,6 +362,7 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
         {"nohd", {{"early_break", false}}},
         {"nohd", {{"depth", std::int64_t{0}}}},
         {"nohd", {{"depth", std::int64_t{60}}}},
+        {"nohd", {{"build", std::string("to_depth")}}},
         {"ohd", {{"culling", std::string("none")}}},
         {"ohd", {{"lambda", 0.5}}},
         {"ohd", {{"lambda", 0.0}}},

@@ -127,7 +127,9 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
     EXPECT_GE(empty, 1);
     EXPECT_GE(swapped_apart, pairs / 20);
     EXPECT_GE(closed, pairs / 20);
-    if (whole_searches()) EXPECT_GE(published_misses, 1);  // it is not certified, and this shows it
+    if (whole_searches()) {
+        EXPECT_GE(published_misses, 1);  // it is not certified, and this shows it
+    }
 }
 
 }  // namespace

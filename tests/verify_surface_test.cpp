@@ -31,9 +31,11 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
     EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);
     EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
     EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 1.2)), Verdict::unsound);                  // no point of the source
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);                    // not in its box
-    EXPECT_EQ(check(surface("(x^2 + y^2 + z^2 - 1)^2"), large, 0.1, p), Verdict::unsound);  // no change of sign
+    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);  // 0.2 from the source
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);         // not in its box
+    const AlgebraicSurface squared = surface("(x^2 + y^2 + z^2 - 1)^2");         // no change of sign
+    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                    // but 0 at p itself
+    EXPECT_EQ(check(squared, large, 0.1, Vec3(0, 0, 0.7)), Verdict::unsound);
 }
 
 // A witness a little beside the surface costs that little, and no more.
@@ -42,6 +44,20 @@ TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
     const Vec3 p(0, 0, 1 - beside);
     EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, less beside
     EXPECT_NE(check(ball, large, 0.5 + 0.5 * beside, p), Verdict::holds);
+}
+
+// Of a coarse mesh, whose vertices are far from the surface: what is left is shown all the same.
+TEST(SurfaceCheck, AWitnessFarFromTheSurfaceShowsWhatIsLeft) {
+    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - what the axes lose
+    EXPECT_NE(check(ball, large, 0.5 + 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);
+}
+
+// The apex of a cone is crossed along no axis.
+TEST(SurfaceCheck, TheApexOfACone) {
+    EXPECT_EQ(check(cone_1, large, 1.4999, Vec3::Zero()), Verdict::holds);
+    EXPECT_EQ(check(cone_1, large, 1.4999, Vec3(0, 0, 1e-6)), Verdict::holds);
+    EXPECT_EQ(check(cone_1, large, 1.51, Vec3::Zero()), Verdict::unsound);
+    EXPECT_NE(check(cone_1, large, 1.29, Vec3(0, 0, 0.2)), Verdict::holds);  // 1.3 away, but 0.11 from the cone
 }
 
 // Where the target is clipped, its nearest point lies on a side of the box.

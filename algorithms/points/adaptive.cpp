@@ -126,7 +126,8 @@ SolverEntry adaptive_solver() {
                         .most = 1}};
     for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
         for (const ParameterSpec& spec : entry.info.parameters) {
-            if (spec.name != "early_break" && spec.name != "culling") info.parameters.push_back(spec);
+            if (spec.name != "early_break" && spec.name != "culling" && spec.name != "build")
+                info.parameters.push_back(spec);
         }
     }
     return {info, make_solver<Adaptive>};

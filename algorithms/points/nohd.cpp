@@ -10,7 +10,8 @@
 // `early_break = false` is the paper's variant without: Algorithm 4 without lines 5 to 8, so that every child is inserted, and
 // Algorithm 5 without lines 4 to 6.
 //
-// The octree is built once in A's frame, down to single points; `depth` cuts through it. Under motion a cell becomes the
+// The octree is built once in A's frame, down to single points; `depth` cuts through it, so that solvers can share it. With
+// `build = "to_depth"` it is built to `depth` alone, as in the paper: the same cells and bounds; the points of a cell then come in another order. Under motion a cell becomes the
 // box around the posed cell. O(|A| |B|) time at worst; O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
@@ -19,6 +20,7 @@
 #include "structures/octree_cursor.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace hausbench {
 namespace {
@@ -128,14 +130,22 @@ private:
 class Nohd final : public Solver {
 public:
     explicit Nohd(const Options& options)
-        : depth_(static_cast<int>(options.integer("depth"))), early_break_(options.flag("early_break")) {}
+        : depth_(static_cast<int>(options.integer("depth"))),
+          early_break_(options.flag("early_break")),
+          to_depth_(options.text("build") == "to_depth") {}
 
-    Needs needs(const Scene&, const QuerySet&) const override { return {need<PointOctree>(Side::source)}; }
+    Needs needs(const Scene&, const QuerySet&) const override {
+        return to_depth_ ? Needs{} : Needs{need<PointOctree>(Side::source)};
+    }
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
-        tree_ = &prepared.get<PointOctree>(Side::source);
+        const Points& a = points_of(scene.source);
+        if (to_depth_) own_.emplace(a, PointOctree::root_around(a), depth_);
+        tree_ = to_depth_ ? &*own_ : &prepared.get<PointOctree>(Side::source);
     }
+
+    std::size_t prepared_bytes() const override { return own_ ? own_->bytes() : 0; }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
@@ -146,8 +156,9 @@ public:
 
 private:
     int depth_;
-    bool early_break_;
+    bool early_break_, to_depth_;
     const Scene* scene_ = nullptr;
+    std::optional<PointOctree> own_;
     const PointOctree* tree_ = nullptr;
 };
 
@@ -163,6 +174,12 @@ SolverEntry nohd_solver() {
          .default_value = true,
          .paper_value = "on",
          .description = "stop looking through B once a cell or point can no longer be the farthest"},
+        {.name = "build",
+         .default_value = std::string("shared"),
+         .paper_value = "to_depth",
+         .description =
+             "octree down to single points, which other solvers share and `depth` cuts through; or to `depth` alone",
+         .choices = {"shared", "to_depth"}},
     };
     return {info, make_solver<Nohd>};
 }

@@ -33,8 +33,9 @@ public:
 
     // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
     explicit PointOctree(const Points& points);
-    // The same with another root: a cube that holds the points.
-    PointOctree(const Points& points, const Box& root_cell);
+    // The same with another root, a cube that holds the points. Cells at `deepest` are not split, so leaves there may have many points.
+    PointOctree(const Points& points, const Box& root_cell, int deepest = max_depth);
+    static Box root_around(const Points& points);
 
     const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
     const std::vector<Index>& order() const { return order_; }
@@ -46,7 +47,7 @@ public:
     static constexpr int max_depth = 60;
 
 private:
-    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth);
+    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth, int deepest);
 
     Box root_cell_;
     std::vector<Node> nodes_;

@@ -13,7 +13,7 @@ from analysis.shared import claims, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
-from analysis.shared.verdicts import Verdict, never
+from analysis.shared.verdicts import Verdict, never_chosen
 
 # From best to worst: what the cell says, and its colour.
 OUTCOMES: Final = (("converged", "#7FBF7B"), ("stopped", "#D9F0D3"), ("no bounds", "#DDDDDD"), ("wrong", "#D6604D"))
@@ -49,7 +49,7 @@ def claim(results: Results) -> Verdict:
     """Of certified solvers: every row has an interval, and none is wrong."""
     rows = [row for row in range(len(results.cases)) if results.cases.certified[row]]
     ill = [row for row in rows if outcome(results, row) in (WRONG, NO_BOUNDS)]
-    return never(claims.of("hausbench", "traps"), len(ill), len(rows), "answers")
+    return never_chosen(claims.of("hausbench", "traps"), len(ill), len(rows), "answers")
 
 
 def make(results: Results) -> Report:

@@ -78,12 +78,25 @@ def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
     return int((at > depth + 1e-6 * float(np.ptp(shown.corners))).sum())
 
 
+def _facing(shown: Mesh, of: View, point: Floats) -> float:
+    """Returns how much the triangles at the vertex next to the point face the eye: 1 if straight, 0 or less if they are turned away."""
+    nearest = int(np.argmin(np.linalg.norm(shown.corners - point, axis=1)))
+    sides = of.seen(shown.corners[shown.triangles[(shown.triangles == nearest).any(axis=1)].reshape(-1)]).reshape(-1, 3, 3)
+    normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]).sum(axis=0)
+    return float(normal[2] / max(float(np.linalg.norm(normal)), 1e-300))
+
+
 def showing(shown: Mesh, of: View, point: Floats) -> View:
-    """The view turned about the y axis, by as little as shows the point; the view itself if no turn does."""
+    """The view turned about the vertical, and raised or lowered, by as little as shows the point and not edge-on; the view itself if none does."""
     x, y, z = of.axes[2]
-    for turn in np.deg2rad([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180]):
-        turned = of if turn == 0 else view((x * np.cos(turn) + z * np.sin(turn), y, z * np.cos(turn) - x * np.sin(turn)))
-        if not _hidden_by(shown, turned, point):
+    round_by, height = np.arctan2(x, z), np.arcsin(np.clip(y, -1, 1))
+    turns = [(turn, tilt) for turn in range(-180, 180, 15) for tilt in range(-75, 76, 15)]
+    for turn, tilt in np.deg2rad(sorted(turns, key=lambda one: one[0]**2 + one[1]**2)):
+        up = height + tilt
+        if abs(up) > np.deg2rad(80):
+            continue
+        turned = of if turn == tilt == 0 else view((np.cos(up) * np.sin(round_by + turn), np.sin(up), np.cos(up) * np.cos(round_by + turn)))
+        if not _hidden_by(shown, turned, point) and _facing(shown, turned, point) > 0.3:
             return turned
     return of
 

@@ -166,6 +166,13 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
                    + (f", against {tables.number(100 * bar, 2)} % {against}" if against else ""))
 
 
+def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
+    """A claim that something never happens, on cases that were chosen to provoke it. They are no sample, so no rate follows from them."""
+    if not of or wrong:
+        return Verdict(claim, FAILS if wrong else UNTESTED, f"{wrong} of {of:,} {what}" if wrong else f"no {what}")
+    return Verdict(claim, NOT_REFUTED, f"0 of {of:,} {what}; the cases were chosen, not drawn, so no rate follows")
+
+
 def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict:
     """A claim about each of a known number of things, all of which can be looked at: no test, a count."""
     if not seen:

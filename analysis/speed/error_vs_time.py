@@ -1,221 +1,202 @@
-"""Work against precision: for each scene, time beside the gap a solver proved and the error of what it found."""
+"""Report error against run time: for each scene, how small an interval each solver has proved by when, and how close its answer is."""
 
 from __future__ import annotations
 
-import math
-import textwrap
 from collections import Counter
-from typing import Any
+from collections.abc import Sequence
+from typing import Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis import pareto
-from analysis.shared import scales, style, tables
-from analysis.shared.notes import machine_line
+from analysis.shared import style, tables
+from analysis.shared.notes import clock_note, measured_on
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.statistics import Estimate, median
+from analysis.shared.statistics import Estimate
+from analysis.speed import error_curves, error_picture
+from analysis.speed.error_curves import Panel
 
 OURS = "cover"
-Panel = tuple[str, int]  # scene, pose
-# Whatever the tolerance, each value of their parameter has one answer: the values are one line with one entry in the legend.
-ONE_LINE = {"sampling"}
+LEAST_TRACED: Final = 0.01  # seconds: shorter traced runs say nothing of what tracing costs
+HEADER = ["scene", "solver", "asked", "time, ms", "gap", "error of the middle", "of the lower bound", "tracing, %", "distances", "rows not ok"]
 
 
 def make(results: Results) -> Report:
+    """Makes the figure, the table and the CSV."""
     cases = results.cases
     panels: list[Panel] = list(dict.fromkeys(zip(cases.scene, map(int, cases.pose_index))))
-    labels = style.order(zip(cases.solver, results.names))
-    times = {case: median(results.total_seconds(case)) for case in range(len(cases)) if results.is_bounded(case)}
-
-    table = tables.Table(
-        "Time to prepare and solve, gap and error of the finest answer of each solver, relative to the diagonal of A.",
-        ["scene", "solver", "asked", "time, ms", "gap", "error", "distances", "rows not ok"], left=2)
+    times = error_curves.times_of(results)
+    table = tables.Table(f"{message(results, panels, times)}Time to prepare and solve, gap and true error of the finest answer, relative to the diagonal of A.",
+                         HEADER, left=2)
     for panel in panels:
         table.rules.add(len(table.rows))
-        for solver, label in labels:
-            rows = [r for r in run_rows(results, panel) if results.names[r] == label]
-            if rows:
-                table.rows.append([panel_title(results, panel, panels), style.title(solver, label),
-                                   *finest(results, rows, times)])
+        for rows in lines(results, run_rows(results, panel)):
+            table.rows.append([panel_title(panel, panels), line_title(results, rows), *finest(results, rows, times)])
     ours = pareto.cells(results, OURS)
     table.verdicts = [pareto.judge(ours, style.title(OURS))] if ours else []
-    table.notes = left_out(results, panels, labels) + unknown(results, panels) + [
-        tables.coverage_note(times.values()) + "" + " Gap: upper less lower bound. Error: the farthest that the lower "
-        "bound, which a witness shows, may be from the true distance, as far as the certified solvers prove it. "
-        "Distances: point to point and point to triangle, of one solve; peers do not count them.", f"Measured on {machine_line(results)}."]
-    records = [record(results, case, times.get(case)) for case in range(len(cases))]
-    return Report(lambda: draw(results, [panel for panel in panels if run_rows(results, panel)] or panels, labels, times), table, records)
+    table.notes = [*left_out(results, panels), *unknown(results, panels), f"{tables.coverage_note(times.values())} {tracing_note(results)}".strip(),
+                   "Errors are against the middle of what certified solvers prove. Distances: point to point and point to triangle.",
+                   f"Measured on {measured_on(results)}."]
+    drawn = [panel for panel in panels if run_rows(results, panel)] or panels
+    return Report(lambda: error_picture.draw(results, drawn, {panel: run_rows(results, panel) for panel in drawn},
+                                             {panel: panel_title(panel, panels) for panel in drawn}, footnote(results, times)),
+                  table, [record(results, case, times.get(case)) for case in range(len(cases))], clock=clock(results))
 
 
-def shown_as(solver: str, label: str) -> tuple[str, str]:
-    """What a row looks like, and stands as in the legend."""
-    return (solver, solver) if solver in ONE_LINE else (solver, label)
+def clock(results: Results) -> str:
+    """Returns the sentence on the clock. Rows that were read off a traced run have no clock of their own."""
+    timed = {results.clock_of(case) for case in range(len(results.cases)) if error_curves.read_off_from(results, case) is None and results.first_by_round(case)}
+    if len(timed) > 1:
+        return clock_note(results)
+    word = "wall time" if timed == {"wall"} else "process CPU time, children included"
+    read_off = any(error_curves.read_off_from(results, case) is not None for case in range(len(results.cases)))
+    return f"Times are {word}; preparing is wall time{'. Those read off a traced run are scaled to the timed runs' if read_off else ''}."
+
+
+def footnote(results: Results, times: dict[int, Estimate]) -> str:
+    """Returns rounds, clock and machine, for the figure."""
+    counts = sorted({time.n for time in times.values() if time.n})
+    rounds = f"n = {counts[0] if len(counts) == 1 else f'{counts[0]} to {counts[-1]}'} rounds, " if counts else ""
+    word = clock(results).removeprefix("Times are ").partition(",")[0].partition(";")[0]
+    return f"{rounds}{word}; {results.meta.get('cpu', 'unknown CPU')}."
+
+
+def message(results: Results, panels: Sequence[Panel], times: dict[int, Estimate]) -> str:
+    """Says which certified solvers are the first at the finest tolerance, and on how many scenes of which shapes."""
+    first: dict[str, Counter[str]] = {}
+    for panel in panels:
+        rows = [row for row in run_rows(results, panel) if row in times and results.cases.certified[row] == 1]
+        least = min((float(results.cases.tolerance[row]) for row in rows), default=np.nan)
+        ended = [row for row in rows if results.cases.tolerance[row] == least and results.cases.status[row] == "ok" and times[row].n]
+        winner = min(ended, key=lambda row: times[row].value, default=None)
+        first.setdefault(error_picture.domain_of(results, panel), Counter())["" if winner is None else style.title(results.cases.solver[winner])] += 1
+    parts = [f"{name} on {count} of {sum(counted.values())} scenes" + (f" of {domain.lower()}" if domain else "")
+             for domain, counted in first.items() for name, count in counted.most_common() if name]
+    return f"First at the finest tolerance, by median time: {'; '.join(parts)}. " if parts else ""
+
+
+def lines(results: Results, rows: Sequence[int]) -> list[list[int]]:
+    """Returns the rows of each line of the table: those of a solver with one choice of parameters, all its seeds and tolerances."""
+    found: dict[tuple[str, str, str], list[int]] = {}
+    for row in rows:
+        found.setdefault((*error_curves.series_of(results, row), error_curves.resolution_of(results, row)), []).append(row)
+    order = {series: i for i, series in enumerate(style.order((solver, label) for solver, label, _ in found))}
+    return [found[key] for key in sorted(found, key=lambda key: order[key[:2]])]
+
+
+def line_title(results: Results, rows: Sequence[int]) -> str:
+    """Names the solver and its resolution; with 'median of n seeds' if there are several."""
+    solver, label = error_curves.series_of(results, rows[0])
+    resolution, seeds = error_curves.resolution_of(results, rows[0]), len({results.names[row] for row in rows})
+    name = style.title(solver, str(results.names[rows[0]])) if resolution else style.title(solver, label)
+    return f"{name}, median of {seeds} seeds" if seeds > 1 else name
+
+
+def cost_of_tracing(results: Results, case: int) -> float:
+    """Returns the cost of tracing as a share; NaN if it is not known or the traced run is too short to say."""
+    trace = results.trace_of(case)
+    return error_curves.tracing_cost(results, case) if len(trace.seconds) and trace.seconds[-1] >= LEAST_TRACED else float("nan")
+
+
+def tracing_note(results: Results) -> str:
+    """Says what tracing costs: the median over all traced runs that are long enough, and over those of the solver with the greatest median."""
+    cases, found = results.cases, dict[str, list[float]]()
+    for case in map(int, np.flatnonzero(cases.from_trace == 0)):
+        if np.isfinite(cost := cost_of_tracing(results, case)):
+            found.setdefault(str(cases.solver[case]), []).append(cost)
+    if not found:
+        return ""
+    each = {solver: float(np.median(costs)) for solver, costs in found.items()}
+    worst, all_of = max(each, key=lambda solver: each[solver]), np.concatenate(list(found.values()))
+    return (f"Tracing a run of {1e3 * LEAST_TRACED:.0f} ms and more takes {percent(float(np.median(all_of)))} % longer (median of {len(all_of)}); "
+            f"of one solver's at most {percent(each[worst])} % ({style.title(worst)}).")
+
+
+def percent(share: float) -> str:
+    """Prints a share in per cent, with one decimal if it is below 10 %."""
+    return f"{round(100 * share) or 0}" if abs(share) >= 0.1 else f"{round(100 * share, 1) or 0.0:.1f}"
 
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
-    """Rows of the solvers that were run on this scene: not those that do not take its shapes, or were not built."""
+    """Returns the rows of the solvers that were run on this scene: not of those that do not take its shapes, or were not built."""
     cases, rows = results.cases, results.rows(scene=panel[0], pose_index=panel[1])
     run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
     return [r for r in rows if results.names[r] in run]
 
 
-def left_out(results: Results, panels: list[Panel], labels: list[tuple[str, str]]) -> list[str]:
-    """Who was not run, and on what, in one note."""
-    cases = results.cases
+def left_out(results: Results, panels: Sequence[Panel]) -> list[str]:
+    """Says which solvers were not run, and on what, in one note."""
     where: dict[str, list[str]] = {}
+    labels = style.order(zip(results.cases.solver, results.names))
     for panel in panels:
         run = {results.names[r] for r in run_rows(results, panel)}
         asked = {results.names[r] for r in results.rows(scene=panel[0], pose_index=panel[1])}
         for solver, label in labels:
             if label in asked - run:
-                where.setdefault(panel_title(results, panel, panels), []).append(style.title(solver, label))
+                where.setdefault(panel_title(panel, panels), []).append(style.title(solver, label))
     parts = [f"{title}: {', '.join(names)}" for title, names in where.items()]
     why = "they do not take the shapes, were not built, or a model is missing"
     return [f"Not run ({why}): {'; '.join(parts)}."] if parts else []
 
 
-def panel_title(results: Results, panel: Panel, panels: list[Panel]) -> str:
+def panel_title(panel: Panel, panels: Sequence[Panel]) -> str:
+    """Names the scene, with the number of the pose if there are several."""
     several = sum(scene == panel[0] for scene, _ in panels) > 1
     return style.scene_title(panel[0]) + (f", pose {panel[1]}" if several else "")
 
 
-def relative(results: Results, case: int) -> tuple[float, float]:
-    """Gap and error, relative to the diagonal of A."""
-    size = results.length_unit(case)
-    return results.gap(case) / size, results.error(case) / size
-
-
-def unknown(results: Results, panels: list[Panel]) -> list[str]:
-    """Where an error cannot be told, because no certified solver has an answer."""
-    names = [panel_title(results, panel, panels) for panel in panels if np.isnan(results.reference(*panel)).any()]
+def unknown(results: Results, panels: Sequence[Panel]) -> list[str]:
+    """Names the scenes whose errors cannot be told, because no certified solver has an answer."""
+    names = [panel_title(panel, panels) for panel in panels if np.isnan(results.reference(*panel)).any()]
     return [f"Error unknown, for no certified solver has an answer: {', '.join(names)}."] if names else []
 
 
 def distances(results: Results, case: int) -> int:
+    """Counts the distances of point to point and point to triangle of a solve."""
     counters = results.cases.counters
     names = ("point_distances", "point_triangle_distances")
     return sum(int(counters[name][case]) for name in names if name in counters)
 
 
-def finest(results: Results, rows: list[int], times: dict[int, Estimate]) -> list[str]:
-    """Cells of the printed table: of the row with the least tolerance that has bounds."""
-    failed = Counter(results.cases.status[r] for r in rows if results.cases.status[r] != "ok")
-    why = ", ".join(f"{n} {style.status_word(status)}" for status, n in failed.items())
+def error_cells(results: Results, case: int) -> list[str]:
+    """Prints the errors of the middle and of the lower bound, or the least that the reference can tell."""
+    found, width = error_curves.errors_of(results, case), error_curves.reference_width(results, case)
+    return [f"≤ {tables.number(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
+            for value in (float(found.middle[0]), float(found.lower[0]))]
+
+
+def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) -> list[str]:
+    """Returns the cells of a line: of the rows at the least tolerance that has bounds."""
+    asked = {results.cases.status[r]: set[float]() for r in rows if results.cases.status[r] != "ok"}
+    for r in rows:
+        if results.cases.status[r] != "ok":
+            asked[results.cases.status[r]].add(float(results.cases.tolerance[r]))
+    why = ", ".join(f"{len(at)} {style.status_word(status)}" for status, at in asked.items())
     bounded = [r for r in rows if r in times]
     if not bounded:
-        return [tables.NOTHING] * 5 + [why]
+        return [tables.NOTHING] * 7 + [why]
     case = min(bounded, key=lambda r: float(results.cases.tolerance[r]))
-    gap, error = relative(results, case)
-    return [tables.number(float(results.cases.tolerance[case]), 1), tables.estimate(times[case], 1e3),
-            tables.number(gap, 2), tables.number(error, 2),
-            f"{distances(results, case):,}" if distances(results, case) else tables.NOTHING, why]
+    time = error_curves.over_seeds(results, [r for r in bounded if results.cases.tolerance[r] == results.cases.tolerance[case]])
+    cost, counted = cost_of_tracing(results, case), distances(results, case)
+    return [tables.number(float(results.cases.tolerance[case]), 1), tables.estimate(time, 1e3),
+            tables.number(results.gap(case) / results.length_unit(case), 2), *error_cells(results, case),
+            tables.NOTHING if np.isnan(cost) else percent(cost), f"{counted:,}" if counted else tables.NOTHING, why]
 
 
 def record(results: Results, case: int, time: Estimate | None) -> tables.Record:
-    cases = results.cases
-    gap, error = relative(results, case) if time else (np.nan, np.nan)
+    """Returns the line of the CSV of a row."""
+    cases, size = results.cases, results.length_unit(case)
     row: tables.Record = {name: getattr(cases, name)[case] for name in
-                          ("scene", "pose_index", "solver", "label", "tolerance", "tolerance_of", "status", "reason")}
+                          ("scene", "pose_index", "solver", "label", "variant", "tolerance", "tolerance_of", "status", "reason")}
     row |= {name: float(getattr(cases, name)[case]) for name in ("source_diagonal", "lower", "upper")}
-    row |= {"relative_gap": gap, "relative_error": error, "prepare_seconds": float(cases.prepare_seconds[case]),
+    found = error_curves.errors_of(results, case)
+    row |= {"relative_gap": results.gap(case) / size if time else np.nan}
+    row |= {f"relative_{name}_error": float(values[0]) if time else np.nan
+            for name, values in (("lower", found.lower), ("middle", found.middle), ("upper", found.upper))}
+    row |= {"relative_reference_width": error_curves.reference_width(results, case), "tracing_cost": error_curves.tracing_cost(results, case),
+            "prepare_seconds": float(cases.prepare_seconds[case]),
             "n": time.n if time else 0, "from_trace": int(cases.from_trace[case]),
             "total_median_seconds": time.value if time else np.nan, "total_low_seconds": time.low if time else np.nan,
             "total_high_seconds": time.high if time else np.nan, "coverage": time.coverage if time else np.nan}
     return row | {name: int(column[case]) for name, column in cases.counters.items()}
-
-
-def draw(results: Results, panels: list[Panel], labels: list[tuple[str, str]], times: dict[int, Estimate]) -> Any:
-    """For each panel the gap above and the error below, on one time axis; failures in the margin at the right.
-
-    Placed by hand, in inches: a layout engine would squeeze the frames to make room for the marks in their margins.
-    """
-    width, across = style.width(), max(1, int((style.width() + 0.1) / 2.25))  # panels side by side
-    bands, wide, tall, columns = -(-len(panels) // across), 1.66, 1.2, max(1, int(5 * width / style.DOUBLE_COLUMN))
-    band = 0.22 + 2 * tall + 0.08 + 0.2  # title, frames, tick labels
-    entries = list(dict.fromkeys(shown_as(*pair) for pair in labels))
-    legend = 0.145 * -(-len(entries) // columns)
-    foot = 0.09 + 0.24 * math.ceil(style.DOUBLE_COLUMN / width)  # two notes
-    height = bands * band + 0.22 + legend + foot  # axis label, legend, notes
-    figure = plt.figure(figsize=(width, height))
-    figure.set_layout_engine("none")
-    shown: set[tuple[str, str]] = set()
-    statuses: set[str] = set()
-    for i, panel in enumerate(panels):
-        left, floor = 0.5 + (i % across) * 2.25, height - (i // across) * band - 0.22 - 2 * tall - 0.08
-        lower, upper = (figure.add_axes([left / width, y / height, wide / width, tall / height])
-                        for y in (floor, floor + tall + 0.08))
-        upper.sharex(lower)
-        rows = run_rows(results, panel)
-        for ax, what in ((upper, 0), (lower, 1)):
-            shown |= draw_panel(ax, results, rows, times, what)
-        upper.tick_params(labelbottom=False)
-        upper.set_title(panel_title(results, panel, panels), pad=3)
-        failed = Counter((*shown_as(results.cases.solver[r], results.names[r]), results.cases.status[r])
-                         for r in rows if results.cases.status[r] != "ok")
-        marks = [(style.look(*pair), style.status_letter(status) + (f"{n}" if n > 1 else ""))
-                 for pair in entries for (*who, status), n in sorted(failed.items()) if tuple(who) == pair]
-        style.margin_marks(upper, marks, height=72 * (2 * tall + 0.08))
-        shown |= {(solver, label) for solver, label, _ in failed}
-        statuses |= {status for *_, status in failed}
-        if i % across == 0:
-            for ax, name in ((upper, "gap"), (lower, "error")):
-                ax.set_ylabel(f"{name} / diagonal of A")
-                ax.yaxis.set_label_coords(-0.22, 0.5)
-        if i + across >= len(panels):
-            lower.set_xlabel("prepare + solve (s)", labelpad=1)
-    figure.legend(handles=style.handles(pair for pair in entries if pair in shown), loc="lower center", ncol=columns,
-                  bbox_to_anchor=(0.5, (foot - 0.06) / height), handlelength=2.4)
-    key = style.letters_key(statuses)
-    thin = ["one traced run, wall time"] * bool((results.cases.trace_end > results.cases.trace_begin).any())
-    thin += ["one solver at several steps"] * bool(ONE_LINE & {solver for solver, _ in shown})
-    notes = [(f"Thin lines: {', or '.join(thin)}. " if thin else "") + "Bars: interval of the median. Open markers: bounds that hold, but the tolerance was not reached."]
-    if key:
-        notes.append(f"Right of a frame, rows that are not ok (and how many, if several): {key}.")
-    figure.text(0.5, 0.03 / height, "\n".join(line for note in notes for line in textwrap.wrap(note, int(24 * width))), ha="center", va="bottom", fontsize=7, color=style.GREY)
-    return figure
-
-
-def draw_panel(ax: Any, results: Results, rows: list[int], times: dict[int, Estimate],
-               what: int) -> set[tuple[str, str]]:
-    """what = 0: gap, 1: error. Returns what was drawn, for the legend."""
-    cases = results.cases
-    points = {case: relative(results, case)[what] for case in rows if case in times and times[case].n}
-    points = {case: y for case, y in points.items() if np.isfinite(y)}
-    lines = {}
-    for pair in dict.fromkeys((cases.solver[r], results.names[r]) for r in rows):
-        if pair[0] in ONE_LINE:
-            continue  # its answers are joined instead
-        traced = [r for r in rows if (cases.solver[r], results.names[r]) == pair and cases.status[r] != "unsound"
-                  and cases.trace_end[r] > cases.trace_begin[r]]
-        if traced:
-            case = min(traced, key=lambda r: float(cases.tolerance[r]))
-            lines[case] = trace_line(results, case, what)
-    axis = scales.LogAxis(ax, np.concatenate([np.array(list(points.values())), *[y for _, y in lines.values()]]), 5)
-    ax.set_xscale("log")
-    for solver in sorted(ONE_LINE & {cases.solver[case] for case in points}):
-        at_times = sorted((times[case].value, y) for case, y in points.items() if cases.solver[case] == solver)
-        looks = style.look(solver)
-        ax.plot([x for x, _ in at_times], axis.place([y for _, y in at_times]), color=looks.colour, linewidth=0.7, zorder=2)
-    for case, (x, y) in lines.items():
-        looks = style.look(cases.solver[case], results.names[case])
-        ax.plot(x, axis.place(y), color=looks.colour, linestyle=looks.line, linewidth=0.7, alpha=0.75, zorder=2,
-                drawstyle="steps-post")
-    for case, y in points.items():
-        looks, time = style.look(*shown_as(cases.solver[case], results.names[case])), times[case]
-        at = float(axis.place(y))
-        style.interval(ax, time, at, color=looks.colour, linewidth=1.0, zorder=3)
-        marker = style.filled_marker(looks) if cases.status[case] == "ok" else style.open_marker(looks)
-        ax.plot([time.value], [at], zorder=4, **marker)
-    scales.log_ticks(ax.xaxis)
-    return {shown_as(cases.solver[case], results.names[case]) for case in [*points, *lines]}
-
-
-def trace_line(results: Results, case: int, what: int) -> tuple[Any, Any]:
-    """Times and values of the samples that have finite ones."""
-    trace, size = results.trace_of(case), results.length_unit(case)
-    values = trace.upper - trace.lower if what == 0 else np.array([results.error(case, float(x)) for x in trace.lower])
-    seconds = trace.seconds + results.prepare_seconds(case)
-    keep = np.isfinite(values) & (seconds > 0)
-    return seconds[keep], values[keep] / size

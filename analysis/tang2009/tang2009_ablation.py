@@ -16,7 +16,7 @@ from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
-from analysis.shared.verdicts import Verdict
+from analysis.shared.verdicts import Verdict, everywhere
 from analysis.tang2009.tang_motion import Run
 
 FINEST: Final = 1e-4
@@ -60,7 +60,18 @@ def verdicts(variants: Variants) -> list[Verdict]:
         claim = claims.of("tang2009", name)
         return in_time_and_work(lambda what: on_average(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]), COUNTED)
 
-    return [judge(label, name) for label, name in CLAIMS]
+    return [*[judge(label, name) for label, name in CLAIMS], sensitive(variants)]
+
+
+def sensitive(variants: Variants) -> Verdict:
+    """Compares the levels of triangles one in another (the deepest subdivision, and the triangle itself) at the finest tolerance with the coarsest."""
+    def levels(scene: str, tolerance: float) -> float:
+        run = variants.run(scene, PLAIN, tolerance)
+        return 1 + float(np.nanmax(run.deepest)) if run and np.isfinite(run.deepest).any() else math.nan
+
+    swept = [t for t in variants.tolerances if any((scene, PLAIN, t) in variants.runs for scene in variants.scenes)]
+    ratios = [levels(scene, swept[-1]) / levels(scene, swept[0]) for scene in variants.scenes] if len(swept) > 1 else []
+    return everywhere(claims.of("tang2009", "sensitive"), [exact(ratio) if math.isfinite(ratio) else NO_DATA for ratio in ratios])
 
 
 def make(results: Results) -> Report:

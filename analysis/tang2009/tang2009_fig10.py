@@ -37,7 +37,14 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
         claim = claims.of("tang2009", name)
         return in_time_and_work(lambda what: on_average(claim, [pairs.ratio(scene, "guthe", "tang", what) for scene in scenes], times))
 
-    return [judge("tenth", TIMES), judge("outperforms", 1), memory(pairs)]
+    return [judge("tenth", TIMES), judge("outperforms", 1), subdivisions(pairs), memory(pairs)]
+
+
+def subdivisions(pairs: Pairs) -> Verdict:
+    """Compares the number of subdivisions on every pair. It is the same in every run."""
+    counts = [[pairs.cells[scene, label].counters.get("subdivisions", 0) if (scene, label) in pairs.cells else 0 for label in ("guthe", "tang")]
+              for scene in pairs.scenes]
+    return everywhere(claims.of("tang2009", "subdivisions"), [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in counts])
 
 
 def memory(pairs: Pairs) -> Verdict:

@@ -40,8 +40,9 @@ def make(results: Results) -> Report:
                             "seconds": float(tang.per_pose[i]) if len(tang.per_pose) else float("nan"), "rounds": len(tang.by_round),
                             **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
     table.verdicts = [tang_motion.rising(found, "tang")]
-    table.notes = ["Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, medians over "
-                   f"{max(len(motion.runs['tang'].by_round) for motion in found)} rounds. Finding the lists of Lemma 3 counts as culling on B.",
+    rounds = max(len(motion.runs["tang"].by_round) for motion in found)
+    table.notes = ["Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, "
+                   f"{f'medians over {rounds} rounds' if rounds > 1 else 'of one round'}. Finding the lists of Lemma 3 counts as culling on B.",
                    "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(found, clock_word(results)), table, records)

@@ -22,8 +22,7 @@ SPEC = zhang_sweep.Spec(
     "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
     "depth", "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, (),
     "Ratios are paired by rounds in which the depths took turns. Greater than 6 is read at the greatest depth, "
-    "smaller than 5 at depth 1. Our octree is built down to single points and cut at the depth asked, so preparing it "
-    "costs the same at every depth; that of the paper is built to that depth.")
+    "smaller than 5 at depth 1. The octree is built to the depth asked, as in the paper.")
 
 
 def make(results: Results) -> Report:

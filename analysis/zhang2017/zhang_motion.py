@@ -23,6 +23,7 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
 from analysis.shared.verdicts import UNTESTED, Verdict, above_one, greatest
+from analysis.zhang2017 import motion_picture
 
 WORK: Final = "distances, bounds and nodes"
 THETA: Final = 0.33
@@ -219,7 +220,7 @@ def make(caption: str, results: Results) -> Report:
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
     table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
                    f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). The band in the "
-                   "figure is the interval of a pose. Counted work is exact, or one number a seed: one seed (n = 1) separates nothing. "
+                   "figure is the interval of a pose. On top: B in black, A at five of its poses, the first in violet. Counted work is exact, or one number a seed: one seed (n = 1) separates nothing. "
                    "Times, and the poses of the peak (by counted work), are of the first seed. α: overlap of the boxes, as a fraction of the smaller one.",
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
                    "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
@@ -228,10 +229,12 @@ def make(caption: str, results: Results) -> Report:
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
-    """A column a scene: times above, the distance below; grey where the boxes overlap."""
-    figure, axes = plt.subplots(2, len(motions), figsize=(style.DOUBLE_COLUMN, 3.7), sharex="col", squeeze=False,
-                                height_ratios=(2.4, 1))
-    for (upper, lower), motion in zip(axes.T, motions):
+    """A column a scene: the models on top, then times, then the distance; grey where the boxes overlap."""
+    figure, axes = plt.subplots(3, len(motions), figsize=(style.DOUBLE_COLUMN, 4.7), squeeze=False, height_ratios=(1, 2.4, 1))
+    for (top, upper, lower), motion in zip(axes.T, motions):
+        motion_picture.draw(top, motion.results, [next(iter(pose.rows.values())) for pose in motion.poses])
+        upper.sharex(lower)
+        upper.tick_params(labelbottom=False)
         shifts = [pose.shift for pose in motion.poses]
         edges = [shifts[0], *[(a + b) / 2 for a, b in zip(shifts, shifts[1:])], shifts[-1]]
         for pose, left, right in zip(motion.poses, edges, edges[1:]):
@@ -251,12 +254,13 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
                       if label in pose.rows and not motion.time(pose, label).n}
             marks += [(looks, style.status_letter(status)) for status in sorted(failed)]
         style.margin_marks(upper, marks, 120)
-        upper.set(yscale="log", title=f"{motion.scene}, {motion.sizes} points")
+        top.set_title(f"{motion.scene}, {motion.sizes} points")
+        upper.set(yscale="log")
         scales.log_ticks(upper.yaxis)
         lower.plot(shifts, [pose.distance for pose in motion.poses], color="black", linewidth=0.8)
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
-    axes[0][0].set_ylabel(f"{clock} to solve a pose (s)")
-    axes[1][0].set_ylabel("h(A, B)\n(units of the model)")
+    axes[1][0].set_ylabel(f"{clock} to solve a pose (s)")
+    axes[2][0].set_ylabel("h(A, B)\n(units of the model)")
     entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
                                                      linewidth=0.4, label=title) for regime, title in REGIMES]
     style.legend_above(figure, entries, columns=4)

@@ -131,10 +131,12 @@ private:
         row.check.lower = verdict;
         if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);
         if (verdict != Verdict::unsound) return;
-        row.check.reason = surfaces_
-                               ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
-                                             forward ? "target" : "source", shown)
-                               : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason =
+            surfaces_ && shown == 0 ? fmt::format("lower {:.17g}: nothing shows that the witness is near the {}", lower,
+                                                  forward ? "source" : "target")
+            : surfaces_             ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
+                                      forward ? "target" : "source", shown)
+                        : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
     }
 

@@ -39,21 +39,29 @@ double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k)
     return std::max(high[k] - p[k], p[k] - low[k]);
 }
 
-// How far p may be from a proven point of the surface; empty: none found within a hundredth of the box.
+// How far p may be from a proven point of the surface; empty: none found in the box. A witness of a coarse mesh may be far. Where the surface
+// crosses no axis through p, as at the apex of a cone, signs at the ends of two axes may differ: the segment between them is within e of p, too.
 std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec3& p) {
     if ((p.array() < box.low.array()).any() || (p.array() > box.high.array()).any()) return std::nullopt;
+    const Interval here = value_at(f, p);
+    if (here.inf() == 0 && here.sup() == 0) return 0;
     const double size = (box.high - box.low).maxCoeff();
-    for (double e = 0x1p-52 * std::max(p.cwiseAbs().maxCoeff(), size); e < 0.01 * size; e *= 4) {
+    for (double e = 0x1p-52 * std::max(p.cwiseAbs().maxCoeff(), size); e < 4 * size; e *= 4) {
         std::optional<double> least;
+        bool below = here.sup() <= 0, above = here.inf() >= 0;
         for (int k = 0; k < 3; ++k) {
             Vec3 low = p, high = p;
             low[k] = std::max(box.low[k], -(e - p[k]));
             high[k] = std::min(box.high[k], p[k] + e);
-            if (!changes_sign(value_at(f, low), value_at(f, high))) continue;
+            const Interval at_low = value_at(f, low), at_high = value_at(f, high);
+            below = below || at_low.sup() <= 0 || at_high.sup() <= 0;
+            above = above || at_low.inf() >= 0 || at_high.inf() >= 0;
+            if (!changes_sign(at_low, at_high)) continue;
             const double found = bracketed(f, p, low, high, k);
             if (!least || found < *least) least = found;
         }
         if (least) return least;
+        if (below && above) return e;
     }
     return std::nullopt;
 }

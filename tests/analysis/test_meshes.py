@@ -145,7 +145,7 @@ def test_traps_say_how_each_ended(make: Make) -> None:
     assert rows["needle"][0][1:] == ["0.250 to 0.500", "timeout, bounds hold", "timeout"]
     assert "Wrong: cgal on identical ([0.125, 0.126])" in text
     assert [record["outcome"] for record in records] == ["converged", "wrong", "stopped", "no bounds"]
-    assert "Here: not separated (0 of 2 answers" in claim(text, "certified")  # two rows prove nothing
+    assert "Here: not refuted (0 of 2 answers; the cases were chosen" in claim(text, "certified")
 
 
 @pytest.mark.parametrize("wrong", [{"lower": 0.5, "upper": 0.5}, {"lower": 1e-3, "upper": 0.0}, {"upper": 1e-3}, {"lower": NAN, "upper": NAN}])
@@ -175,3 +175,5 @@ def test_a_view_is_turned_until_the_point_is_seen() -> None:
     turned = mesh_picture.showing(solid, front, behind)
     assert turned is not front and turned.axes[2][0] < 0  # towards the eye, from the side x < 0
     np.testing.assert_allclose(turned.axes @ turned.axes.T, np.eye(3), atol=1e-12)
+    from_below = mesh_picture.showing(solid, front, np.array([0.3, 0.0, 0.3]))
+    assert from_below.axes[2][1] < -0.3  # and not edge-on

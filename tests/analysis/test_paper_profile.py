@@ -32,6 +32,22 @@ def test_a_single_stem_has_a_file_of_its_own_name(tmp_path: Path) -> None:
     assert "geometric mean" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")
 
 
+def test_keeps_what_was_written_by_hand(tmp_path: Path) -> None:
+    file = synthetic.points_speed()
+    file.meta["profile"] = "paper"
+    file.write(tmp_path)
+    arguments, path = ["points_speed", "--results", str(tmp_path), "--out", str(tmp_path)], tmp_path / "points_speed.md"
+    assert paper_profile.main(arguments) == 0
+    before = path.read_text(encoding="utf-8")
+    assert "Nothing below is edited by hand.\n" in before
+    path.write_text(before.replace("\n## points_speed", "\n## What it says\n\nScan is first.\n\n## points_speed"), encoding="utf-8")
+    for _ in range(2):
+        assert paper_profile.main(arguments) == 0
+        text = path.read_text(encoding="utf-8")
+        assert "\n\n## What it says\n\nScan is first.\n\n## points_speed\n" in text and 'by hand, but for "What it says".' in text
+    assert text.replace("\n## What it says\n\nScan is first.\n", "").replace(', but for "What it says"', "") == before
+
+
 def test_a_group_is_measured_in_parts(tmp_path: Path) -> None:
     """What has no result any more keeps its table, its row and its machine; what was measured again is new."""
     arguments = ["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]

@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import pytest
 import synthetic
 import synthetic_sacht
@@ -16,9 +15,6 @@ from stem_runner import Make, stem_runner
 from synthetic import ResultFile, spread
 
 from analysis.__main__ import main
-from analysis.shared import load, style
-from analysis.shared.statistics import median
-from analysis.speed import error_vs_time
 from analysis.zhang2017 import zhang2017_table3
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -156,60 +152,6 @@ def test_fig13_never_reads_an_unsound_row(make: Make) -> None:
     assert rows["Kang 2018"][0][:8] == ["0 of 1"] * 8 and "crown unsound (1e-1," in text
 
 
-def test_error_vs_time_table(make: Make) -> None:
-    records, rows, text = make(synthetic.error_vs_time())
-    cells = {row[0]: row[1:] for row in rows["gauss overlap"]}
-    assert cells["NAIVEHDD"][2:4] == ["0", "0"] and cells["NAIVEHDD"][4] == "4,000,000"  # exact zeros stay
-    # The reference has width 0 at 0.5; INC's lower bound is 4 half-widths of 2e-16 below it, its gap twice that.
-    assert cells["INC"][2:4] == ["1.6e-15", "7.8e-16"]
-    assert {row[0]: row[5:] for row in rows["gauss overlap"]}["k-d tree (nanoflann)"] == ["20,000", ""]
-    failed = {row[0]: row[6] for row in rows["armadillo scan"]}
-    assert failed["Guthe 2005"] == "2 timeout" and failed["Kang 2018"] == "1 unsound"
-    assert failed["Zheng 2022"] == "1 precision floor"
-    assert "k-d tree (nanoflann)" not in failed and "armadillo scan: k-d tree (nanoflann)" in text
-    unsound = next(r for r in records if r["status"] == "unsound")
-    assert unsound["relative_gap"] == "" and unsound["n"] == "0"
-    identical = [r for r in records if (r["scene"], r["solver"], r["tolerance"]) == ("same_mesh", "cover", "1e-08")]
-    assert [(r["relative_gap"], r["relative_error"]) for r in identical] == [("0.0", "0.0")]
-
-
-def test_error_vs_time_draws_zeros_failures_and_no_unsound_point(tmp_path: Path) -> None:
-    results = load.load(synthetic.error_vs_time().write(tmp_path))
-    times = {case: median(results.total_seconds(case))
-             for case in range(len(results.cases)) if results.is_bounded(case)}
-    panels = [(scene, 0) for scene in results.in_order("scene")]
-    labels = style.order(zip(results.cases.solver, results.cases.label))
-    figure = error_vs_time.draw(results, panels, labels, times)
-    gap_of = {ax.get_title(): ax for ax in figure.axes if ax.get_title()}
-    assert len(figure.axes) == 12 and set(gap_of) >= {"same mesh", "grid noise"}
-    ticks = [label.get_text() for label in gap_of["same mesh"].get_yticklabels()]
-    assert "0" in ticks and len(ticks) > 2
-    assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M", "P", "T2", "U"]
-    assert sorted(text.get_text() for text in gap_of["grid noise"].texts) == ["T", "U"]
-    points = [line for line in gap_of["grid noise"].lines if line.get_marker() not in ("None", "", None)
-              and line.get_clip_on()]
-    assert len(points) == 7  # eight solvers and a variant, less the timeout and the unsound row
-    plt.close(figure)
-
-
-def test_error_vs_time_where_everything_failed(make: Make) -> None:
-    file = ResultFile("error_vs_time")
-    file.case("cover", "x", status="out_of_memory", reason="4 GiB")
-    file.case("tang", "x", [5.0], status="timeout", lower=0.0, upper=0.125, tolerance=1e-3)
-    file.case("cgal", "x", status="not_built", reason="no CGAL")
-    _, rows, text = make(file)
-    assert [row[1:] for row in rows["x"]] == [["0.001", "4500", "0.12", "0.12", "—", "1 timeout"],
-                                              ["—"] * 5 + ["1 out of memory"]]
-    assert "x: CGAL." in text
-
-
-def test_error_vs_time_where_nothing_was_run(make: Make) -> None:
-    file = ResultFile("error_vs_time")
-    file.case("cover", "x", status="skipped", reason="model 'x' is missing")
-    _, rows, text = make(file)
-    assert "x" not in rows and "x: cover (ours)." in text
-
-
 @pytest.mark.parametrize("stem", STEMS)
 def test_command_line(stem: str, tmp_path: Path) -> None:
     """As make calls it; and the results are opened read-only."""
@@ -219,11 +161,14 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-m", "analysis", stem, "--results", str(tmp_path),
                            "--out", str(tmp_path / "out")], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
-    written = [Path(line) for line in done.stdout.splitlines()]
+    lines = done.stdout.splitlines()
+    said = [line for line in lines if line.startswith("Claim: ")]  # after the files
+    written = [Path(line) for line in lines if line not in said]
     suffixes = [output.suffix for output in written]
     assert [suffix for suffix in suffixes if suffix != ".json"] == [".csv", ".md", ".tex", ".pdf", ".png"]
     text = written[1].read_text(encoding="utf-8")
-    assert suffixes.count(".json") == ("- Claim: " in text)  # the verdicts, of a stem that has some
+    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts, of a stem that has some
+    assert all(f"- {line}" in text for line in said)
     assert all(output.stat().st_size for output in written)
     assert path.read_bytes() == before
 
@@ -234,13 +179,3 @@ def test_command_line_without_results(stem: str, tmp_path: Path) -> None:
                           capture_output=True, text=True)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr == f"{tmp_path / stem}.h5: no such file: measure it with 'make {stem}'\n"
-
-
-def test_a_sweep_has_a_name_for_each_of_its_solvers(make: Make) -> None:
-    file = ResultFile("error_vs_time")
-    for samples in (4, 8):
-        file.case("sampling", "x", [1.0, 1.1], lower=0.5, upper=0.75, variant=f"samples={samples}", options={"samples": samples})
-    file.case("guthe", "x", [1.0], lower=0.6, upper=0.7)
-    _, rows, _ = make(file)
-    titles = {cell for cells in rows["x"] for cell in cells}
-    assert {"sampling(samples=4)", "sampling(samples=8)"} <= titles

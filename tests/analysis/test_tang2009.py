@@ -145,6 +145,16 @@ def test_fig10_compares_memory(make: Make, peak: int, outcome: str) -> None:
     assert claim(make(file)[2], "less memory").startswith(outcome)
 
 
+@pytest.mark.parametrize(("cuts", "outcome"), [(5, " it holds"), (10, ": not separated"), (20, " it does not hold"), (0, ": not tested")])
+def test_fig10_counts_subdivisions(make: Make, cuts: int, outcome: str) -> None:
+    assert claim(make(synthetic_tang.fig10(cuts=cuts))[2], "subdivides fewer triangles").startswith(outcome)
+
+
+@pytest.mark.parametrize(("coarse", "outcome"), [(1, " it holds"), (2, ": not separated"), (3, " it does not hold")])
+def test_depth_is_sensitive_to_the_tolerance(make: Make, coarse: int, outcome: str) -> None:
+    assert claim(make(synthetic_tang.ablation(coarse=coarse))[2], "the deeper a triangle is subdivided").startswith(outcome)
+
+
 def test_fig10_where_one_timed_out(make: Make) -> None:
     _, rows, text = make(synthetic_tang.fig10(far=True))
     assert "timeout" in rows["nearer"][0]
@@ -158,7 +168,7 @@ def test_ablation_claims(make: Make, midpoint: float, outcome: str) -> None:
     word = {" it holds": "it holds", " it does not hold": "it does not hold", ": not separated": "it is not separated"}[outcome]
     assert f"Counted in subdivisions {word}" in claim(text, "Voronoi subdivision")
     assert claim(text, "three corners").startswith(": not separated")  # twice as fast on one pair, half as fast on the other
-    assert rows["Puma1/Puma2"][0][:6] == ["Tang 2009", "0.001", "2.50", "250", "2,500", "2"]
+    assert rows["Puma1/Puma2"][0][:6] == ["Tang 2009", "0.001", "2.50", "250", "2,500", "1"]
     warm = [row for row in rows[""] if row[0] == "tang, warm"]
     assert all(row[2:] == ["—"] * 8 for row in warm) and len(warm) == 2
 

@@ -120,6 +120,12 @@ def test_never_against_the_rate_of_a_variant() -> None:
     assert verdicts.never("x", 1, 6000, "answers are wrong", 30, 0.5).outcome == FAILS
 
 
+def test_chosen_cases_give_no_rate() -> None:
+    found = verdicts.never_chosen("x", 0, 2894, "answers")
+    assert (found.outcome, found.evidence) == (NOT_REFUTED, "0 of 2,894 answers; the cases were chosen, not drawn, so no rate follows")
+    assert verdicts.never_chosen("x", 2, 2894, "answers").outcome == FAILS and verdicts.never_chosen("x", 0, 0, "answers").outcome == UNTESTED
+
+
 def test_all_of_a_known_number() -> None:
     assert [verdicts.all_of("x", unlike, seen, 6, "pairs").outcome for unlike, seen in ((0, 6), (1, 2), (0, 5), (0, 0))] == \
         [HOLDS, FAILS, OPEN, UNTESTED]

@@ -1,0 +1,152 @@
+"""Which solver is the fastest whose bounds are proven, and by what factor: scene by tolerance, for point sets, meshes and surfaces.
+
+    python3 -m analysis.which_solver   writes results/figures/which_solver.pdf and .png, results/tables/which_solver.csv, .md and .tex
+
+It reads the results in STEMS that are there. A solver takes part in a cell if it is certified and reached the tolerance.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from analysis.shared import style, tables
+from analysis.shared.comparable import apart, origins
+from analysis.shared.load import load
+from analysis.shared.notes import machine_line
+from analysis.shared.report import save_figure
+from analysis.shared.results import ResultError, Results
+from analysis.shared.statistics import Estimate, ratio_by_round
+
+STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
+DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
+ANY: Final = 0.0  # the tolerance of point sets, whose solvers ignore it
+OF: Final = "diagonal"
+
+
+@dataclass(frozen=True)
+class Cell:
+    domain: str
+    stem: str
+    scene: str
+    sizes: str
+    tolerance: float  # of the diagonal of A
+    solver: str
+    label: str
+    rivals: int
+    ratio: Estimate | None  # the time of the next best to its own; None: it is alone
+    separated: bool  # from every rival
+
+    @property
+    def text(self) -> str:
+        title = style.title(self.solver, self.label).removesuffix(" (ours)")
+        return title if self.ratio is None or not self.ratio.n else f"{title} {tables.number(self.ratio.value, 2)}×"
+
+
+def cells_of(results: Results) -> list[Cell]:
+    """One cell for each scene in its first pose and each tolerance that some certified solver reached."""
+    cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
+    asked: dict[tuple[str, float], dict[str, int]] = {}
+    for row in range(len(cases)):
+        domain = kinds.get(cases.source[row], "")
+        if (cases.status[row] != "ok" or cases.certified[row] != 1 or cases.pose_index[row] != 0 or cases.variant[row] or cases.from_trace[row]
+                or kinds.get(cases.target[row]) != domain or cases.tolerance_of[row] != OF or not results.total_by_round(row)):
+            continue
+        tolerance = ANY if domain == "points" else float(cases.tolerance[row])
+        rows = asked.setdefault((str(cases.scene[row]), tolerance), {})
+        rows.setdefault(str(cases.label[row]), row)
+    for (scene, tolerance), rows in asked.items():
+        found.append(cell(results, scene, tolerance, rows, str(kinds[cases.source[next(iter(rows.values()))]])))
+    return found
+
+
+def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
+    times = {label: results.total_by_round(row) for label, row in rows.items()}
+    best, *others = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
+    ratios = [apart(origins(results, [rows[best], rows[other]])) or ratio_by_round(times[other], times[best]) for other in others]
+    return Cell(domain, results.stem, scene, results.sizes(rows[best]), tolerance, str(results.cases.solver[rows[best]]), best, len(others),
+                ratios[0] if ratios else None, bool(ratios) and all(one.n and one.separated and one.low > 1 for one in ratios))
+
+
+def table(cells: Sequence[Cell], machine: str) -> tables.Table:
+    rows = [[DOMAINS[one.domain], one.scene, one.sizes, "any" if one.tolerance == ANY else f"{one.tolerance:g}",
+             style.title(one.solver, one.label), tables.ratio(one.ratio) if one.ratio else tables.NOTHING, str(one.rivals),
+             "yes" if one.separated else "no", one.stem] for one in cells]
+    return tables.Table("The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best.",
+                        ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
+                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits. Tolerances are fractions of the diagonal "
+                         "of A; solvers of point sets ignore them. Of a motion the first pose.", f"Measured on {machine}."], left=5)
+
+
+def draw(cells: Sequence[Cell]) -> Any:
+    """Draws point sets on the left, meshes and surfaces on the right: a row a scene, a column a tolerance."""
+    there = [domain for domain in DOMAINS if any(one.domain == domain for one in cells)]
+    blocks = {domain: list(dict.fromkeys((one.stem, one.scene) for one in cells if one.domain == domain)) for domain in there}
+    right = [domain for domain in there if domain != "points"]
+    tall = max(len(blocks.get("points", ())), sum(len(blocks[domain]) + 2 for domain in right))
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 0.175 * tall + 0.9))
+    grid = figure.add_gridspec(1, 2, width_ratios=(0.7, 2.2)) if right and "points" in there else figure.add_gridspec(1, 1)
+    if "points" in there:
+        draw_block(figure.add_subplot(grid[0]), "points", blocks["points"], cells)
+    if right:
+        below = grid[-1].subgridspec(len(right), 1, height_ratios=[len(blocks[domain]) + 1 for domain in right])
+        for place, domain in zip(below, right):
+            draw_block(figure.add_subplot(place), domain, blocks[domain], cells)
+    return figure
+
+
+def draw_block(ax: Any, domain: str, scenes: Sequence[tuple[str, str]], cells: Sequence[Cell]) -> None:
+    own = [one for one in cells if one.domain == domain]
+    tolerances = sorted({one.tolerance for one in own}, reverse=True)
+    for one in own:
+        x, y = tolerances.index(one.tolerance), scenes.index((one.stem, one.scene))
+        colour = style.look(one.solver, one.label).colour
+        ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
+        ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor="none", edgecolor=colour if not one.separated else "white", linewidth=0.5,
+                                   hatch="" if one.separated else "////"))
+        ax.text(x + 0.5, y + 0.52, one.text, ha="center", va="center", fontsize=5.5,
+                bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
+    ax.set(xlim=(0, len(tolerances)), ylim=(len(scenes), 0), title=DOMAINS[domain])
+    ax.set_xticks(np.arange(len(tolerances)) + 0.5, ["any" if t == ANY else f"{t:g}" for t in tolerances], fontsize=6)
+    ax.set_yticks(np.arange(len(scenes)) + 0.5, [style.scene_title(scene) for _, scene in scenes], fontsize=5.5)
+    ax.tick_params(length=0)
+    ax.grid(False)
+    ax.set_xlabel("tolerance / diagonal of A")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.which_solver", description="The fastest solver whose bounds are proven, by scene and tolerance.")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
+    chosen = parser.parse_args(arguments)
+    out = chosen.out or chosen.results
+    try:
+        found = [load(path) for stem in STEMS if (path := chosen.results / f"{stem}.h5").exists()]
+    except ResultError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    cells = [one for results in found for one in cells_of(results)]
+    if not cells:
+        print(f"which_solver: nothing to draw: {chosen.results} has no times of {', '.join(STEMS)}")
+        return 0
+    made = table(cells, "; ".join(dict.fromkeys(machine_line(results) for results in found)))
+    records: list[tables.Record] = [
+        {"domain": one.domain, "stem": one.stem, "scene": one.scene, "sizes": one.sizes, "tolerance": one.tolerance, "solver": one.solver, "label": one.label,
+         "rivals": one.rivals, "next_best": one.ratio.value if one.ratio else float("nan"), "low": one.ratio.low if one.ratio else float("nan"),
+         "high": one.ratio.high if one.ratio else float("nan"), "separated": int(one.separated)} for one in cells]
+    footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate nothing). "
+                "No number: no other reached the tolerance.")
+    for path in [*tables.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
+        print(path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

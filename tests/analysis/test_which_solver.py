@@ -1,0 +1,54 @@
+"""The picture of the fastest certified solvers: who takes part, who wins, and whether that is separated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis import which_solver
+from analysis.shared.load import load
+from synthetic import ResultFile
+
+
+def peers(rounds: int = 7, rival: float = 2.0) -> ResultFile:
+    """Known: on scene near, cover takes 1 s, tang `rival` s, sacht half a second but not to the tolerance, cgal (not certified) a tenth."""
+    file = ResultFile("mesh_peers")
+    for solver, seconds, status, certified in (("cover", 1.0, "ok", 1), ("tang", rival, "ok", 1), ("sacht", 0.5, "budget", 1), ("cgal", 0.1, "ok", 0)):
+        file.case(solver, "near", [seconds * (1 + 0.01 * k) for k in range(rounds)], lower=0.5, upper=0.5, status=status, certified=certified,
+                  tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0)
+    return file
+
+
+def only_cell(file: ResultFile, folder: Path) -> which_solver.Cell:
+    (found,) = which_solver.cells_of(load(file.write(folder)))
+    return found
+
+
+def test_the_fastest_that_is_certified_and_reached_the_tolerance(tmp_path: Path) -> None:
+    found = only_cell(peers(), tmp_path)
+    assert (found.label, found.rivals, found.separated, found.text) == ("cover", 1, True, "cover 2.0×")
+    assert found.ratio is not None and found.ratio.value == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize(("rounds", "rival"), [(1, 2.0), (7, 1.0)])
+def test_what_is_not_separated(tmp_path: Path, rounds: int, rival: float) -> None:
+    assert not only_cell(peers(rounds, rival), tmp_path).separated
+
+
+def test_a_trace_and_another_pose_take_no_part(tmp_path: Path) -> None:
+    file = peers()
+    for case in file.cases:
+        if case["label"] == "tang":
+            case["from_trace"] = 1
+    alone = only_cell(file, tmp_path)
+    assert (alone.rivals, alone.ratio, alone.text) == (0, None, "cover")
+
+
+def test_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert which_solver.main(["--results", str(tmp_path)]) == 0
+    assert "nothing to draw" in capsys.readouterr().out and not list(tmp_path.iterdir())
+    peers().write(tmp_path)
+    assert which_solver.main(["--results", str(tmp_path)]) == 0
+    assert "| Meshes | near |" in (tmp_path / "tables" / "which_solver.md").read_text()
+    assert (tmp_path / "figures" / "which_solver.png").stat().st_size > 10_000
