@@ -27,7 +27,7 @@ from analysis.shared.statistics import Estimate, ratio_by_round
 
 STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
-ANY: Final = 0.0  # the tolerance of point sets, whose solvers ignore it
+FINEST: Final = 0.0  # stands for the finest tolerance asked of a solver: most solvers of point sets ignore it
 OF: Final = "diagonal"
 
 
@@ -51,38 +51,63 @@ class Cell:
 
 
 def cells_of(results: Results) -> list[Cell]:
-    """One cell for each scene in its first pose and each tolerance that some certified solver reached."""
+    """One cell for each scene in its first pose and each tolerance that some certified solver reached. A tolerance at which one was read off the
+    trace of a finer run, and so has no times of its own, gives no cell.
+    """
     cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
     asked: dict[tuple[str, float], dict[str, int]] = {}
+    untimed: set[tuple[str, float]] = set()
     for row in range(len(cases)):
-        domain = kinds.get(cases.source[row], "")
-        if (cases.status[row] != "ok" or cases.certified[row] != 1 or cases.pose_index[row] != 0 or cases.variant[row] or cases.from_trace[row]
-                or kinds.get(cases.target[row]) != domain or cases.tolerance_of[row] != OF or not results.total_by_round(row)):
+        domain = str(kinds.get(cases.source[row], ""))
+        if (cases.status[row] != "ok" or cases.certified[row] != 1 or cases.pose_index[row] != 0 or kinds.get(cases.target[row]) != domain
+                or cases.tolerance_of[row] != OF or not takes_part(results, row)):
             continue
-        tolerance = ANY if domain == "points" else float(cases.tolerance[row])
-        rows = asked.setdefault((str(cases.scene[row]), tolerance), {})
-        rows.setdefault(str(cases.label[row]), row)
+        key = (str(cases.scene[row]), FINEST if domain == "points" else float(cases.tolerance[row]))
+        if not results.total_by_round(row) or cases.from_trace[row]:
+            untimed |= {key} - {(key[0], FINEST)}
+            continue
+        rows = asked.setdefault(key, {})
+        label = str(cases.label[row])
+        if label not in rows or float(cases.tolerance[row]) < float(cases.tolerance[rows[label]]):
+            rows[label] = row
     for (scene, tolerance), rows in asked.items():
-        found.append(cell(results, scene, tolerance, rows, str(kinds[cases.source[next(iter(rows.values()))]])))
+        if (scene, tolerance) not in untimed:
+            found.append(cell(results, scene, tolerance, rows, str(kinds[cases.source[next(iter(rows.values()))]])))
     return found
 
 
+def takes_part(results: Results, row: int) -> bool:
+    """Of several seeds the first, and no other sweep over a parameter: which of its values should stand for the solver?"""
+    variant = str(results.cases.variant[row])
+    return not variant or (variant.startswith("seed=") and row == min(results.rows(scene=results.cases.scene[row], label=results.cases.label[row],
+                                                                                  tolerance=results.cases.tolerance[row])))
+
+
 def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
+    """The fastest is the one that no other beats, by the ratios that are shown; where each is beaten by some other, nobody has a number."""
     times = {label: results.total_by_round(row) for label, row in rows.items()}
-    best, *others = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
-    ratios = [apart(origins(results, [rows[best], rows[other]])) or ratio_by_round(times[other], times[best]) for other in others]
-    return Cell(domain, results.stem, scene, results.sizes(rows[best]), tolerance, str(results.cases.solver[rows[best]]), best, len(others),
-                ratios[0] if ratios else None, bool(ratios) and all(one.n and one.separated and one.low > 1 for one in ratios))
+    by_median = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
+
+    def against(best: str) -> list[Estimate]:
+        return [apart(origins(results, [rows[best], rows[other]])) or ratio_by_round(times[other], times[best]) for other in times if other != best]
+
+    best = next((label for label in by_median if all(not one.n or one.value >= 1 for one in against(label))), by_median[0])
+    ratios = against(best)
+    known = [one for one in ratios if one.n]
+    least = min(known, key=lambda one: one.value) if known and len(known) == len(ratios) else None
+    return Cell(domain, results.stem, scene, results.sizes(rows[best]), tolerance, str(results.cases.solver[rows[best]]), best, len(ratios),
+                least if least and least.value >= 1 else None, bool(known) and all(one.n and one.separated and one.low > 1 for one in ratios))
 
 
 def table(cells: Sequence[Cell], machine: str) -> tables.Table:
-    rows = [[DOMAINS[one.domain], one.scene, one.sizes, "any" if one.tolerance == ANY else f"{one.tolerance:g}",
+    rows = [[DOMAINS[one.domain], one.scene, one.sizes, "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
              style.title(one.solver, one.label), tables.ratio(one.ratio) if one.ratio else tables.NOTHING, str(one.rivals),
              "yes" if one.separated else "no", one.stem] for one in cells]
     return tables.Table("The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best.",
                         ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
-                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits. Tolerances are fractions of the diagonal "
-                         "of A; solvers of point sets ignore them. Of a motion the first pose.", f"Measured on {machine}."], left=5)
+                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; of several seeds the first, and no "
+                         "solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; of point sets, the finest that was asked, which most of "
+                         "their solvers ignore. Tolerances that were read off the trace of a finer run have no times, and no row. Of a motion the first pose.", f"Measured on {machine}."], left=5)
 
 
 def draw(cells: Sequence[Cell]) -> Any:
@@ -114,7 +139,7 @@ def draw_block(ax: Any, domain: str, scenes: Sequence[tuple[str, str]], cells: S
         ax.text(x + 0.5, y + 0.52, one.text, ha="center", va="center", fontsize=5.5,
                 bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
     ax.set(xlim=(0, len(tolerances)), ylim=(len(scenes), 0), title=DOMAINS[domain])
-    ax.set_xticks(np.arange(len(tolerances)) + 0.5, ["any" if t == ANY else f"{t:g}" for t in tolerances], fontsize=6)
+    ax.set_xticks(np.arange(len(tolerances)) + 0.5, ["finest" if t == FINEST else f"{t:g}" for t in tolerances], fontsize=6)
     ax.set_yticks(np.arange(len(scenes)) + 0.5, [style.scene_title(scene) for _, scene in scenes], fontsize=5.5)
     ax.tick_params(length=0)
     ax.grid(False)
@@ -142,7 +167,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
          "rivals": one.rivals, "next_best": one.ratio.value if one.ratio else float("nan"), "low": one.ratio.low if one.ratio else float("nan"),
          "high": one.ratio.high if one.ratio else float("nan"), "separated": int(one.separated)} for one in cells]
     footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate nothing). "
-                "No number: no other reached the tolerance.")
+                "No number: no other reached the tolerance, or none is ahead.")
     for path in [*tables.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
         print(path)
     return 0

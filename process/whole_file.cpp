@@ -19,7 +19,7 @@ int create_afresh(const fs::path& file) {
 }
 
 void write_whole_file(const fs::path& file, const std::string& bytes) {
-    const fs::path unfinished = file.string() + ".unfinished";
+    const fs::path unfinished = fmt::format("{}.unfinished-{}", file.string(), ::getpid());
     std::error_code failed;
     errno = 0;
     const int out = create_afresh(unfinished);
@@ -41,14 +41,20 @@ void write_whole_file(const fs::path& file, const std::string& bytes) {
 
 void check_place_to_write(const fs::path& file) {
     const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    if (!fs::is_directory(folder))
+    std::error_code missing;
+    if (!fs::is_directory(folder, missing))
         throw InputError(fmt::format("{}: its folder does not exist: make it, or choose another place", file.string()));
-    if (::access(folder.c_str(), W_OK) != 0 || fs::is_directory(file))
+    std::error_code loop;
+    const fs::file_status status = fs::status(file, loop);
+    if (fs::exists(status) && !fs::is_regular_file(status))
+        throw InputError(fmt::format("{}: is no regular file: choose another place", file.string()));
+    if (::access(folder.c_str(), W_OK) != 0 || (loop && status.type() != fs::file_type::not_found))
         throw InputError(fmt::format("{}: cannot be written: choose another place", file.string()));
 }
 
 bool is_same_file(const fs::path& one, const fs::path& other) {
     std::error_code missing, failed;
+    if (one.empty() || other.empty()) return false;
     if (fs::equivalent(one, other, missing)) return true;
     const fs::path place = fs::weakly_canonical(fs::absolute(one), failed);
     return !failed && place == fs::weakly_canonical(fs::absolute(other), failed) && !failed;

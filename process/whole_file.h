@@ -10,10 +10,10 @@ namespace hausbench {
 // nothing is written through a link or into a pipe.
 int create_afresh(const std::filesystem::path& file);
 
-// Under another name first. Throws InputError where it cannot be written.
+// Under another name first, NAME.unfinished-PID. Throws InputError where it cannot be written.
 void write_whole_file(const std::filesystem::path& file, const std::string& bytes);
 
-// Throws InputError where its folder is no place to write, before any work is done.
+// Throws InputError before any work is done if the folder is no place to write, or the file is there and not a regular one.
 void check_place_to_write(const std::filesystem::path& file);
 
 // Whether two names lead to one file, also through links and if it does not exist yet.

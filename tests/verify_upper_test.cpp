@@ -87,10 +87,32 @@ TEST(VerifyUpper, OneOutlierAndBothDirections) {
     EXPECT_EQ(check(a, b, 2e6, Quantity::symmetric), Verdict::holds);
 }
 
+// One outlier of B does not make one cell of all others, nor do equal points of A cost more than one.
+TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
+    Random random(10);
+    PointSet b = cloud(random, 200000, 1, Vec3::Zero()), a = b;
+    b.points.row(0) << 1e15, 0, 0;
+    EXPECT_EQ((UpperCheck{Quantity::directed, 0.2, 20}).of_points(a, {}, b, {}), Verdict::holds);
+    PointSet same{Points::Zero(200000, 3)}, around = cloud(random, 200000, 1e-3, Vec3(1, 0, 0));
+    around.points.row(7) << 0.5, 0, 0;
+    EXPECT_EQ((UpperCheck{Quantity::directed, 0.5, 20}).of_points(same, {}, around, {}), Verdict::holds);
+    EXPECT_EQ((UpperCheck{Quantity::directed, 0.4, 20}).of_points(same, {}, around, {}), Verdict::unsound);
+}
+
+// All of B is in the band that intervals leave open, and each rational comparison takes long: the clock is read among them.
+TEST(VerifyUpper, TimeRunsOutWithinOnePoint) {
+    const PointSet a{Points::Zero(1, 3)};
+    PointSet b{Points(1000000, 3)};
+    b.points.col(0).setConstant(std::nextafter(1.0, 2));
+    b.points.rightCols(2).setConstant(1e-170);
+    EXPECT_EQ((UpperCheck{Quantity::directed, 1, 0.05}).of_points(a, {}, b, {}), Verdict::not_checked);
+}
+
 TEST(VerifyUpper, WhatCannotBeTold) {
     Random random(9);
     const PointSet a = cloud(random, 5, 1, Vec3::Zero());
     EXPECT_EQ(check(a, a, std::numeric_limits<double>::infinity()), Verdict::not_checked);
+    EXPECT_EQ(check(a, a, -1), Verdict::unsound);
     EXPECT_EQ((UpperCheck{Quantity::directed, 1, 0}).of_points(a, {}, a, {}), Verdict::not_checked);
 }
 

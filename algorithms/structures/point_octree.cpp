@@ -37,23 +37,23 @@ Box PointOctree::root_around(const Points& points) { return cube_around(box_of(p
 PointOctree::PointOctree(const Points& points) : PointOctree(points, root_around(points)) {}
 
 PointOctree::PointOctree(const Points& points, const Box& root_cell, int deepest)
-    : root_cell_(root_cell), order_(static_cast<std::size_t>(points.rows())), points_(points) {
+    : deepest_(deepest), root_cell_(root_cell), order_(static_cast<std::size_t>(points.rows())), points_(points) {
     std::iota(order_.begin(), order_.end(), 0);
     scratch_.resize(order_.size());
     nodes_.reserve(2 * order_.size());
     nodes_.emplace_back();
-    build(0, 0, static_cast<std::int32_t>(points.rows()), root_cell_, 0, deepest);
+    build(0, 0, static_cast<std::int32_t>(points.rows()), root_cell_, 0);
     nodes_.shrink_to_fit();
     for (Index i = 0; i < points.rows(); ++i) points_.row(i) = points.row(order_[static_cast<std::size_t>(i)]);
     scratch_ = {};
 }
 
-void PointOctree::build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth, int deepest) {
+void PointOctree::build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth) {
     const auto begin = order_.begin() + first, end = begin + count;
     const auto point = [&](Index i) { return Vec3(points_.row(i)); };
     std::array<std::int32_t, 9> starts{};
     int parts = 0;
-    while (count > 1 && depth < deepest) {
+    while (depth < deepest_ && count > 1) {
         starts.fill(0);
         for (auto i = begin; i != end; ++i) ++starts[static_cast<std::size_t>(octant_of(cell, point(*i))) + 1];
         parts = static_cast<int>(std::count_if(starts.begin() + 1, starts.end(), [](std::int32_t n) { return n > 0; }));
@@ -80,8 +80,7 @@ void PointOctree::build(std::int32_t at, std::int32_t first, std::int32_t count,
     std::int32_t number = child;
     for (std::size_t octant = 0; octant < 8; ++octant) {
         const std::int32_t from = starts[octant], to = starts[octant + 1];
-        if (from < to)
-            build(number++, first + from, to - from, part_of(cell, static_cast<int>(octant)), depth + 1, deepest);
+        if (from < to) build(number++, first + from, to - from, part_of(cell, static_cast<int>(octant)), depth + 1);
     }
 }
 

@@ -47,8 +47,9 @@ public:
     static constexpr int max_depth = 60;
 
 private:
-    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth, int deepest);
+    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth);
 
+    int deepest_;
     Box root_cell_;
     std::vector<Node> nodes_;
     std::vector<Index> order_, scratch_;

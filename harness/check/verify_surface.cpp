@@ -48,11 +48,13 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
     const double size = (box.high - box.low).maxCoeff();
     for (double e = 0x1p-52 * std::max(p.cwiseAbs().maxCoeff(), size); e < 4 * size; e *= 4) {
         std::optional<double> least;
+        double reach = 0;
         bool below = here.sup() <= 0, above = here.inf() >= 0;
         for (int k = 0; k < 3; ++k) {
             Vec3 low = p, high = p;
             low[k] = std::max(box.low[k], -(e - p[k]));
             high[k] = std::min(box.high[k], p[k] + e);
+            reach = std::max({reach, high[k] - p[k], p[k] - low[k]});
             const Interval at_low = value_at(f, low), at_high = value_at(f, high);
             below = below || at_low.sup() <= 0 || at_high.sup() <= 0;
             above = above || at_low.inf() >= 0 || at_high.inf() >= 0;
@@ -61,7 +63,7 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
             if (!least || found < *least) least = found;
         }
         if (least) return least;
-        if (below && above) return e;
+        if (below && above) return reach;
     }
     return std::nullopt;
 }

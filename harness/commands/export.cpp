@@ -14,7 +14,7 @@ namespace {
 // OFF, OBJ or PLY by the extension, with 17 digits: reading it gives the same bits. Returns a line that says what was written.
 std::string export_model(const std::string& model, const std::filesystem::path& to) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
-    if (is_same_file(to, model))
+    if (is_same_file(to, file_behind(model)))
         throw InputError(fmt::format("{}: is the file that is read: choose another name", to.string()));
     const LoadedShape loaded = load_named(model);
     write_mesh_file(to, loaded.shape, format);

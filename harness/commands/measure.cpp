@@ -105,6 +105,10 @@ void add_measure(CLI::App& app, int& code) {
     take_arguments(verb, request, parameters, pairs, as_json);
     take_plugins(verb);
     verb->callback([verb, &code] {
+        for (const auto& [name, file] :
+             {std::pair{"--fields", &request.fields}, {"--certificate", &request.certificate}}) {
+            if (verb->count(name) > 0 && file->empty()) throw InputError(fmt::format("{}: name a file", name));
+        }
         request.options = parse_parameters(parameters);
         request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
         const bool many = is_pattern(request.source) || is_pattern(request.target);

@@ -149,7 +149,8 @@ NamedPairs read_pairs(const fs::path& list) {
         }
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
-        if (number == 1 && a == "A" && b == "B") continue;  // the head of a table
+        if (pairs.empty() && a == "A" && b == "B" && !fs::exists(list.parent_path() / "A"))
+            continue;  // the head of a table
         if (a.empty() || b.empty())
             throw InputError(
                 fmt::format("{}:{}: write A, then a comma, then B, and no more; a name with a comma in \"quotes\"",

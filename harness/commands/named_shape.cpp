@@ -27,4 +27,14 @@ LoadedShape load_named(const std::string& name) {
     return read_shape(std::get<ResolvedModel>(resolved).shape_file);
 }
 
+std::filesystem::path file_behind(const std::string& name) {
+    if (names_a_file(name)) return name;
+    Catalogue models = catalogue();
+    add_tier_of(name, manifest_file(), models);
+    if (!models.has(name)) return name;
+    const ModelInfo* model = &models.find(name);
+    while (model->source == "derived") model = &models.find(model->from);
+    return model->source == "file" ? model->folder / model->path : std::filesystem::path();
+}
+
 }  // namespace hausbench

@@ -102,7 +102,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
         find_column<Row>(
             row_columns(), name, [](const Row& row) -> const Row& { return row; }, condition);
     if (!found) {
-        std::vector<std::string> names;
+        std::vector<std::string> names = {"gap", "check", "answer"};
         const auto add = [&]<class Part>(const Columns<Part>& columns) {
             for (const Column<Part>& column : columns) {
                 const auto* real = std::get_if<typename Column<Part>::Real>(&column.value);

@@ -79,7 +79,8 @@ void add_show(CLI::App& app, int&) {
     verb->add_option("--scene", choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
     verb->add_option("--where", choice.where,
                      "only rows with COLUMN=VALUE, such as status=failed; also !=, and <, <=, > and >= for numbers: "
-                     "'upper>0.1'; `hausbench list columns` names the columns; may be repeated")
+                     "'upper>0.1'; `hausbench list columns` names the columns, and gap, check and answer are as shown; "
+                     "may be repeated")
         ->allow_extra_args(false);
     verb->add_flag("--summary", summary, "a line for each solver, then each reason that a row is not ok");
     auto* as_meta =

@@ -71,13 +71,14 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
     std::map<std::string, Tried> tried;
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
-        if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || !(bounds.gap() > 0) ||
+        // A reference answer is checked; the experiment's own value is used only where there is none.
+        const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
+        const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // both bounds are then held against it
+        if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || exact || !(bounds.gap() >= 0) ||
             !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
         Tried& one = tried[row.asked.solver];
         ++one.answers;
-        // A reference answer is checked; the experiment's own value is used only where there is none.
-        const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
         if (std::isnan(distance)) continue;
         ++one.held;
         one.share = std::max(one.share, (distance - bounds.lower) / bounds.gap());
@@ -104,9 +105,10 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
 }
 
 std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
+    constexpr double rounding = 1e-12;         // of what an experiment states, as a fraction of the diagonal of A
     std::map<std::string, std::string> lines;  // by scene
     for (const Row& row : result.rows) {
-        const double exact = row.asked.exact, slack = row.asked.resolved_tolerance().gap(row.reference.lower);
+        const double exact = row.asked.exact, slack = rounding * row.asked.source_diagonal;
         if (std::isnan(exact) || !(exact < row.reference.lower - slack || exact > row.reference.upper + slack))
             continue;
         lines.emplace(row.asked.scene,

@@ -34,7 +34,7 @@ std::string describe_references(const ResultFile& result);
 // half of the way from its lower to its upper bound, so upper bounds that are wrong elsewhere could all hold here.
 std::vector<std::string> describe_tried(const ResultFile& result);
 
-// A line for each scene whose `exact` in the experiment is outside its reference answer by more than the row's tolerance.
+// A line for each scene whose `exact` in the experiment is outside its reference answer, rounding aside.
 std::vector<std::string> describe_wrong_exact(const ResultFile& result);
 
 }  // namespace hausbench

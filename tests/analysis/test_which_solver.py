@@ -36,13 +36,41 @@ def test_what_is_not_separated(tmp_path: Path, rounds: int, rival: float) -> Non
     assert not only_cell(peers(rounds, rival), tmp_path).separated
 
 
-def test_a_trace_and_another_pose_take_no_part(tmp_path: Path) -> None:
+def test_a_tolerance_that_was_read_off_a_trace_has_no_cell(tmp_path: Path) -> None:
+    """Who is faster there is not known."""
     file = peers()
     for case in file.cases:
         if case["label"] == "tang":
             case["from_trace"] = 1
+    assert which_solver.cells_of(load(file.write(tmp_path))) == []
+
+
+def test_a_solver_alone(tmp_path: Path) -> None:
+    file = peers()
+    file.cases[1]["status"] = "timeout"
     alone = only_cell(file, tmp_path)
     assert (alone.rivals, alone.ratio, alone.text) == (0, None, "cover")
+
+
+def test_the_fastest_is_ahead_by_the_ratio_that_is_shown(tmp_path: Path) -> None:
+    """Tang has the lower median, cover the lower time in most rounds."""
+    file = ResultFile("mesh_peers")
+    for solver, seconds in (("cover", [1.0, 1, 1, 9, 9, 9, 9]), ("tang", [8.0, 8, 8, 8, 9.5, 9.5, 9.5])):
+        file.case(solver, "near", seconds, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0)
+    found = only_cell(file, tmp_path)
+    assert found.label == "cover" and found.ratio is not None and found.ratio.value >= 1
+
+
+def test_sweeps(tmp_path: Path) -> None:
+    """Of seeds the first stands for the solver; a sweep over another parameter takes no part."""
+    file = peers()
+    for seed, seconds in ((1, 0.7), (2, 0.2)):
+        file.case("kang", "near", [seconds] * 7, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0,
+                  variant=f"seed={seed}", options={"seed": seed})
+    file.case("sampling", "near", [0.1] * 7, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0,
+              variant="step=0.1", options={"step": 0.1})
+    found = only_cell(file, tmp_path)
+    assert (found.label, found.rivals) == ("kang", 2) and found.ratio is not None and found.ratio.value == pytest.approx(1 / 0.7, rel=0.05)
 
 
 def test_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -289,3 +289,33 @@ def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tupl
     assert "is the same file: choose another name" in hausbench.fails("measure", a, b, *(text.format(folder=tmp_path.name) for text in more))
     assert "is the file that is read" in hausbench.fails("export", "a.off.ply", "link.ply")
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
+def test_nor_the_file_of_a_model(hausbench: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model named in the manifest, or derived from one that is a file."""
+    root = tmp_path / "root"
+    (root / "datasets").mkdir(parents=True)
+    scan = root / "datasets" / "scan.ply"
+    assert hausbench("export", "sphere1", scan).returncode == 0
+    (root / "datasets" / "manifest.toml").write_text('[model.mine]\nsource = "file"\npath = "scan.ply"\n'
+                                                     '[model.half]\nsource = "derived"\nfrom = "mine"\noperation = "scale"\nfactor = 0.5\n')
+    monkeypatch.setattr(Program, "environment", lambda self: {**os.environ, "HAUSBENCH_ROOT": str(root), "HAUSBENCH_CACHE": str(tmp_path / "cache")})
+    before = scan.read_bytes()
+    for more in (("--certificate", scan), ("--fields", scan)):
+        assert "is the same file" in hausbench.fails("measure", "mine", "half", *more)
+        assert "is the same file" in hausbench.fails("measure", "half", "half", *more)
+    assert "is the file that is read" in hausbench.fails("export", "half", scan)
+    assert scan.read_bytes() == before and hausbench("measure", "mine", "half", "--certificate", tmp_path / "proof").returncode == 0
+
+
+def test_only_regular_files_are_replaced(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "one").symlink_to("other")
+    (tmp_path / "other").symlink_to("one")
+    assert "pipe: is no regular file" in hausbench.fails("measure", tetrahedron, raised, "--certificate", tmp_path / "pipe")
+    assert "one: cannot be written" in hausbench.fails("measure", tetrahedron, raised, "--certificate", tmp_path / "one")
+    for option in ("--certificate", "--fields"):
+        assert f"{option}: name a file" in hausbench.fails("measure", tetrahedron, raised, option, "")
+    (tmp_path / "proof.unfinished").write_text("mine")
+    assert hausbench("measure", tetrahedron, raised, "--certificate", tmp_path / "proof").returncode == 0
+    assert (tmp_path / "proof.unfinished").read_text() == "mine" and (tmp_path / "pipe").is_fifo()

@@ -78,9 +78,9 @@ def test_upper_bounds_that_were_tried_little(hausbench: Program, asked: Path, pl
 
 def test_the_reference_and_not_the_experiment_says_where_the_distance_is(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
     """`exact` of the experiment is as good as its author. A false one is told, and tries nothing."""
-    asked.write_text(EXPERIMENT + OTHERS.replace('target = "tetrahedron.off"', 'target = "tetrahedron.off"\nexact = 1e3'))
+    asked.write_text(EXPERIMENT + OTHERS.replace('target = "tetrahedron.off"', 'target = "tetrahedron.off"\nexact = 0.501'))
     done = hausbench("run", asked, "--with", "steps", "--plugin", plugin, "--scene", "raised", "--results", tmp_path)
-    assert "scene 'raised': the experiment says that the distance is exactly 1000, the reference answer is [" in done.stderr
+    assert "scene 'raised': the experiment says that the distance is exactly 0.501, the reference answer is [" in done.stderr
     assert "tried little" in done.stderr
 
 
