@@ -24,9 +24,10 @@ ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const
         result = static_cast<double>(std::get<std::int64_t>(value));
     }
     if (result.index() != spec.default_value.index()) {
-        throw InputError(fmt::format("{}: {} is not {}; give {}, as the default {} is", where, to_string(value),
+        const std::string example = to_string(spec.default_value);
+        throw InputError(fmt::format("{}: {} is not {}; give {}{}", where, to_string(value),
                                      type_name(spec.default_value), type_name(spec.default_value),
-                                     to_string(spec.default_value)));
+                                     example.empty() ? "" : fmt::format(", as the default {} is", example)));
     }
     double number = 0;
     if (const auto* integer = std::get_if<std::int64_t>(&result)) number = static_cast<double>(*integer);

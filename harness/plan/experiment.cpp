@@ -76,6 +76,7 @@ std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::pa
                                        const std::vector<std::string>& keys) {
     const toml::node* node = root.find(kind);
     const toml::array* array = node ? node->as_array() : nullptr;
+    if (node && !array) root.fail(*node, fmt::format("'{0}' must be written as [[{0}]]", kind));
     if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
     std::vector<ExperimentTable> tables;
     for (const toml::node& item : *array) {

@@ -69,9 +69,12 @@ BAD_EXPERIMENTS = {
     "[profile.quick]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
     "profile = { quick = 5 }": ("'profile.quick' must be a table", "[profile.quick]"),
     "profile = 5": ("'profile' must be a table", "[profile.NAME]"),
+    "[profile.quick]\nscene = 5": ("tiny.toml:15", "[[scene]]"),
+    "[profile.quick.scene]\nname = 'x'": ("tiny.toml:14", "[[scene]]"),
     "[profile.paper]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
     "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # what a profile replaces keeps its line
     "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": ("names the solver itself", "tiny.toml:16"),
+    "[[solver]]\nname = 'external'\nparameters = { command = 5 }": ("'command'", "5 is not a text; give a text"),
     "[[solver]]\nname = 'external'": ("'command'", "tiny.toml:14"),
     "[[solver]]\nname = 'external'\nparameters = { command = 'x {A} {B}' }": ("neither 'lower' nor 'upper'", "tiny.toml:16"),
     "[[solver]]\nname = 'guhte'": ("guhte", "guthe"),
