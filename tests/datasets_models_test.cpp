@@ -502,7 +502,7 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
            {"line 4", "must be a number"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 9007199254740993\n",
-           {"line 5", "radius", "finite number"});  // a double does not hold it
+           {"line 5", "radius", "which a double does not hold"});
     expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
     expect(package("12"), {"line 6", "64 digits"});
     expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});
