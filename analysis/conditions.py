@@ -30,7 +30,7 @@ def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:
 def _results_of(stem: str) -> str:
     try:
         return results_of(stem)
-    except ResultError:  # of a script that is no longer there
+    except ResultError:  # the script of the stem was removed
         return stem
 
 
@@ -48,6 +48,6 @@ def measured(texts: Iterable[str]) -> str:
 
 
 def line(texts: Iterable[str]) -> str:
-    """What a page of claims says of its numbers; empty if nothing was measured."""
+    """Returns where and how the numbers on a page of claims were measured; empty if nothing was measured."""
     where = measured(texts)
     return f"{where} {CLOCKS} {BRACKETS}" if where else ""

@@ -33,7 +33,7 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \setlength{\parindent}{0pt}
 """
 OF_ALL: Final = {"claims": forest.CAPTION, "ledger": "What was left out, and the time that this saved"}  # pictures of all stems
-WITHOUT_LATEX: Final = "there is no pdflatex (on Debian: texlive-latex-extra)"
+WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 
 
@@ -44,7 +44,7 @@ def _place(stem: str) -> tuple[int, int, str]:
 
 
 def stems_of(paper: str) -> list[str]:
-    """The stems of a paper in its order; of `hausbench`, those of no paper. Each is followed by the stems that draw its results."""
+    """Returns the stems of a paper in its order; for `hausbench`, the stems that belong to no paper. A stem is followed by the stems that draw its results."""
     others = {each for each in papers() if each != claims.OWN}
     found = [file.stem for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
              if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)]

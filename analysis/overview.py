@@ -48,7 +48,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
 
 
 def magnify(ax: Any, shown: Drawn, eye: View, colours: Floats, witness: Floats) -> None:
-    """Draws the surroundings of the witness again, ten times as large: the largest distance is that of a place too small to see."""
+    """Draws the surroundings of the witness ten times as large, because the place with the largest distance is too small to see."""
     inset = ax.inset_axes((0.66, 0.0, 0.42, 0.42))
     mesh_picture.draw(inset, shown, eye, colours)
     inset.set_aspect("equal", adjustable="datalim")

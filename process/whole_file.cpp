@@ -47,7 +47,7 @@ void check_place_to_write(const fs::path& file) {
     std::error_code loop;
     const fs::file_status status = fs::status(file, loop);
     if (fs::exists(status) && !fs::is_regular_file(status))
-        throw InputError(fmt::format("{}: is no regular file: choose another place", file.string()));
+        throw InputError(fmt::format("{}: is not a regular file: choose another place", file.string()));
     if (::access(folder.c_str(), W_OK) != 0 || (loop && status.type() != fs::file_type::not_found))
         throw InputError(fmt::format("{}: cannot be written: choose another place", file.string()));
 }

@@ -22,6 +22,14 @@ inline Points rows(std::initializer_list<Vec3> list) {
     return points;
 }
 
+// In the cube [-2, 2]^3.
+inline AlgebraicSurface surface_in_cube(const std::string& polynomial) {
+    AlgebraicSurface s{polynomial, Points(2, 3)};
+    s.box.row(0).setConstant(-2);
+    s.box.row(1).setConstant(2);
+    return s;
+}
+
 inline Points cloud(Random& random, Index count, double size = 1) {
     Points points(count, 3);
     for (Index i = 0; i < count; ++i) points.row(i) = random.vector(size);

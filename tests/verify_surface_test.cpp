@@ -1,6 +1,7 @@
 // The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and nothing is left open.
 #include "check/verify_surface.h"
 #include "registry.h"
+#include "scenes.h"
 #include "session.h"
 
 #include <cmath>
@@ -10,15 +11,9 @@
 namespace hausbench {
 namespace {
 
-AlgebraicSurface surface(const std::string& polynomial) {
-    AlgebraicSurface s{polynomial, Points(2, 3)};
-    s.box.row(0).setConstant(-2);
-    s.box.row(1).setConstant(2);
-    return s;
-}
-
-const AlgebraicSurface ball = surface("x^2 + y^2 + z^2 - 1"), large = surface("x^2 + y^2 + z^2 - 9/4");
-const AlgebraicSurface cone_1 = surface("x^2/4 + y^2/4 - z^2/9"), cone_2 = surface("x^2/16 + y^2/4 - z^2/9");
+const AlgebraicSurface ball = surface_in_cube("x^2 + y^2 + z^2 - 1"), large = surface_in_cube("x^2 + y^2 + z^2 - 9/4");
+const AlgebraicSurface cone_1 = surface_in_cube("x^2/4 + y^2/4 - z^2/9"),
+                       cone_2 = surface_in_cube("x^2/16 + y^2/4 - z^2/9");
 
 Verdict check(const AlgebraicSurface& a, const AlgebraicSurface& b, double lower, const Vec3& p) {
     double shown = 0;
@@ -31,10 +26,10 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
     EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);
     EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
     EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
-    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);  // 0.2 from the source
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);         // not in its box
-    const AlgebraicSurface squared = surface("(x^2 + y^2 + z^2 - 1)^2");         // no change of sign
-    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                    // but 0 at p itself
+    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);   // 0.2 from the source
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // not in its box
+    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // no change of sign
+    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                     // but 0 at p itself
     EXPECT_EQ(check(squared, large, 0.1, Vec3(0, 0, 0.7)), Verdict::unsound);
 }
 
@@ -62,9 +57,10 @@ TEST(SurfaceCheck, TheApexOfACone) {
 
 // Where the target is clipped, its nearest point lies on a side of the box.
 TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
-    const AlgebraicSurface ellipsoid = surface("x^2/2.25 + y^2 + z^2 - 1"),
-                           torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
-    const AlgebraicSurface plane = surface("z"), crossing = surface("x*y"), slanted = surface("z - x/4");
+    const AlgebraicSurface ellipsoid = surface_in_cube("x^2/2.25 + y^2 + z^2 - 1"),
+                           torus = surface_in_cube("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
+    const AlgebraicSurface plane = surface_in_cube("z"), crossing = surface_in_cube("x*y"),
+                           slanted = surface_in_cube("z - x/4");
     const SolverEntry& entry = find_solver("surface_enclosure");
     for (const auto& [a, b] : {std::pair{cone_1, cone_2},
                                {cone_2, cone_1},

@@ -12,7 +12,9 @@
 #include "points/point_solver.h"
 #include "structures/point_octree.h"
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace hausbench {
 
@@ -24,6 +26,7 @@ namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
 constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
+constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};  // parameters of the three
 
 struct Overlap {
     bool meet = true;
@@ -126,7 +129,7 @@ SolverEntry adaptive_solver() {
                         .most = 1}};
     for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
         for (const ParameterSpec& spec : entry.info.parameters) {
-            if (spec.name != "early_break" && spec.name != "culling" && spec.name != "build")
+            if (std::find(handed_on.begin(), handed_on.end(), spec.name) != handed_on.end())
                 info.parameters.push_back(spec);
         }
     }

@@ -11,8 +11,9 @@
 // Algorithm 5 without lines 4 to 6.
 //
 // The octree is built once in A's frame, down to single points; `depth` cuts through it, so that solvers can share it. With
-// `build = "to_depth"` it is built to `depth` alone, as in the paper: the same cells and bounds; the points of a cell then come in another order. Under motion a cell becomes the
-// box around the posed cell. O(|A| |B|) time at worst; O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
+// `build = "to_depth"` it is built to `depth` alone, as in the paper: the cells and bounds are the same, and the points of a
+// cell come in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time at worst;
+// O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
 // Budget: cells taken from the queue.
 #include "points/nohd.h"
 #include "kernel/deadline.h"

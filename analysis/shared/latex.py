@@ -82,7 +82,7 @@ def _float(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
 
 
 def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> list[str]:
-    """A table of several pages is no float: it stands where it is in the text."""
+    """Returns a table of several pages as a longtable, which cannot float."""
     lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
     for number, block in enumerate(chosen.blocks):
         lines += _longtable(table, block, "" if number else caption)

@@ -1,6 +1,6 @@
 """Chooses how a LaTeX table fits a page: its font size, the columns that wrap, upright or sideways, one block of columns or several, one page or many.
 
-Widths are estimated with those of the letters of Computer Modern, so no LaTeX is needed to write a table.
+Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
 """
 
 from __future__ import annotations

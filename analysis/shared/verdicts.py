@@ -1,4 +1,4 @@
-"""What the data say of a paper's claims: 'holds', 'does not hold', 'not separated', 'not judged'. Worked out, never written by hand.
+"""Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'. No verdict is written by hand.
 
 'Not separated' is what few or noisy times give: both answers remain possible. Every verdict errs with at most 5 %; where a
 verdict looks at many ratios, its docstring says how that is kept. Each claim about time is looked at in counted work as
@@ -167,7 +167,7 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
 
 
 def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
-    """A claim that something never happens, on cases that were chosen to provoke it. They are no sample, so no rate follows from them."""
+    """Judges a claim that something never happens, on cases that were chosen to provoke it. They are not a sample, so they give no rate."""
     if not of or wrong:
         return Verdict(claim, FAILS if wrong else UNTESTED, f"{wrong} of {of:,} {what}" if wrong else f"no {what}")
     return Verdict(claim, NOT_REFUTED, f"0 of {of:,} {what}; the cases were chosen, not drawn, so no rate follows")

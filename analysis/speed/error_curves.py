@@ -167,7 +167,7 @@ def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
 
 
 def errors(results: Results, case: int, lower: Floats, upper: Floats) -> Errors:
-    """Returns the errors of bounds of the distance of a row: NaN if no certified solver has an answer, infinite where there is no upper bound."""
+    """Returns the errors of the bounds and of their middle. NaN if no certified solver has an answer; infinite if the row has no upper bound."""
     size, true = results.length_unit(case), results.middle(case)
     return Errors(np.abs(true - lower) / size, np.abs(0.5 * (lower + upper) - true) / size, np.abs(upper - true) / size)
 

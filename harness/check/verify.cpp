@@ -131,13 +131,17 @@ private:
         row.check.lower = verdict;
         if (verdict == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], proven);
         if (verdict != Verdict::unsound) return;
-        row.check.reason =
-            surfaces_ && shown == 0 ? fmt::format("lower {:.17g}: nothing shows that the witness is near the {}", lower,
-                                                  forward ? "source" : "target")
-            : surfaces_             ? fmt::format("lower {:.17g}: the {} has a point {:.17g} from the witness", lower,
-                                      forward ? "target" : "source", shown)
-                        : fmt::format("lower {:.17g} is above what its witness shows ({:.17g})", lower, shown);
+        row.check.reason = fmt::format("lower {:.17g}", lower) + what_is_shown(shown, forward);
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
+    }
+
+    // Says what refutes a lower bound: what its witness, on the source if `forward`, shows instead. Of surfaces, 0 means that no point of the
+    // shape was found near the witness.
+    std::string what_is_shown(double shown, bool forward) const {
+        const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
+        if (!surfaces_) return fmt::format(" is above what its witness shows ({:.17g})", shown);
+        if (shown == 0) return fmt::format(": nothing shows that the witness is near the {}", own);
+        return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
     // A witness that is farther away than its own row's upper bound refutes that bound, whatever lower bound the row claims. Of surfaces, whose

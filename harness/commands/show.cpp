@@ -69,9 +69,8 @@ void add_show(CLI::App& app, int&) {
     static bool csv = false, json = false, markdown = false, summary = false, meta = false, ledger = false;
     auto* verb = app.add_subcommand("show", "show the rows of a result: bounds, times, memory, status and reason");
     verb->footer(
-        "prepare: building structures. solve: answering once more, as repeats time it. Tables of experiments show "
-        "prepare and the first "
-        "answer together.");
+        "prepare: building structures. solve: answering once more, as repeats time it.\n"
+        "Tables of experiments show prepare and the first answer together.");
     verb->add_option("result", file, "result file (.h5)")->required();
     verb->add_option("--solver", choice.solvers,
                      "only this solver: its label, or \"guthe(samples=8)\"; may be repeated")

@@ -312,7 +312,7 @@ def test_only_regular_files_are_replaced(hausbench: Program, tetrahedron: Path, 
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "one").symlink_to("other")
     (tmp_path / "other").symlink_to("one")
-    assert "pipe: is no regular file" in hausbench.fails("measure", tetrahedron, raised, "--certificate", tmp_path / "pipe")
+    assert "pipe: is not a regular file" in hausbench.fails("measure", tetrahedron, raised, "--certificate", tmp_path / "pipe")
     assert "one: cannot be written" in hausbench.fails("measure", tetrahedron, raised, "--certificate", tmp_path / "one")
     for option in ("--certificate", "--fields"):
         assert f"{option}: name a file" in hausbench.fails("measure", tetrahedron, raised, option, "")
