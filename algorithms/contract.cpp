@@ -1,7 +1,7 @@
-#include "contract.h"
+#include "algorithms/contract.h"
 
+#include "algorithms/plugin.h"
 #include "paper_keys.h"  // written by CMake from papers.bib
-#include "plugin.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 // a std::logic_error.
 #pragma once
 
-#include "error.h"
-#include "solver.h"
+#include "algorithms/error.h"
+#include "algorithms/solver.h"
 
 #include <exception>
 #include <memory>

@@ -1,6 +1,6 @@
-#include "error.h"
+#include "algorithms/error.h"
 
-#include "printable.h"
+#include "algorithms/printable.h"
 
 #include <fmt/format.h>
 

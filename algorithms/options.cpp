@@ -1,6 +1,6 @@
-#include "options.h"
+#include "algorithms/options.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <algorithm>
 #include <cmath>

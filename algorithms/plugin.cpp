@@ -1,8 +1,8 @@
-#include "plugin.h"
+#include "algorithms/plugin.h"
 
-#include "contract.h"
-#include "error.h"
-#include "registry.h"
+#include "algorithms/contract.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
 
 #include <dlfcn.h>
 #include <elf.h>

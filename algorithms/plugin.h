@@ -9,7 +9,7 @@
 // `plugin_interface` increases with every change of meaning in the public headers, `plugin_layout()` detects the rest.
 #pragma once
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 #include <filesystem>
 #include <string>

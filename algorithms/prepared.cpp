@@ -1,6 +1,6 @@
-#include "prepared.h"
+#include "algorithms/prepared.h"
 
-#include "kernel/rounding.h"
+#include "algorithms/kernel/rounding.h"
 
 #include <algorithm>
 #include <chrono>

@@ -14,8 +14,8 @@
 // bits, however many they are. A structure belongs to a shape, not to a pair: who shares a PreparedShape shares what was built over it.
 #pragma once
 
-#include "kernel/parallel.h"
-#include "scene.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/scene.h"
 
 #include <atomic>
 #include <concepts>

@@ -1,4 +1,4 @@
-#include "printable.h"
+#include "algorithms/printable.h"
 
 #include <algorithm>
 #include <array>

@@ -1,67 +1,23 @@
-#include "registry.h"
+#include "algorithms/registry.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <set>
 
 namespace hausbench {
 
-// The function of each solver, defined in its own file; the list below calls it.
-SolverEntry naive_solver();                 // points/naive.cpp
-SolverEntry earlybreak_solver();            // points/earlybreak.cpp
-SolverEntry inc_solver();                   // points/inc.cpp
-SolverEntry nohd_solver();                  // points/nohd.cpp
-SolverEntry ohd_solver();                   // points/ohd.cpp
-SolverEntry adaptive_solver();              // points/adaptive.cpp
-SolverEntry nohd_as_printed_solver();       // points/nohd_as_printed.cpp
-SolverEntry ohd_as_printed_solver();        // points/ohd_as_printed.cpp
-SolverEntry scan_solver();                  // points/scan.cpp
-SolverEntry guthe_solver();                 // meshes/guthe.cpp
-SolverEntry tang_solver();                  // meshes/tang.cpp
-SolverEntry kang_solver();                  // meshes/kang.cpp
-SolverEntry sacht_solver();                 // meshes/sacht.cpp
-SolverEntry zheng_solver();                 // meshes/zheng.cpp
-SolverEntry sampling_solver();              // meshes/sampling.cpp
-SolverEntry cover_solver();                 // meshes/cover.cpp
-SolverEntry interval_subdivision_solver();  // surfaces/interval_subdivision.cpp
-SolverEntry surface_enclosure_solver();     // surfaces/surface_enclosure.cpp
-SolverEntry surface_meshes_solver();        // surfaces/surface_meshes.cpp
-SolverEntry kdtree_solver();                // peers/kdtree.cpp
-SolverEntry penetration_solver();           // meshes/penetration.cpp
-SolverEntry cgal_solver();                  // peers/cgal.cpp
-SolverEntry cgal_kdtree_solver();           // peers/cgal_kdtree.cpp
+// Calls each solver's function, NAME_solver(), that its own file defines; the lists come from the lines hausbench_solver(...) in CMake.
+#define SOLVER(name) SolverEntry name##_solver();
+#include "solvers.inc"
+#undef SOLVER
 
 namespace {
 
 std::vector<SolverEntry>& list_of_solvers() {
     static std::vector<SolverEntry> list = {
-        naive_solver(),
-        earlybreak_solver(),
-        inc_solver(),
-        nohd_solver(),
-        ohd_solver(),
-        adaptive_solver(),
-        nohd_as_printed_solver(),
-        ohd_as_printed_solver(),
-        scan_solver(),
-        guthe_solver(),
-        tang_solver(),
-        kang_solver(),
-        zheng_solver(),
-        sacht_solver(),
-        sampling_solver(),
-        cover_solver(),
-        interval_subdivision_solver(),
-        surface_enclosure_solver(),
-        surface_meshes_solver(),
-#ifdef HAUSBENCH_HAS_KDTREE
-        kdtree_solver(),
-#endif
-#ifdef HAUSBENCH_HAS_CGAL
-        penetration_solver(),
-        cgal_solver(),
-        cgal_kdtree_solver(),
-#endif
+#define SOLVER(name) name##_solver(),
+#include "solvers.inc"
+#undef SOLVER
     };
     return list;
 }
@@ -87,14 +43,9 @@ void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin
 
 const std::vector<NotBuilt>& solvers_not_built() {
     static const std::vector<NotBuilt> list = {
-#ifndef HAUSBENCH_HAS_KDTREE
-        {"kdtree", "nanoflann was not found, or HAUSBENCH_WITH_KDTREE_PEER is off"},
-#endif
-#ifndef HAUSBENCH_HAS_CGAL
-        {"penetration", "HAUSBENCH_WITH_CGAL_PEER is off (CGAL's corefinement is GPL)"},
-        {"cgal", "HAUSBENCH_WITH_CGAL_PEER is off"},
-        {"cgal_kdtree", "HAUSBENCH_WITH_CGAL_PEER is off (CGAL's k-d tree is GPL)"},
-#endif
+#define NOT_BUILT(name, reason) {#name, reason},
+#include "not_built.inc"
+#undef NOT_BUILT
     };
     return list;
 }

@@ -1,7 +1,7 @@
-// The explicit list of solvers. To add one: its .cpp, two lines in registry.cpp, one in CMakeLists.txt; CONTRIBUTING.md has the rest.
+// The list of solvers. To add one: its .cpp, and one line in the CMakeLists.txt of its folder; CONTRIBUTING.md has the rest.
 #pragma once
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 #include <string_view>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "algorithms/scene.h"
 
 namespace hausbench {
 

@@ -1,7 +1,7 @@
 // What is measured: a shape, and the scene that pairs a source A with a target B.
 #pragma once
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <concepts>
 #include <memory>

@@ -1,6 +1,6 @@
 // THE interface. A solver bounds the directed Hausdorff distance h(A,B) = max over a in A of min over b in B of |a - b|
 // from below and above. One solver is one .cpp file without a header: it defines a class, a SolverInfo and one function
-// that registry.cpp lists. Read points/naive.cpp next.
+// that the CMakeLists.txt of its folder names. Read points/naive.cpp next.
 //
 // A solver must honour of a query: its poses, its tolerance, and `quantity` and `wanted` as far as its SolverInfo offers them.
 // All else in it is a permission that a solver may ignore. What a solver does not offer, Session does for it: H(A,B) = max of
@@ -11,11 +11,11 @@
 // with an algebraic surface are never scaled.
 #pragma once
 
-#include "kernel/counters.h"
-#include "options.h"
-#include "prepared.h"
-#include "scene.h"
-#include "trace.h"
+#include "algorithms/kernel/counters.h"
+#include "algorithms/options.h"
+#include "algorithms/prepared.h"
+#include "algorithms/scene.h"
+#include "algorithms/trace.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -123,7 +123,7 @@ struct Result {
 };
 
 // h(A,B); H(A,B); or how deep two solids are in each other: over the connected parts of the volume that they have in common, the largest H
-// of the part's boundary that is of A and the one that is of B (Tang et al. 2009, section 7.3; see meshes/penetration.cpp).
+// of the part's boundary that is of A and the one that is of B (Tang et al. 2009, section 7.3; see composed/penetration/penetration.cpp).
 enum class Quantity { directed, symmetric, penetration };
 inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration};
 std::string_view to_string(Quantity quantity);

@@ -1,7 +1,7 @@
 // Programs that answer closest point queries over the triangles of a mesh, timed against each other by compare.cpp.
 #pragma once
 
-#include "scene.h"
+#include "algorithms/scene.h"
 
 #include <memory>
 #include <string>

@@ -1,13 +1,13 @@
 // Kernels against Embree and CGAL, and `guthe` with certification against without, as ratios within one run.
 //
 // Writes CSV to standard output, and what goes on to standard error; bench/report.py makes the table of it.
-#include "closest_rival.h"
-#include "error.h"
-#include "interleave.h"
-#include "models.h"
-#include "registry.h"
-#include "result/provenance.h"
-#include "session.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "bench/closest_rival.h"
+#include "bench/interleave.h"
+#include "bench/models.h"
+#include "harness/result/provenance.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Several contenders timed in turn, so that what disturbs the machine disturbs all of them.
 #pragma once
 
-#include "record/statistics.h"
+#include "harness/record/statistics.h"
 
 #include <ctime>
 #include <functional>

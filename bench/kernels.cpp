@@ -6,19 +6,19 @@
 // bunny+1e6, it has a stray triangle R diagonals away; queries stay where they are. `each` is the time of one
 // pair, one triangle built, one query; `bytes` what the structure takes. What runs one after the other meets different
 // neighbours: for a comparison, compare.cpp times contenders in turn.
-#include "error.h"
-#include "kernel/textbook.h"
-#include "models.h"
-#include "random.h"
-#include "structures/adjacency.h"
-#include "structures/bvh.h"
-#include "structures/octree.h"
-#include "structures/point_blocks.h"
-#include "structures/point_octree.h"
-#include "structures/rtree.h"
-#include "structures/swept_sphere.h"
-#include "structures/triangle_blocks.h"
-#include "structures/triangle_grid.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/textbook.h"
+#include "algorithms/meshes/tang/adjacency.h"
+#include "algorithms/meshes/tang/swept_sphere.h"
+#include "algorithms/points/inc/rtree.h"
+#include "algorithms/points/scan/point_blocks.h"
+#include "algorithms/points/zhang2017/point_octree.h"
+#include "algorithms/structures/bvh.h"
+#include "algorithms/structures/octree.h"
+#include "algorithms/structures/triangle_blocks.h"
+#include "algorithms/structures/triangle_grid.h"
+#include "bench/models.h"
+#include "datasets/random.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -1,11 +1,11 @@
-#include "models.h"
+#include "bench/models.h"
 
-#include "catalogue.h"
-#include "error.h"
-#include "generate.h"
-#include "paths.h"
-#include "random.h"
-#include "shape_file.h"
+#include "algorithms/error.h"
+#include "datasets/catalogue.h"
+#include "datasets/generate.h"
+#include "datasets/paths.h"
+#include "datasets/random.h"
+#include "datasets/shape_file.h"
 
 #include <cstdlib>
 

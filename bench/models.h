@@ -1,7 +1,7 @@
 // Meshes for benchmarks: models of datasets/manifest.toml, and one that is made on the spot.
 #pragma once
 
-#include "scene.h"
+#include "algorithms/scene.h"
 
 #include <string>
 

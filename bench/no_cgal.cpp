@@ -1,4 +1,4 @@
-#include "closest_rival.h"
+#include "bench/closest_rival.h"
 
 namespace hausbench {
 

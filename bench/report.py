@@ -29,7 +29,7 @@ PARTS = {
 
 HEAD = """# Kernels, measured
 
-Made by `make bench-reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
+Made by `tools/bench --reference` and not edited. Contenders take turns, forth and back (ABBA), in one run on one core; each
 time is CPU time (where versions are compared, preparing is wall time), the median of the rounds. A ratio is that
 contender's time over the first one's, the median over rounds with a 95 % order-statistic interval: above 1, the first
 is faster. Only ratios within one table mean anything.

@@ -1,6 +1,6 @@
 // CGAL's AABB_tree over triangles in Simple_cartesian<double>, its fastest kernel, with its default search structure
 // (accelerate_distance_queries), whose making counts as building.
-#include "closest_rival.h"
+#include "bench/closest_rival.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -1,9 +1,9 @@
 // Intel Embree 3: one thread, its default build quality (medium) and its default scene flags (compact and robust off).
 // Everything in it is single precision; the callback is the one of its tutorial closest_point: Ericson, Real-Time
 // Collision Detection, 2005, section 5.1.5, in float.
-#include "closest_rival.h"
+#include "bench/closest_rival.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <embree3/rtcore.h>
 

@@ -1,8 +1,8 @@
-#include "closest_rival.h"
+#include "bench/closest_rival.h"
 
-#include "structures/bvh.h"
-#include "structures/octree.h"
-#include "structures/triangle_blocks.h"
+#include "algorithms/structures/bvh.h"
+#include "algorithms/structures/octree.h"
+#include "algorithms/structures/triangle_blocks.h"
 
 #include <cmath>
 #include <optional>

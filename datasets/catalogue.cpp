@@ -1,15 +1,15 @@
-#include "catalogue.h"
+#include "datasets/catalogue.h"
 
-#include "corpus.h"
-#include "derive.h"
-#include "error.h"
-#include "hash.h"
-#include "isolated.h"
-#include "model_size.h"
-#include "model_table.h"
-#include "shape_file.h"
-#include "surface_file.h"
-#include "toml_reader.h"
+#include "algorithms/error.h"
+#include "datasets/corpus.h"
+#include "datasets/derive.h"
+#include "datasets/hash.h"
+#include "datasets/isolated.h"
+#include "datasets/model_size.h"
+#include "datasets/model_table.h"
+#include "datasets/shape_file.h"
+#include "datasets/surface_file.h"
+#include "datasets/toml_reader.h"
 
 #include <fmt/format.h>
 
@@ -140,10 +140,8 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     const std::filesystem::path path(model.path);
     const std::filesystem::path file = local ? model.folder / path : cache_ / "raw" / model.sha256 / path.filename();
     if (!std::filesystem::exists(file))
-        return MissingModel{
-            local ? fmt::format("file {} does not exist", file.string())
-                  : fmt::format("package {} was not fetched: run `make {}`", model.package,
-                                tier_of(model.name).empty() ? "datasets" : "fetch-" + tier_of(model.name))};
+        return MissingModel{local ? fmt::format("file {} does not exist", file.string())
+                                  : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));

@@ -1,7 +1,7 @@
 // Models by name: the origin of each, and its shape once it is fetched, generated or derived.
 #pragma once
 
-#include "load.h"
+#include "datasets/load.h"
 
 #include <filesystem>
 #include <map>

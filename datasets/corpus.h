@@ -1,7 +1,7 @@
 // The corpus: many real meshes, for experiments with each = "corpus". datasets/corpus.toml, beside the manifest, lists them.
 #pragma once
 
-#include "catalogue.h"
+#include "datasets/catalogue.h"
 
 #include <filesystem>
 #include <string>
@@ -29,25 +29,6 @@ std::filesystem::path corpus_beside(const std::filesystem::path& manifest);
 
 // Throws InputError with file and line for an unknown key, a name in `manifest` that the manifest does not have, a bad table.
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest);
-
-// A tier is a long list of meshes of one package, in a file of its name beside the manifest (datasets/kicad.toml). It is read only where one of
-// its models, TIER_..., or each = "TIER" asks for it. The rules above hold for its meshes too.
-const std::vector<std::string>& tiers();
-
-// The tier that a model belongs to by its name; empty: none.
-std::string tier_of(const std::string& model);
-
-// The file of a tier; empty if there is none.
-std::filesystem::path tier_beside(const std::filesystem::path& manifest, const std::string& tier);
-
-// Its models; throws InputError with file and line for an unknown key, a line that is none, a name that is there twice.
-std::vector<ModelInfo> read_tier(const std::filesystem::path& file);
-
-// Adds the models of the tier that a name belongs to, unless they are there.
-void add_tier_of(const std::string& model, const std::filesystem::path& manifest, Catalogue& catalogue);
-
-// Names of its meshes alone, sorted; nothing else of the list is checked.
-std::vector<std::string> tier_names(const std::filesystem::path& file);
 
 // Names alone, sorted, of the corpus or of the whole corpus; nothing of the tables is checked.
 std::vector<std::string> corpus_names(const std::filesystem::path& file, bool whole);

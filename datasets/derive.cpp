@@ -1,10 +1,10 @@
-#include "derive.h"
+#include "datasets/derive.h"
 
-#include "error.h"
-#include "kernel/direction.h"
-#include "kernel/splitmix.h"
-#include "random.h"
-#include "surfaces/surface_mesh.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/direction.h"
+#include "algorithms/kernel/splitmix.h"
+#include "algorithms/surfaces/surface_mesh.h"
+#include "datasets/random.h"
 
 #include <boost/pending/disjoint_sets.hpp>
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // Shapes made from other shapes, in float64; the result is the same bit for bit on every machine.
 #pragma once
 
-#include "generate.h"
-#include "load.h"
+#include "datasets/generate.h"
+#include "datasets/load.h"
 
 namespace hausbench {
 

@@ -1,5 +1,5 @@
-#include "derive.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "datasets/derive.h"
 
 #ifdef HAUSBENCH_HAS_CGAL
 

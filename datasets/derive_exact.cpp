@@ -1,8 +1,8 @@
 // Operations for cases whose distance is known: of short coordinates the results are exact.
-#include "derive.h"
+#include "datasets/derive.h"
 
-#include "error.h"
-#include "random.h"
+#include "algorithms/error.h"
+#include "datasets/random.h"
 
 #include <fmt/format.h>
 

@@ -4,10 +4,8 @@
     fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin (`hausbench fetch MODEL...` does the same)
     fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments ask for
     fetch.py --corpus --check                also the whole corpus; the files that exist are hashed again
-    fetch.py --tier kicad                    also the meshes of datasets/kicad.toml: 379 MB to download, 1.2 GB of disk
 
-datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them. So are those of
-datasets/kicad.toml, the tier kicad: one long list of one package.
+datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them.
 
 Each mesh becomes CACHE/raw/<sha256>/<file name>, only if its SHA-256 is that of the manifest; the file is complete or
 absent (renamed into place). Meshes that exist are not fetched again. Root is not needed.
@@ -29,7 +27,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -95,35 +93,11 @@ class Catalogue:
     manifest: list[str]
     corpus: list[str]  # sorted
     whole: list[str]  # the whole corpus, sorted
-    tiers: dict[str, list[str]] = field(default_factory=dict)  # sorted
 
     def each(self, asked: Any) -> list[str]:
         """What `each` of a scene stands for."""
-        groups = {"corpus": self.corpus, "whole_corpus": self.whole, **self.tiers}
+        groups = {"corpus": self.corpus, "whole_corpus": self.whole}
         return groups.get(asked, []) if isinstance(asked, str) else list(asked)
-
-
-TIERS = ("kicad",)  # each a file of that name beside the manifest
-
-
-def model_of_tier(tier: str, file: str) -> str:
-    """The name of the model, as datasets/corpus.cpp makes it."""
-    return f"{tier}_" + re.sub("[^A-Za-z0-9_.-]", "_", file.rpartition("/")[2].rpartition(".")[0])
-
-
-def read_tier(file: Path) -> dict[str, dict[str, Any]]:
-    """The models of a tier; none where there is no such file."""
-    if not file.is_file():
-        return {}
-    try:
-        with file.open("rb") as stream:
-            root = tomllib.load(stream)
-        common = {"source": "debian", **{key: root[key] for key in ("package", "version", "licence")}}
-        rows = [line.split(maxsplit=2) for line in str(root["meshes"]).split("\n") if line]
-        return {model_of_tier(file.stem, path): {**common, "path": root["folder"] + path, "sha256": sha256, "triangles": int(count)}
-                for sha256, count, path in rows}
-    except (OSError, KeyError, ValueError) as error:
-        raise ManifestError(f"{file}: {error}") from error
 
 
 def with_rules(names: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -131,15 +105,6 @@ def with_rules(names: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def read_catalogue(manifest: Path) -> Catalogue:
-    tables = {tier: read_tier(manifest.with_name(f"{tier}.toml")) for tier in TIERS}
-    catalogue = read_without_tiers(manifest)
-    for table in tables.values():
-        catalogue.models.update({**with_rules(table), **table})
-    catalogue.tiers.update({tier: sorted(table) for tier, table in tables.items()})
-    return catalogue
-
-
-def read_without_tiers(manifest: Path) -> Catalogue:
     models, file = read_manifest(manifest), manifest.with_name("corpus.toml")
     names = list(models)
     if not file.is_file():
@@ -304,13 +269,11 @@ class Asked:
     experiments: tuple[Path, ...] = ()
     profile: str = "quick"
     check: bool = False
-    tiers: tuple[str, ...] = ()
 
     def models(self, catalogue: Catalogue) -> list[str]:
         """Without any name all of the manifest, which `make` always fetches."""
         more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
-        return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more,
-                *(name for tier in self.tiers for name in catalogue.tiers[tier])]
+        return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more]
 
 
 def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:
@@ -365,8 +328,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
     parser.add_argument("--corpus", action="store_true", help="the whole corpus too")
-    parser.add_argument("--tier", choices=TIERS, action="append", default=[],
-                        help="the meshes of a tier too; kicad: 6,061, 379 MB to download and 1.2 GB of disk")
     parser.add_argument("--experiment", type=Path, nargs="+", default=[], metavar="FILE",
                         help="the meshes of the corpus that these experiments ask for too")
     parser.add_argument("--profile", default="quick", help="of the experiments (default: quick)")
@@ -375,7 +336,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--cache", type=Path, default=cache_folder(), help=f"where the meshes go (default: {cache_folder()})")
     given = parser.parse_args(arguments)
     try:
-        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check, tuple(given.tier))
+        asked = Asked(given.corpus, tuple(given.experiment), given.profile, given.check)
         return fetch(given.manifest, given.cache.absolute(), given.models, asked=asked)
     except ManifestError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -1,8 +1,8 @@
-#include "generate.h"
+#include "datasets/generate.h"
 
-#include "circle.h"
-#include "derive.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "datasets/circle.h"
+#include "datasets/derive.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // checks the hashes.
 #pragma once
 
-#include "scene.h"
+#include "algorithms/scene.h"
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
-#include "hash.h"
+#include "datasets/hash.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>

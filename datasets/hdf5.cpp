@@ -1,9 +1,9 @@
-#include "hdf5.h"
+#include "datasets/hdf5.h"
 
-#include "hash.h"
-#include "printable.h"
+#include "algorithms/printable.h"
+#include "datasets/hash.h"
+#include "datasets/seal.h"
 #include "process/whole_file.h"
-#include "seal.h"
 
 // One by one, because the library's <hdf5.h> has the name of our own header.
 #include <H5public.h>

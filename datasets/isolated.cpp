@@ -1,11 +1,11 @@
-#include "isolated.h"
+#include "datasets/isolated.h"
 
-#include "error.h"
-#include "printable.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "datasets/shape_file.h"
 #include "process/child.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 

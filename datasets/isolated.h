@@ -1,8 +1,8 @@
 // Reads foreign files, and simplifies and remeshes, in a separate process, so that a crash of a library does no harm.
 #pragma once
 
-#include "generate.h"
-#include "load.h"
+#include "datasets/generate.h"
+#include "datasets/load.h"
 
 #include <cstdint>
 

@@ -1,10 +1,10 @@
-#include "load.h"
+#include "datasets/load.h"
 
-#include "derive.h"
-#include "error.h"
-#include "parse.h"
-#include "readers.h"
-#include "surface_file.h"
+#include "algorithms/error.h"
+#include "datasets/derive.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
+#include "datasets/surface_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>

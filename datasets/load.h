@@ -1,7 +1,7 @@
 // Reads mesh and point files of any common format into float64 shapes.
 #pragma once
 
-#include "scene.h"
+#include "algorithms/scene.h"
 
 #include <cstdint>
 #include <filesystem>

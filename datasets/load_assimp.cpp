@@ -1,6 +1,6 @@
-#include "error.h"
-#include "parse.h"
-#include "readers.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>

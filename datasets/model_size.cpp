@@ -1,4 +1,4 @@
-#include "model_size.h"
+#include "datasets/model_size.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Estimates how large a model becomes before it is made.
 #pragma once
 
-#include "catalogue.h"
+#include "datasets/catalogue.h"
 
 namespace hausbench {
 

@@ -1,9 +1,9 @@
-#include "model_table.h"
+#include "datasets/model_table.h"
 
-#include "derive.h"
-#include "error.h"
-#include "generate.h"
-#include "surface_file.h"
+#include "algorithms/error.h"
+#include "datasets/derive.h"
+#include "datasets/generate.h"
+#include "datasets/surface_file.h"
 
 #include <fmt/format.h>
 

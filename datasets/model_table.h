@@ -1,9 +1,9 @@
 // [model.NAME] tables, of the manifest or of an experiment.
 #pragma once
 
-#include "catalogue.h"
+#include "datasets/catalogue.h"
 
-#include "toml_reader.h"
+#include "datasets/toml_reader.h"
 
 #include <toml++/toml.h>
 

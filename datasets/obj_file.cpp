@@ -1,6 +1,6 @@
 // Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores all else.
-#include "parse.h"
-#include "readers.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Reads OFF as text: a header, which may lack its keyword, then a line for each vertex and for each face; colours, normals and texture
 // coordinates after the numbers that are used are ignored.
-#include "error.h"
-#include "parse.h"
-#include "readers.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <fmt/format.h>
 

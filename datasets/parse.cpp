@@ -1,6 +1,6 @@
-#include "parse.h"
+#include "datasets/parse.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

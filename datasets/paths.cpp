@@ -1,6 +1,6 @@
-#include "paths.h"
+#include "datasets/paths.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

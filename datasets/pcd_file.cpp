@@ -1,8 +1,8 @@
 // PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed where liblzf is built in. VIEWPOINT is not applied,
 // as in PCL.
-#include "error.h"
-#include "parse.h"
-#include "point_lines.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/point_lines.h"
 
 #ifdef HAUSBENCH_HAS_LZF
 #include <liblzf/lzf.h>

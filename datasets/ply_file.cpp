@@ -1,8 +1,8 @@
 // Reads PLY, text or binary in either byte order, with numbers and lists of any type. Ignores all but x, y and z of vertices and the
 // vertex numbers of faces.
-#include "error.h"
-#include "parse.h"
-#include "readers.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <fmt/format.h>
 

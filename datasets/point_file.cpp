@@ -5,9 +5,9 @@
 // gives the number of points (.pts, some .xyz). The first line may be a header: columns named x, y and z in any order and any case; in a
 // .csv file a header without these names is passed over. In a .csv file no line has more columns than the header: decimal commas, or a
 // separator within quotes, would move the numbers.
-#include "error.h"
-#include "parse.h"
-#include "point_lines.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/point_lines.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Lines of decimal numbers, which .xyz, .pts, .csv and text PCD files share; private to datasets/.
 #pragma once
 
-#include "readers.h"
+#include "datasets/readers.h"
 
 #include <limits>
 #include <string_view>

@@ -1,5 +1,5 @@
-#include "generate.h"
-#include "random.h"
+#include "datasets/generate.h"
+#include "datasets/random.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 // std:: distribution.
 #pragma once
 
-#include "kernel/splitmix.h"
+#include "algorithms/kernel/splitmix.h"
 
 namespace hausbench {
 

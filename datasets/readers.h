@@ -1,7 +1,7 @@
 // Declares the reader of each format, which load_file() calls; private to datasets/.
 #pragma once
 
-#include "load.h"
+#include "datasets/load.h"
 
 #include <array>
 #include <cstddef>

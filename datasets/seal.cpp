@@ -1,4 +1,4 @@
-#include "seal.h"
+#include "datasets/seal.h"
 
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 // file through HDF5 cuts it off.
 #pragma once
 
-#include "hash.h"
+#include "datasets/hash.h"
 
 #include <filesystem>
 #include <string>

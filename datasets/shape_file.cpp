@@ -1,9 +1,9 @@
-#include "shape_file.h"
+#include "datasets/shape_file.h"
 
-#include "error.h"
-#include "hash.h"
-#include "hdf5.h"
-#include "kernel/polynomial.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/polynomial.h"
+#include "datasets/hash.h"
+#include "datasets/hdf5.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // Shapes in the cache format of this project: HDF5, float64 coordinates, int32 indices; reading gives the same bits.
 #pragma once
 
-#include "load.h"
+#include "datasets/load.h"
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 // Reads STL. A file is binary if its size matches the number of triangles in its header, whether or not it begins with "solid"; keywords of a text may be in any case.
-#include "error.h"
-#include "parse.h"
-#include "readers.h"
+#include "algorithms/error.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-#include "surface_file.h"
+#include "datasets/surface_file.h"
 
-#include "kernel/polynomial.h"
+#include "algorithms/kernel/polynomial.h"
 
 #include <fmt/format.h>
 

@@ -4,8 +4,8 @@
 //     box = [[-2, 2], [-2, 2], [-2, 2]]        # in x, y and z
 #pragma once
 
-#include "scene.h"
-#include "toml_reader.h"
+#include "algorithms/scene.h"
+#include "datasets/toml_reader.h"
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
-#include "toml_reader.h"
+#include "datasets/toml_reader.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "readers.h"
+#include "datasets/readers.h"
 
 #include <numeric>
 

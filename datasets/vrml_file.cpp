@@ -1,10 +1,10 @@
 // Reads VRML 2.0 (VRML97), text: the faces of every IndexedFaceSet, where the Transforms around it put them; USE repeats what DEF named. Skips
 // what has no surface (colours, lights, scripts, lines, points). Refuses, where they would be seen, the shapes that are no IndexedFaceSet.
-#include "circle.h"
-#include "error.h"
-#include "kernel/direction.h"
-#include "parse.h"
-#include "readers.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/direction.h"
+#include "datasets/circle.h"
+#include "datasets/parse.h"
+#include "datasets/readers.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // The program. `hausbench VERB --help` says what each verb takes.
-#include "commands/verb.h"
-#include "error.h"
-#include "printable.h"
-#include "registry.h"
-#include "result/provenance.h"
-#include "run/external.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "algorithms/registry.h"
+#include "harness/commands/verb.h"
+#include "harness/result/provenance.h"
+#include "harness/run/external.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

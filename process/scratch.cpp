@@ -1,6 +1,6 @@
 #include "process/scratch.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

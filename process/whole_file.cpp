@@ -1,6 +1,6 @@
 #include "process/whole_file.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

@@ -91,7 +91,7 @@ def planted(mutant: Mutant, root: Path) -> str:
 
 def not_plantable(root: Path, mutants: list[Mutant]) -> list[str]:
     """A line for each whose text is not there once, or whose test does not exist."""
-    tests = re.findall(r"^hausbench_test\((\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M)
+    tests = re.findall(r"^hausbench_test\((?:\w+/)*(\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M)
     wrong = []
     for mutant in mutants:
         try:

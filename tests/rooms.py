@@ -16,8 +16,14 @@ STAIRCASE = [
     ["result"],
     ["record"],
     ["datasets"],
-    ["process"],
-    ["algorithms"],
+    ["composed", "process"],
+    ["session"],
+    ["solvers"],
+    ["search"],
+    ["structures", "certificate"],
+    ["interface"],
+    ["kernel"],
+    ["text"],
 ]
 WHAT = {
     "main": "harness/main.cpp: the program",
@@ -28,14 +34,28 @@ WHAT = {
     "result": "harness/result/: result files, written and read",
     "record": "harness/record/: case, outcome, the table of columns",
     "datasets": "datasets/: models by name, foreign files",
-    "process": "process/: child processes, scratch folders, interrupts",
-    "algorithms": "algorithms/: the interface, the solvers, what they share",
+    "composed": "algorithms/composed/: solvers that use sessions",
+    "process": "process/: child processes, scratch folders",
+    "session": "algorithms/session/: one solver on one scene, all questions",
+    "solvers": "algorithms/points/, meshes/, surfaces/, peers/: a folder each",
+    "search": "algorithms/search/: branch and bound that solvers share",
+    "structures": "algorithms/structures/: trees, grids",
+    "certificate": "algorithms/certificate/: the format",
+    "interface": "algorithms/solver.h and beside it: what a solver sees",
+    "kernel": "algorithms/kernel/: arithmetic",
+    "text": "algorithms/error.h, printable.h: errors and text",
 }
+TEXT = ("error", "printable")
+SOLVERS = ("points", "meshes", "surfaces", "peers")
 
 
 def room_of(path: Path) -> str:
-    """The room of a source file: of harness/ its folder, else the top folder."""
+    """Returns the room of a source file: its folder in harness/ and algorithms/, else the top folder."""
     parts = path.relative_to(ROOT).parts
+    if parts[0] == "algorithms":
+        if len(parts) == 2:
+            return "text" if path.stem in TEXT else "interface"
+        return "solvers" if parts[1] in SOLVERS else parts[1]
     if parts[0] != "harness":
         return parts[0]
     return parts[1] if len(parts) > 2 else "main"
@@ -48,18 +68,9 @@ def sources() -> list[Path]:
 
 
 def includes(files: list[Path]) -> dict[Path, set[Path]]:
-    """Of each file, the files of ours that it includes: from its folder, or from the folders that CMake names."""
-    bases = [ROOT / "algorithms", ROOT / "datasets", ROOT / "harness", ROOT]
+    """Returns the files of ours that each file includes; every include is written from the root."""
     known = set(files)
-    graph: dict[Path, set[Path]] = {}
-    for file in files:
-        found = set()
-        for name in INCLUDE.findall(file.read_text()):
-            places = [base / name for base in [file.parent, *bases] if base / name in known]
-            if places:
-                found.add(places[0])
-        graph[file] = found
-    return graph
+    return {file: {ROOT / name for name in INCLUDE.findall(file.read_text())} & known for file in files}
 
 
 def between_rooms(graph: dict[Path, set[Path]]) -> dict[tuple[str, str], list[str]]:

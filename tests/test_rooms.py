@@ -4,9 +4,11 @@ import json
 import subprocess
 from pathlib import Path
 
+import pytest
 import rooms
 
 LONGEST_FUNCTION, LONGEST_FILE = 80, 400
+SHARED = ("search", "structures", "certificate")
 GRAPH = rooms.includes(rooms.sources())
 
 
@@ -32,6 +34,36 @@ def test_every_room_is_on_the_staircase() -> None:
 def test_the_picture_shows_the_rooms_of_today() -> None:
     written = (rooms.ROOT / "docs" / "rooms.svg").read_text()
     assert written == rooms.picture(rooms.between_rooms(GRAPH)), "run: python3 tests/rooms.py"
+
+
+def declared_in(file: Path) -> Path:
+    """Returns the header of a source: the one of its name, else the first of its folder that it includes. A header stays as it is."""
+    beside = [name for name in rooms.INCLUDE.findall(file.read_text()) if (rooms.ROOT / name).parent == file.parent]
+    named = file.with_suffix(".h")
+    return file if file.suffix == ".h" else named if named in GRAPH or not beside else rooms.ROOT / beside[0]
+
+
+def users(shared: Path) -> set[str]:
+    """Returns who includes a file of a shared folder, by way of others or not: solvers, each a folder or a file, and rooms above them."""
+    asked_by: dict[Path, set[Path]] = {}
+    for file, others in GRAPH.items():
+        for other in others:
+            asked_by.setdefault(other, set()).add(file)
+    found, look = set(), [shared]
+    while look:
+        for file in asked_by.pop(look.pop(), set()):
+            look.append(declared_in(file))
+            room = rooms.room_of(file)
+            if room in ("solvers", "composed"):
+                found.add("/".join(file.relative_to(rooms.ROOT / "algorithms").with_suffix("").parts[:2]))
+            elif room not in SHARED:
+                found.add(room)
+    return found
+
+
+@pytest.mark.parametrize("file", [file for file in GRAPH if rooms.room_of(file) in SHARED and file.suffix == ".h"], ids=lambda file: file.name)
+def test_a_shared_file_has_two_users(file: Path) -> None:
+    assert len(users(file)) >= 2, "move it to the folder of its only user"
 
 
 def functions() -> list[tuple[int, str]]:

@@ -1,7 +1,7 @@
 // Axis-aligned boxes.
 #pragma once
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
-#include "closest.h"
+#include "algorithms/kernel/closest.h"
 
-#include "rounding.h"
+#include "algorithms/kernel/rounding.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // Closest point queries: what is asked, what is answered, and the plain scan that every structure must equal to the bit.
 #pragma once
 
-#include "counters.h"
-#include "point_triangle.h"
+#include "algorithms/kernel/counters.h"
+#include "algorithms/kernel/point_triangle.h"
 
 #include <limits>
 

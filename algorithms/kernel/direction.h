@@ -1,7 +1,7 @@
 // Directions of vectors of any length.
 #pragma once
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <cmath>
 

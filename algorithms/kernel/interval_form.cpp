@@ -1,4 +1,4 @@
-#include "interval_form.h"
+#include "algorithms/kernel/interval_form.h"
 
 #include <cmath>
 #include <limits>

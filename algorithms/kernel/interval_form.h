@@ -9,8 +9,8 @@
 //                  even it is known that it does not change its sign
 #pragma once
 
-#include "box.h"
-#include "polynomial.h"
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/polynomial.h"
 
 #include <string_view>
 

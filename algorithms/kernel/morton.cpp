@@ -1,4 +1,4 @@
-#include "morton.h"
+#include "algorithms/kernel/morton.h"
 
 #include <algorithm>
 #include <array>

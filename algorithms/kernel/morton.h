@@ -4,8 +4,8 @@
 // never a bound, so its rounding does not matter.
 #pragma once
 
-#include "box.h"
-#include "parallel.h"
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/parallel.h"
 
 #include <cstdint>
 #include <vector>

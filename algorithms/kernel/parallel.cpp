@@ -1,4 +1,4 @@
-#include "parallel.h"
+#include "algorithms/kernel/parallel.h"
 
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>

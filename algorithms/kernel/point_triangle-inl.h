@@ -3,7 +3,7 @@
 //
 // Same bits as the scalar kernel, on every target: the same operations in the same order, lane by lane, no fused
 // multiply-add, no approximate reciprocal.
-#include "triangle_block.h"
+#include "algorithms/kernel/triangle_block.h"
 
 #include <hwy/highway.h>
 

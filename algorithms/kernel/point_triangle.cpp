@@ -1,6 +1,6 @@
-#include "point_triangle.h"
+#include "algorithms/kernel/point_triangle.h"
 
-#include "rounding.h"
+#include "algorithms/kernel/rounding.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // Closest point of a triangle, robust for degenerate ones, with a proven error.
 #pragma once
 
-#include "triangle.h"
+#include "algorithms/kernel/triangle.h"
 
 namespace hausbench {
 
@@ -29,7 +29,7 @@ struct TrianglePoint {
 // feasible point, which lies in the box. Nothing else is asked of q: that upper bounds hold does not rest on x or y.
 //
 // Not too far, which is not needed for bounds to hold, only for them to be tight: |p - q| <= d + 10uM is measured, on
-// millions of pairs of every degenerate class (tests/kernel_point_triangle_test.cpp). Why it is so small: x e errs by a few
+// millions of pairs of every degenerate class (tests/algorithms/kernel/kernel_point_triangle_test.cpp). Why it is so small: x e errs by a few
 // uM, and so does y h but for the tilt of h out of the plane, by an angle of a few u|e|/|h| from rounding c - a. The tilt
 // moves the foot along h by no more than u d |e|/|h|, and by no more than |h|, as the weights are clamped; to move it by m
 // along the plane costs m^2 / 2d, at most u|e|. Where x or y errs so much that inside is taken for outside, the closest

@@ -1,6 +1,6 @@
-#include "polynomial.h"
+#include "algorithms/kernel/polynomial.h"
 
-#include "../error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 // holds it, two neighbouring doubles wide.
 #pragma once
 
-#include "geometry.h"
-#include "interval.h"
+#include "algorithms/kernel/geometry.h"
+#include "algorithms/kernel/interval.h"
 
 #include <array>
 #include <string>

@@ -5,7 +5,7 @@
 // bound what they give for any coordinates inside, to the bit.
 #pragma once
 
-#include "box.h"
+#include "algorithms/kernel/box.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 // widens by more of its own derives it at the place: `git grep -l unit_roundoff` finds them.
 #pragma once
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "taylor_model.h"
+#include "algorithms/kernel/taylor_model.h"
 
 #include <cmath>
 #include <limits>

@@ -6,7 +6,7 @@
 // to `error`, so every result encloses.
 #pragma once
 
-#include "polynomial.h"
+#include "algorithms/kernel/polynomial.h"
 
 namespace hausbench {
 

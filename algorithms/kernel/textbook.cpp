@@ -1,4 +1,4 @@
-#include "textbook.h"
+#include "algorithms/kernel/textbook.h"
 
 namespace hausbench {
 namespace {

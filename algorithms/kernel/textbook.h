@@ -6,7 +6,7 @@
 // the size of the triangle, and close to a triangle of size 1 by 1e-12.
 #pragma once
 
-#include "point_triangle.h"
+#include "algorithms/kernel/point_triangle.h"
 
 namespace hausbench {
 

@@ -1,8 +1,8 @@
 // A triangle by its corners.
 #pragma once
 
-#include "box.h"
-#include "geometry.h"
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/geometry.h"
 
 namespace hausbench {
 

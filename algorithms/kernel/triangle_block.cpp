@@ -1,10 +1,10 @@
-#include "triangle_block.h"
+#include "algorithms/kernel/triangle_block.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernel/triangle_block.cpp"
+#define HWY_TARGET_INCLUDE "algorithms/kernel/triangle_block.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "point_triangle-inl.h"
+#include "algorithms/kernel/point_triangle-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {

@@ -1,7 +1,7 @@
 // Eight triangles side by side, for the kernels that take them at once.
 #pragma once
 
-#include "point_triangle.h"
+#include "algorithms/kernel/point_triangle.h"
 
 #include <cstdint>
 #include <span>

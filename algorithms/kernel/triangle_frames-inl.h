@@ -2,7 +2,7 @@
 // hwy/foreach_target.h.
 //
 // The same bits on every target: the same operations lane by lane, no fused multiply-add.
-#include "kernel/triangle_frames.h"
+#include "algorithms/kernel/triangle_frames.h"
 
 #include <hwy/highway.h>
 

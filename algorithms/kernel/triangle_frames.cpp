@@ -1,10 +1,10 @@
-#include "triangle_frames.h"
+#include "algorithms/kernel/triangle_frames.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernel/triangle_frames.cpp"
+#define HWY_TARGET_INCLUDE "algorithms/kernel/triangle_frames.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "kernel/triangle_frames-inl.h"
+#include "algorithms/kernel/triangle_frames-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {

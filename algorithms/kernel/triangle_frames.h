@@ -38,8 +38,8 @@
 // sqrt(6 2^-1075) < 2^-535 or sqrt(6 2^-150) < 2^-73. Together less than 2^-500 for double, and less than 2^-60 for float.
 #pragma once
 
-#include "geometry.h"
-#include "kernel/point_triangle.h"
+#include "algorithms/kernel/geometry.h"
+#include "algorithms/kernel/point_triangle.h"
 
 #include <cstddef>
 

@@ -32,15 +32,15 @@
 //
 // Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
 // bytes for each piece in the queue.
-#include "search/bounds.h"
-#include "search/elements.h"
-#include "search/mesh_solver.h"
-#include "search/piece_proofs.h"
-#include "search/split_loop.h"
-#include "search/stages.h"
-#include "search/vertices.h"
-#include "search/warm_start.h"
-#include "structures/octree.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/elements.h"
+#include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/piece_proofs.h"
+#include "algorithms/search/split_loop.h"
+#include "algorithms/search/stages.h"
+#include "algorithms/search/vertices.h"
+#include "algorithms/search/warm_start.h"
+#include "algorithms/structures/octree.h"
 
 #include <algorithm>
 #include <array>

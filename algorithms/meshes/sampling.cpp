@@ -20,13 +20,13 @@
 //
 // Budget: samples beside the vertices of A, which are always measured. Time O(log m) a sample on tame data; memory O(n + m) for n
 // triangles of A and m of B: something is kept of each vertex, triangle and edge, and nothing of any other sample.
-#include "kernel/deadline.h"
-#include "search/bounds.h"
-#include "search/elements.h"
-#include "search/mesh_solver.h"
-#include "search/stages.h"
-#include "search/vertices.h"
-#include "structures/octree.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/elements.h"
+#include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/stages.h"
+#include "algorithms/search/vertices.h"
+#include "algorithms/structures/octree.h"
 
 #include <algorithm>
 #include <array>

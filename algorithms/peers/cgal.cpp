@@ -11,8 +11,8 @@
 // The soup becomes a Surface_mesh with shared vertices if that is a polygon mesh; otherwise each triangle gets three vertices
 // of its own. That is valid for this function: it uses faces one by one, and only its matching of equal faces of A and B
 // compares positions, which it sorts for this purpose.
-#include "kernel/rounding.h"
-#include "solver.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/solver.h"
 
 #include <exception>
 

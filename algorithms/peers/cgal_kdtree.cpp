@@ -10,9 +10,9 @@
 //
 // Of n points of B in one place CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
 // stack, which crashes the process, here as in any program that uses it: with a stack of 8 MB not yet at n = 20,000, but at 50,000.
-#include "kernel/deadline.h"
-#include "peers/checked_result.h"
-#include "points/point_solver.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/peers/checked_result.h"
+#include "algorithms/points/point_solver.h"
 
 #include <CGAL/Orthogonal_k_neighbor_search.h>
 #include <CGAL/Search_traits_3.h>

@@ -1,7 +1,7 @@
 // The end of a search for nearest points by a library that gives no guarantee: a certified result all the same.
 #pragma once
 
-#include "points/exact.h"
+#include "algorithms/points/exact.h"
 
 namespace hausbench {
 

@@ -3,8 +3,8 @@
 //
 // Certified although nanoflann gives no guarantee: checked_result.h says why. O(|A| log |B| + |B|) time on tame data,
 // O(|A| + |B|) memory. Budget: points of A.
-#include "kernel/deadline.h"
-#include "peers/checked_result.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/peers/checked_result.h"
 
 #include <algorithm>
 

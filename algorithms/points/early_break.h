@@ -1,10 +1,10 @@
 // The inner loop of EARLYBREAK, which OHD also uses for its first lower bound.
 #pragma once
 
-#include "kernel/deadline.h"
-#include "options.h"
-#include "points/exact.h"
-#include "points/shuffle.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/options.h"
+#include "algorithms/points/exact.h"
+#include "algorithms/points/shuffle.h"
 
 #include <algorithm>
 #include <limits>

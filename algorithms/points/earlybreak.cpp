@@ -4,8 +4,8 @@
 // given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print lacks it and may
 // return a stale minimum). The exclusion of common points is h(A, B) = h(A \ B, B): the inner set stays the whole of B.
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
-#include "points/early_break.h"
-#include "points/point_solver.h"
+#include "algorithms/points/early_break.h"
+#include "algorithms/points/point_solver.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // What the exact solvers for point sets share: squared distances in, a certified result out (rounding.h).
 #pragma once
 
-#include "kernel/rounding.h"
-#include "solver.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/solver.h"
 
 namespace hausbench {
 

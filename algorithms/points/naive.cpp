@@ -2,9 +2,9 @@
 //
 // Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
 // Algorithm 1 (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
-#include "kernel/deadline.h"
-#include "points/exact.h"
-#include "points/point_solver.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/points/exact.h"
+#include "algorithms/points/point_solver.h"
 
 namespace hausbench {
 namespace {

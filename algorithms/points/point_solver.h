@@ -1,7 +1,7 @@
 // What a solver for point sets says of itself.
 #pragma once
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 #include <utility>
 

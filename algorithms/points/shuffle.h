@@ -1,8 +1,8 @@
 // A seeded random order, the same on every machine.
 #pragma once
 
-#include "kernel/splitmix.h"
-#include "scene.h"
+#include "algorithms/kernel/splitmix.h"
+#include "algorithms/scene.h"
 
 #include <cstdint>
 #include <utility>

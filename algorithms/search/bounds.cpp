@@ -1,4 +1,4 @@
-#include "bounds.h"
+#include "algorithms/search/bounds.h"
 
 #include <cmath>
 

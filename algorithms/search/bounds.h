@@ -6,11 +6,11 @@
 // Upper bound: the largest of those kept ("settled") and of those in the queue, which belongs to the caller.
 #pragma once
 
-#include "elements.h"
-#include "kernel/deadline.h"
-#include "kernel/rounding.h"
-#include "solver.h"
-#include "target.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/search/elements.h"
+#include "algorithms/search/target.h"
+#include "algorithms/solver.h"
 
 #include <algorithm>
 #include <cmath>

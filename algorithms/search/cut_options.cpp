@@ -1,4 +1,4 @@
-#include "cut_options.h"
+#include "algorithms/search/cut_options.h"
 
 namespace hausbench {
 

@@ -1,8 +1,8 @@
 // How a solver cuts the triangles of A, as its parameters say.
 #pragma once
 
-#include "options.h"
-#include "subdivision.h"
+#include "algorithms/options.h"
+#include "algorithms/search/subdivision.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "elements.h"
+#include "algorithms/search/elements.h"
 
 #include <algorithm>
 

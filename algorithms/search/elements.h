@@ -1,7 +1,7 @@
 // What a search knows of each triangle of A, beside what it knows of all: for Result::fields, and kept only where they are wanted.
 #pragma once
 
-#include "target.h"
+#include "algorithms/search/target.h"
 
 #include <vector>
 

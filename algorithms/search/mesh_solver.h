@@ -2,12 +2,12 @@
 // the coordinates, which decides how far rounding may go.
 #pragma once
 
-#include "cut_options.h"
-#include "kernel/posed_box.h"
-#include "kernel/rounding.h"
-#include "solver.h"
-#include "structures/bvh.h"
-#include "target.h"
+#include "algorithms/kernel/posed_box.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/search/cut_options.h"
+#include "algorithms/search/target.h"
+#include "algorithms/solver.h"
+#include "algorithms/structures/bvh.h"
 
 #include <algorithm>
 #include <concepts>

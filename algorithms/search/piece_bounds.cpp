@@ -1,4 +1,4 @@
-#include "piece_bounds.h"
+#include "algorithms/search/piece_bounds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,14 +29,14 @@ Vec3 across(const Vec3& a, const Vec3& b, const Vec3& apex) {
     return height / std::sqrt(squared_length(height));
 }
 
-struct Side {
+struct Plane {
     Vec3 origin, normal;
     double of(const Vec3& point) const { return dot(point - origin, normal); }
 };
 
 // The plane that halves the angle of two triangles at the edge that they share; positive on the side of `one`. Corners are
 // shared by place, so that soups have neighbours too. None where they do not share two.
-std::optional<Side> bisector(const Triangle& one, const Triangle& two) {
+std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
     std::array<int, 3> partner{-1, -1, -1};
     int shared = 0, alone_p = 0, in_q = 0;
@@ -53,7 +53,7 @@ std::optional<Side> bisector(const Triangle& one, const Triangle& two) {
     }
     if (shared != 2 || in_q < 1 || in_q > 3) return std::nullopt;
     const Vec3 &a = p[(alone_p + 1) % 3], &b = p[(alone_p + 2) % 3];
-    return Side{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
+    return Plane{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
 }
 
 // h(T, {p, q})^2, T cut by the plane between the two points.

@@ -8,8 +8,8 @@
 // Each bound holds for the exact piece that stands behind one whose corners were rounded `level` times (kernel/rounding.h).
 #pragma once
 
-#include "kernel/rounding.h"
-#include "target.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/search/target.h"
 
 #include <array>
 #include <limits>

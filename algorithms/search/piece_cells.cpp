@@ -1,4 +1,4 @@
-#include "piece_cells.h"
+#include "algorithms/search/piece_cells.h"
 
 #include <cmath>
 #include <optional>

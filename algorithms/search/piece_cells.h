@@ -10,8 +10,8 @@
 // PieceProofs::finish() leaves more than that.
 #pragma once
 
-#include "cover_certificate.h"
-#include "piece_bounds.h"
+#include "algorithms/certificate/cover_certificate.h"
+#include "algorithms/search/piece_bounds.h"
 
 #include <cstddef>
 #include <cstdint>

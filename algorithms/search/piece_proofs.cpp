@@ -1,4 +1,4 @@
-#include "piece_proofs.h"
+#include "algorithms/search/piece_proofs.h"
 
 #include <algorithm>
 #include <optional>

@@ -14,10 +14,10 @@
 // Nothing here changes what the search does; it is called only where a certificate is wanted.
 #pragma once
 
-#include "cover_certificate.h"
-#include "mesh_solver.h"
-#include "piece_cells.h"
-#include "subdivision.h"
+#include "algorithms/certificate/cover_certificate.h"
+#include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/piece_cells.h"
+#include "algorithms/search/subdivision.h"
 
 #include <array>
 #include <cstddef>

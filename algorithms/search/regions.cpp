@@ -1,6 +1,6 @@
-#include "regions.h"
+#include "algorithms/search/regions.h"
 
-#include "queue.h"
+#include "algorithms/search/queue.h"
 
 #include <cmath>
 

@@ -10,9 +10,9 @@
 // distance to a corner, computed as to a point of the box, errs as that does: a bound like that of a vertex (kernel/rounding.h).
 #pragma once
 
-#include "bounds.h"
-#include "kernel/posed_box.h"
-#include "structures/triangle_tree.h"
+#include "algorithms/kernel/posed_box.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/structures/triangle_tree.h"
 
 #include <functional>
 

@@ -1,8 +1,8 @@
 // The loop of searches that split a piece of A at a time.
 #pragma once
 
-#include "bounds.h"
-#include "queue.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/queue.h"
 
 namespace hausbench {
 

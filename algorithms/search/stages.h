@@ -1,7 +1,7 @@
 // The time that each stage of a solve takes, for Wanted::stages.
 #pragma once
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 #include <chrono>
 #include <string>

@@ -1,7 +1,7 @@
 // A triangle cut into smaller ones, which share the new vertices: each is measured once.
 #pragma once
 
-#include "kernel/point_triangle.h"
+#include "algorithms/kernel/point_triangle.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
-#include "target.h"
+#include "algorithms/search/target.h"
 
-#include "kernel/textbook.h"
+#include "algorithms/kernel/textbook.h"
 
 namespace hausbench {
 namespace {

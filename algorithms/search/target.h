@@ -1,11 +1,11 @@
 // Distances to the target B, by its tree, its grid or its blocks, or by a scan where B is so small that it has neither.
 #pragma once
 
-#include "kernel/closest.h"
-#include "kernel/triangle_block.h"
-#include "structures/triangle_blocks.h"
-#include "structures/triangle_grid.h"
-#include "structures/triangle_tree.h"
+#include "algorithms/kernel/closest.h"
+#include "algorithms/kernel/triangle_block.h"
+#include "algorithms/structures/triangle_blocks.h"
+#include "algorithms/structures/triangle_grid.h"
+#include "algorithms/structures/triangle_tree.h"
 
 namespace hausbench {
 

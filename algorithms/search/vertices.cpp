@@ -1,4 +1,4 @@
-#include "vertices.h"
+#include "algorithms/search/vertices.h"
 
 namespace hausbench {
 

@@ -1,10 +1,10 @@
 // The vertices of A, each measured once: where searches over whole triangles of A begin.
 #pragma once
 
-#include "bounds.h"
-#include "piece_proofs.h"
-#include "regions.h"
-#include "warm_start.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/piece_proofs.h"
+#include "algorithms/search/regions.h"
+#include "algorithms/search/warm_start.h"
 
 #include <array>
 #include <vector>

@@ -4,9 +4,9 @@
 // slower. Ours: in none of the papers, so a solver uses it only where the caller gives it a state.
 #pragma once
 
-#include "bounds.h"
-#include "kernel/point_triangle.h"
-#include "solver.h"
+#include "algorithms/kernel/point_triangle.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/solver.h"
 
 #include <algorithm>
 #include <vector>

@@ -3,8 +3,8 @@
 // Eight children a node, eight elements a leaf, built by the surface area heuristic (build_bvh in wide_tree.h).
 #pragma once
 
-#include "kernel/triangle_block.h"
-#include "triangle_tree.h"
+#include "algorithms/kernel/triangle_block.h"
+#include "algorithms/structures/triangle_tree.h"
 
 #include <string_view>
 

@@ -1,7 +1,7 @@
 // The triangle of smallest computed distance among some, as many at once as a vector of doubles holds. Compiled once for every
 // target: include it after hwy/foreach_target.h.
-#include "kernel/closest.h"
-#include "kernel/point_triangle-inl.h"
+#include "algorithms/kernel/closest.h"
+#include "algorithms/kernel/point_triangle-inl.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tree_builder.h"
+#include "algorithms/structures/tree_builder.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Octree over the triangles of a mesh, for closest point queries (triangle_tree.h).
 #pragma once
 
-#include "triangle_tree.h"
+#include "algorithms/structures/triangle_tree.h"
 
 #include <string_view>
 

@@ -1,11 +1,11 @@
-#include "bvh.h"
+#include "algorithms/structures/bvh.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "structures/point_bvh.cpp"
+#define HWY_TARGET_INCLUDE "algorithms/structures/point_bvh.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "kernel/point_triangle-inl.h"
-#include "wide_walk-inl.h"
+#include "algorithms/kernel/point_triangle-inl.h"
+#include "algorithms/structures/wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {

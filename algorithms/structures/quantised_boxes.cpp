@@ -1,4 +1,4 @@
-#include "quantised_boxes.h"
+#include "algorithms/structures/quantised_boxes.h"
 
 #include <algorithm>
 #include <bit>

@@ -10,7 +10,7 @@
 // what origin + q step is when computed: no farther inside than any coordinate of the content (QuantisedBoxes::set).
 #pragma once
 
-#include "kernel/box.h"
+#include "algorithms/kernel/box.h"
 
 #include <cstdint>
 #include <span>

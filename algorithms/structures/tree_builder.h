@@ -5,7 +5,7 @@
 // decide by may be inexact, as the boxes of the tree are set afterwards, from exact ones.
 #pragma once
 
-#include "wide_tree.h"
+#include "algorithms/structures/wide_tree.h"
 
 #include <array>
 #include <bit>

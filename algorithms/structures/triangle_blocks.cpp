@@ -1,6 +1,6 @@
-#include "triangle_blocks.h"
+#include "algorithms/structures/triangle_blocks.h"
 
-#include "kernel/morton.h"
+#include "algorithms/kernel/morton.h"
 
 #include <algorithm>
 #include <bit>

@@ -18,9 +18,9 @@
 //     largest |coordinate| of it and the point (kernel/rounding.h).
 #pragma once
 
-#include "kernel/closest.h"
-#include "kernel/parallel.h"
-#include "kernel/triangle_frames.h"
+#include "algorithms/kernel/closest.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/kernel/triangle_frames.h"
 
 #include <cstdint>
 #include <string_view>

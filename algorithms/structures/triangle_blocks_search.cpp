@@ -1,5 +1,5 @@
-#include "kernel/rounding.h"
-#include "triangle_blocks.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,11 +9,11 @@
 #include <span>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "structures/triangle_blocks_search.cpp"
+#define HWY_TARGET_INCLUDE "algorithms/structures/triangle_blocks_search.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "nearest-inl.h"
-#include "triangle_blocks_walk-inl.h"
+#include "algorithms/structures/nearest-inl.h"
+#include "algorithms/structures/triangle_blocks_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {

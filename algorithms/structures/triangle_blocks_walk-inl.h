@@ -1,8 +1,8 @@
 // The walks over triangle blocks: leaves near a point, nearest first or in any order. Compiled once for every target: include it after
 // hwy/foreach_target.h.
-#include "kernel/rounding.h"
-#include "kernel/triangle_frames-inl.h"
-#include "triangle_blocks.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/triangle_frames-inl.h"
+#include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,6 @@
-#include "triangle_grid.h"
+#include "algorithms/structures/triangle_grid.h"
 
-#include "kernel/rounding.h"
+#include "algorithms/kernel/rounding.h"
 
 #include <algorithm>
 #include <cmath>

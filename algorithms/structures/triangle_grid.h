@@ -9,7 +9,7 @@
 // it could win, and the closest point of a triangle, which is clamped to its box, lies in a cell that the triangle belongs to.
 #pragma once
 
-#include "kernel/closest.h"
+#include "algorithms/kernel/closest.h"
 
 #include <cstdint>
 #include <string_view>

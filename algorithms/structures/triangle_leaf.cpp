@@ -1,4 +1,4 @@
-#include "triangle_leaf.h"
+#include "algorithms/structures/triangle_leaf.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // The triangles of one leaf of a tree: a byte a plane of their boxes, and corners that they share.
 #pragma once
 
-#include "kernel/point_triangle.h"
-#include "wide_tree.h"
+#include "algorithms/kernel/point_triangle.h"
+#include "algorithms/structures/wide_tree.h"
 
 #include <cstdint>
 #include <span>

@@ -1,16 +1,16 @@
-#include "triangle_tree.h"
+#include "algorithms/structures/triangle_tree.h"
 
-#include "kernel/rounding.h"
-#include "kernel/textbook.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/textbook.h"
 
 #include <array>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "structures/triangle_tree.cpp"
+#define HWY_TARGET_INCLUDE "algorithms/structures/triangle_tree.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
-#include "nearest-inl.h"
-#include "wide_walk-inl.h"
+#include "algorithms/structures/nearest-inl.h"
+#include "algorithms/structures/wide_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {

@@ -1,9 +1,9 @@
 // Closest point queries over the triangles of a mesh: what bvh.h and octree.h have in common.
 #pragma once
 
-#include "kernel/closest.h"
-#include "triangle_leaf.h"
-#include "wide_tree.h"
+#include "algorithms/kernel/closest.h"
+#include "algorithms/structures/triangle_leaf.h"
+#include "algorithms/structures/wide_tree.h"
 
 #include <array>
 #include <cstddef>

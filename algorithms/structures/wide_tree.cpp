@@ -1,4 +1,4 @@
-#include "wide_tree.h"
+#include "algorithms/structures/wide_tree.h"
 
 #include <array>
 

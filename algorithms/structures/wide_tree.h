@@ -2,7 +2,7 @@
 // quantised (quantised_boxes.h).
 #pragma once
 
-#include "quantised_boxes.h"
+#include "algorithms/structures/quantised_boxes.h"
 
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
 // The walk over a WideTree: leaves near a point, nearest first. Compiled once for every target.
-#include "wide_tree.h"
+#include "algorithms/structures/wide_tree.h"
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>

@@ -1,4 +1,4 @@
-#include "surface_descent.h"
+#include "algorithms/surfaces/surface_descent.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Points of an algebraic surface in its box, found in plain arithmetic: nothing is proven.
 #pragma once
 
-#include "../kernel/box.h"
-#include "../kernel/polynomial.h"
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/polynomial.h"
 
 namespace hausbench {
 

@@ -1,8 +1,8 @@
-#include "surface_mesh.h"
+#include "algorithms/surfaces/surface_mesh.h"
 
-#include "../error.h"
-#include "../kernel/rounding.h"
-#include "surface_tree.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/surfaces/surface_tree.h"
 
 #include <algorithm>
 #include <map>

@@ -5,7 +5,7 @@
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
 #pragma once
 
-#include "../scene.h"
+#include "algorithms/scene.h"
 
 namespace hausbench {
 

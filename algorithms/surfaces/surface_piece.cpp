@@ -1,4 +1,4 @@
-#include "surface_piece.h"
+#include "algorithms/surfaces/surface_piece.h"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 // All functions want UpwardRounding (kernel/interval.h).
 #pragma once
 
-#include "kernel/interval_form.h"
+#include "algorithms/kernel/interval_form.h"
 
 namespace hausbench {
 

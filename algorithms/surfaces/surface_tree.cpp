@@ -1,6 +1,6 @@
-#include "surface_tree.h"
+#include "algorithms/surfaces/surface_tree.h"
 
-#include "surface_descent.h"
+#include "algorithms/surfaces/surface_descent.h"
 
 #include <Eigen/LU>
 

@@ -4,8 +4,8 @@
 // All functions want UpwardRounding (kernel/interval.h).
 #pragma once
 
-#include "kernel/counters.h"
-#include "surface_piece.h"
+#include "algorithms/kernel/counters.h"
+#include "algorithms/surfaces/surface_piece.h"
 
 #include <optional>
 

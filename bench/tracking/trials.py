@@ -52,7 +52,7 @@ class Kind:
 
 KINDS = {
     "unchanged": Kind("nothing", Verdict.passed, "time"),
-    "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.red, "time", "algorithms/session.cpp",
+    "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.red, "time", "algorithms/session/session.cpp",
                    "    Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);\n",
                    """    const auto clock = [] {
         timespec now{};

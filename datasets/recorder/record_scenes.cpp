@@ -7,7 +7,7 @@
 // them: bodies overlap by about a thousandth of their size. In the soft scenes contacts are springs with dampers, and bodies overlap by some
 // per cent, as in the penalty-based simulations that ask for the penetration depth. All steps are equally long. Bullet uses one thread here
 // and no clock: on one machine a run gives the same file again.
-#include "random.h"
+#include "datasets/random.h"
 #include "world.h"
 
 #include <CGAL/Polygon_mesh_processing/bbox.h>
@@ -154,7 +154,7 @@ std::string head(const Plan& plan) {
     text +=
         "# It stands in for the scene of this name of Tang et al. 2009, whose models and motion are not published.\n";
     text +=
-        "# Written by `make recordings` (datasets/recorder). Lengths are in units of the models, times in seconds.\n";
+        "# Written by `tools/recordings` (datasets/recorder). Lengths are in units of the models, times in seconds.\n";
     text += fmt::format(
         "# Simulated with Bullet {}.{} in double precision: triangle meshes of density {} over the ground z = 0,\n",
         btGetVersion() / 100, btGetVersion() % 100, s.density);

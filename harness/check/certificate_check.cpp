@@ -1,9 +1,9 @@
 // Doubles and intervals are rounded upward throughout the check: of plain doubles, a sum or a product of positive numbers, and a
 // root, is then at least the exact one. Comments say where a bound depends on it.
-#include "check/certificate_check.h"
+#include "harness/check/certificate_check.h"
 
-#include "check/certificate_tree.h"
-#include "check/verify_exact.h"
+#include "harness/check/certificate_tree.h"
+#include "harness/check/verify_exact.h"
 
 #include <fmt/format.h>
 

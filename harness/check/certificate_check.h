@@ -6,8 +6,8 @@
 // `vertex`). So a certificate may come from anywhere, and a wrong index makes the bound larger, not wrong.
 #pragma once
 
-#include "scene.h"
-#include "solver.h"
+#include "algorithms/scene.h"
+#include "algorithms/solver.h"
 
 #include <cstdint>
 #include <string>

@@ -1,13 +1,13 @@
-#include "check/certificate_file.h"
+#include "harness/check/certificate_file.h"
 
-#include "check/verify.h"
-#include "error.h"
-#include "hash.h"
-#include "printable.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "datasets/hash.h"
+#include "datasets/shape_file.h"
+#include "harness/check/verify.h"
+#include "harness/record/json.h"
+#include "harness/record/row.h"
 #include "process/whole_file.h"
-#include "record/json.h"
-#include "record/row.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

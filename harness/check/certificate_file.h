@@ -2,9 +2,9 @@
 // the bytes of the certificates one after the other, and a last line with the SHA-256 of all before it; docs/certificate.md lists the keys.
 #pragma once
 
-#include "check/certificate_check.h"
-#include "prepared.h"
-#include "solver.h"
+#include "algorithms/prepared.h"
+#include "algorithms/solver.h"
+#include "harness/check/certificate_check.h"
 
 #include <filesystem>
 #include <string>

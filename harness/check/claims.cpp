@@ -1,6 +1,6 @@
-#include "check/claims.h"
+#include "harness/check/claims.h"
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 #include <fmt/format.h>
 

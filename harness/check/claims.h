@@ -1,8 +1,8 @@
 // Checks what the rows of a result say of themselves: a forged or damaged file may contradict itself where its bounds are right.
 #pragma once
 
-#include "record/row.h"
-#include "scene.h"
+#include "algorithms/scene.h"
+#include "harness/record/row.h"
 
 #include <functional>
 #include <string>

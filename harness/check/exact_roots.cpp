@@ -1,6 +1,6 @@
-#include "check/exact_roots.h"
+#include "harness/check/exact_roots.h"
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <algorithm>
 #include <cmath>

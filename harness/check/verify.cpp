@@ -1,8 +1,8 @@
-#include "check/verify.h"
+#include "harness/check/verify.h"
 
-#include "check/verify_fields.h"
-#include "check/verify_penetration.h"
-#include "check/verify_surface.h"
+#include "harness/check/verify_fields.h"
+#include "harness/check/verify_penetration.h"
+#include "harness/check/verify_surface.h"
 
 #include <fmt/format.h>
 

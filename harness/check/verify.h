@@ -21,7 +21,7 @@
 // a certified row may be off by nothing.
 #pragma once
 
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
 #include <cstddef>
 #include <functional>

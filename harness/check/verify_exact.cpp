@@ -1,4 +1,4 @@
-#include "check/verify_exact.h"
+#include "harness/check/verify_exact.h"
 
 #include <CGAL/Interval_nt.h>
 #include <CGAL/Simple_cartesian.h>
@@ -13,7 +13,7 @@ namespace {
 using Interval = CGAL::Interval_nt<false>;
 using Exact = CGAL::Simple_cartesian<Rational>;
 
-// The definition of a posed point (algorithms/geometry.h), written again on purpose.
+// The definition of a posed point (algorithms/kernel/geometry.h), written again on purpose.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;

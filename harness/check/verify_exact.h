@@ -2,8 +2,8 @@
 // Shares no kernel, no tree and no rounding rule with the solvers.
 #pragma once
 
-#include "check/exact_roots.h"
-#include "check/verify.h"
+#include "harness/check/exact_roots.h"
+#include "harness/check/verify.h"
 
 #include <optional>
 #include <vector>

@@ -1,7 +1,7 @@
-#include "check/verify_fields.h"
+#include "harness/check/verify_fields.h"
 
-#include "check/verify_exact.h"
-#include "fields.h"
+#include "harness/check/verify_exact.h"
+#include "harness/record/fields.h"
 
 #include <fmt/format.h>
 

@@ -13,7 +13,7 @@
 // convex, no point of T is farther from it. It tries the elements b that are about the nearest to a corner or the centroid.
 #pragma once
 
-#include "check/verify.h"
+#include "harness/check/verify.h"
 
 #include <string>
 

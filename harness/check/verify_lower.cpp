@@ -1,4 +1,4 @@
-#include "check/verify_exact.h"
+#include "harness/check/verify_exact.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "check/verify_penetration.h"
+#include "harness/check/verify_penetration.h"
 
-#include "check/verify_exact.h"
+#include "harness/check/verify_exact.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Simple_cartesian.h>

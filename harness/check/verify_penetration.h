@@ -11,8 +11,8 @@
 // Nobody certifies a depth, since cut points are rounded, by more where triangles are nearly parallel: bounds may be off by 1e-10 of the largest |coordinate|.
 #pragma once
 
-#include "check/verify.h"
-#include "result/result_file.h"
+#include "harness/check/verify.h"
+#include "harness/result/result_file.h"
 
 namespace hausbench {
 

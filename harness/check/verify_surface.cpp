@@ -1,6 +1,6 @@
-#include "check/verify_surface.h"
+#include "harness/check/verify_surface.h"
 
-#include "kernel/interval_form.h"
+#include "algorithms/kernel/interval_form.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 //
 // Shared with the solvers: the reader of polynomials (kernel/polynomial.h), interval arithmetic (kernel/interval.h) and the
 // linear form of a polynomial over a box (FormEvaluator::linear, kernel/interval_form.h). An error in these could pass unseen
-// here; tests/kernel_interval_test.cpp compares each with exact rationals. Not shared: the octrees, the search for points, the
+// here; tests/algorithms/kernel/kernel_interval_test.cpp compares each with exact rationals. Not shared: the octrees, the search for points, the
 // bounds on distances, and the proof below.
 //
 // A has a point within e of p if its polynomial changes sign on a segment of half length e through p within the box. B has
@@ -10,7 +10,7 @@
 // some m the function |y - p|^2 - r^2 - m f(y) is nowhere negative in it.
 #pragma once
 
-#include "record/row.h"
+#include "harness/record/row.h"
 
 namespace hausbench {
 

@@ -1,4 +1,4 @@
-#include "check/verify_upper.h"
+#include "harness/check/verify_upper.h"
 
 #include <CGAL/Interval_nt.h>
 

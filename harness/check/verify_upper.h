@@ -1,7 +1,7 @@
 // Upper bounds of distances between point sets, for reference answers, which need a proof of their own. Shares nothing with the solvers.
 #pragma once
 
-#include "check/verify_exact.h"
+#include "harness/check/verify_exact.h"
 
 namespace hausbench {
 

@@ -1,13 +1,13 @@
-#include "commands/cluster.h"
+#include "harness/commands/cluster.h"
 
-#include "commands/text_table.h"
-#include "error.h"
-#include "hash.h"
-#include "paths.h"
-#include "plan/split.h"
+#include "algorithms/error.h"
+#include "datasets/hash.h"
+#include "datasets/paths.h"
+#include "harness/commands/text_table.h"
+#include "harness/plan/split.h"
+#include "harness/run/finished.h"
 #include "process/child.h"
 #include "process/whole_file.h"
-#include "run/finished.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -7,7 +7,7 @@
 // and journals of its own.
 #pragma once
 
-#include "commands/experiment_arguments.h"
+#include "harness/commands/experiment_arguments.h"
 
 #include <optional>
 #include <string>

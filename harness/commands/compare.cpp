@@ -1,9 +1,9 @@
 // `hausbench compare`: two results, or two solvers of one result, side by side.
-#include "commands/compare_results.h"
-#include "commands/compare_solvers.h"
-#include "commands/row_choice.h"
-#include "commands/verb.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "harness/commands/compare_results.h"
+#include "harness/commands/compare_solvers.h"
+#include "harness/commands/row_choice.h"
+#include "harness/commands/verb.h"
 
 #include <fmt/format.h>
 
@@ -31,9 +31,8 @@ std::string compare(const std::vector<std::filesystem::path>& files, const std::
     if (files.size() != (solvers.empty() ? 2 : 1))
         throw InputError(solvers.empty() ? "compare: name two results, or two solvers of one with --solver A B"
                                          : "compare: --solver compares two solvers of one result: name one");
-    // Never freed: the program ends, and freeing 100,000 rows one by one takes a tenth of reading them.
-    const auto read = [&](std::size_t i) -> const ResultFile& {
-        ResultFile& result = *new ResultFile(read_result(files[i]));
+    const auto read = [&](std::size_t i) {
+        ResultFile result = read_result(files[i]);
         if (!wanted.scenes.empty() || !wanted.profile.empty()) take_rows(result, wanted);
         return result;
     };

@@ -1,9 +1,9 @@
-#include "commands/compare_results.h"
+#include "harness/commands/compare_results.h"
 
-#include "error.h"
-#include "printable.h"
-#include "record/row_times.h"
-#include "record/statistics.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "harness/record/row_times.h"
+#include "harness/record/statistics.h"
 
 #include <fmt/format.h>
 

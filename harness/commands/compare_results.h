@@ -1,7 +1,7 @@
 // Compares two results of the same experiment.
 #pragma once
 
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
 #include <string>
 

@@ -1,11 +1,11 @@
-#include "commands/compare_solvers.h"
+#include "harness/commands/compare_solvers.h"
 
-#include "commands/row_choice.h"
-#include "error.h"
-#include "record/profiles.h"
-#include "record/row_times.h"
-#include "record/statistics.h"
-#include "result/provenance.h"
+#include "algorithms/error.h"
+#include "harness/commands/row_choice.h"
+#include "harness/record/profiles.h"
+#include "harness/record/row_times.h"
+#include "harness/record/statistics.h"
+#include "harness/result/provenance.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Compares two solvers of one result.
 #pragma once
 
-#include "commands/text_table.h"
-#include "result/result_file.h"
+#include "harness/commands/text_table.h"
+#include "harness/result/result_file.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // `hausbench draw`: tables and figures of any result. analysis/draw.py does it.
-#include "commands/python_module.h"
-#include "commands/verb.h"
-#include "paths.h"
+#include "datasets/paths.h"
+#include "harness/commands/python_module.h"
+#include "harness/commands/verb.h"
 
 #include <cstdlib>
 

@@ -1,10 +1,10 @@
-#include "commands/experiment_arguments.h"
+#include "harness/commands/experiment_arguments.h"
 
-#include "error.h"
-#include "paths.h"
-#include "plan/own_models.h"
-#include "run/progress.h"
-#include "shape_file.h"
+#include "algorithms/error.h"
+#include "datasets/paths.h"
+#include "datasets/shape_file.h"
+#include "harness/plan/own_models.h"
+#include "harness/run/progress.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // The options that `run` and `explain` share.
 #pragma once
 
-#include "commands/verb.h"
-#include "plan/plan.h"
+#include "harness/commands/verb.h"
+#include "harness/plan/plan.h"
 
 #include <filesystem>
 #include <string>

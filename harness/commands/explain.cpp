@@ -1,8 +1,8 @@
 // `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
-#include "commands/experiment_arguments.h"
-#include "commands/explain_plan.h"
-#include "error.h"
-#include "run/earlier.h"
+#include "algorithms/error.h"
+#include "harness/commands/experiment_arguments.h"
+#include "harness/commands/explain_plan.h"
+#include "harness/run/earlier.h"
 
 #include <fmt/format.h>
 

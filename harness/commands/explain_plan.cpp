@@ -1,16 +1,16 @@
-#include "commands/explain_plan.h"
-#include "commands/row_texts.h"
+#include "harness/commands/explain_plan.h"
+#include "harness/commands/row_texts.h"
 
-#include "contract.h"
-#include "error.h"
-#include "plan/estimate.h"
-#include "plan/references.h"
-#include "printable.h"
+#include "algorithms/contract.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/shape_file.h"
+#include "harness/plan/estimate.h"
+#include "harness/plan/references.h"
+#include "harness/result/provenance.h"
 #include "process/memory.h"
-#include "registry.h"
-#include "result/provenance.h"
-#include "session.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

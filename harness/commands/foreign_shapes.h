@@ -1,8 +1,8 @@
 // Makes the shapes of a result that somebody else may have written.
 #pragma once
 
-#include "catalogue.h"
-#include "result/result_file.h"
+#include "datasets/catalogue.h"
+#include "harness/result/result_file.h"
 
 #include <map>
 #include <string>

@@ -1,9 +1,9 @@
 // Verbs that only the program itself calls: `load`, `derive` and `worker`.
-#include "commands/verb.h"
-#include "derive.h"
-#include "load.h"
-#include "run/worker.h"
-#include "shape_file.h"
+#include "datasets/derive.h"
+#include "datasets/load.h"
+#include "datasets/shape_file.h"
+#include "harness/commands/verb.h"
+#include "harness/run/worker.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // `hausbench list`: the solvers, experiments, models and columns that there are.
-#include "commands/listing.h"
-#include "commands/verb.h"
-#include "record/columns.h"
+#include "harness/commands/listing.h"
+#include "harness/commands/verb.h"
+#include "harness/record/columns.h"
 
 namespace hausbench {
 
@@ -10,7 +10,7 @@ void add_list(CLI::App& app, int&) {
     static std::string what;
     auto* verb = app.add_subcommand("list", "list the solvers, or what is asked for; everything with --json");
     verb->add_option("what", what,
-                     "solvers, experiments, models, corpus, kicad, or columns (of result files, as JSON); or the name "
+                     "solvers, experiments, models, corpus, or columns (of result files, as JSON); or the name "
                      "of one solver, "
                      "experiment or model");
     verb->add_flag("--json", json, "print everything as one JSON object");

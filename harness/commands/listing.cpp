@@ -1,11 +1,11 @@
-#include "commands/listing.h"
+#include "harness/commands/listing.h"
 
-#include "catalogue.h"
-#include "corpus.h"
-#include "error.h"
-#include "paths.h"
-#include "plan/experiment.h"
-#include "registry.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "datasets/catalogue.h"
+#include "datasets/corpus.h"
+#include "datasets/paths.h"
+#include "harness/plan/experiment.h"
 
 #include <fmt/format.h>
 
@@ -176,23 +176,19 @@ std::string models_text(const json& all, const Paper& paper) {
     const std::size_t meshes = meshes_of_corpus(all);
     if (meshes == 0) return table.text(paper);
     return table.text(paper) +
-           wrapped(
-               fmt::format("and {} more meshes of the corpus, see `hausbench list corpus`; `list kicad` lists a tier",
-                           meshes),
-               0, paper.width);
+           wrapped(fmt::format("and {} more meshes of the corpus, see `hausbench list corpus`", meshes), 0,
+                   paper.width);
 }
 
-// Of the corpus, or of a tier, whose models' names begin with its name.
-std::string corpus_text(const json& all, const std::string& what, const Paper& paper) {
+std::string corpus_text(const json& all, const Paper& paper) {
     TextTable table({{"model"}, {"from", false, 1}, {"file", false, 0, true}});
     bool any = false;
     for (const json& m : all["corpus"]) {
-        if (text_of(m, "source") == "derived" || (what != "corpus" && !text_of(m, "name").starts_with(what + "_")))
-            continue;
+        if (text_of(m, "source") == "derived") continue;
         table.add({{text_of(m, "name"), origin(m), text_of(m, "path")}});
         any = true;
     }
-    std::string text = any ? table.text(paper) : fmt::format("no {0}: there is no datasets/{0}.toml here\n", what);
+    std::string text = any ? table.text(paper) : "no corpus: there is no datasets/corpus.toml here\n";
     for (const CorpusRule& rule : corpus_rules())
         text += wrapped(fmt::format("NAME{}: NAME{} ({}, {} = {})", rule.ending, rule.note, rule.operation, rule.number,
                                     rule.value),
@@ -269,7 +265,7 @@ std::string screen(const json& all, const Paper& paper) {
 
 }  // namespace
 
-json list_as_json(const std::string& what) {
+json list_as_json() {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
                 {"experiments", json::array()},
@@ -285,20 +281,17 @@ json list_as_json(const std::string& what) {
     }
     if (manifest_file().empty()) return out;
     Catalogue catalogue(manifest_file(), cache_folder(), program_path());
-    add_tier_of(what, manifest_file(), catalogue);
-    for (const std::string& tier : tiers())
-        if (what == tier) add_tier_of(tier + "_", manifest_file(), catalogue);
     for (const ModelInfo& m : catalogue.models()) out[m.of_corpus ? "corpus" : "models"].push_back(model_json(m));
     return out;
 }
 
 std::string list_as_text(const std::string& what, const Paper& paper) {
-    const json all = list_as_json(what);
+    const json all = list_as_json();
     if (what.empty()) return screen(all, paper);
     if (what == "solvers") return solvers_text(all, paper);
     if (what == "experiments") return experiments_text(all, paper);
     if (what == "models") return models_text(all, paper);
-    if (what == "corpus" || std::count(tiers().begin(), tiers().end(), what)) return corpus_text(all, what, paper);
+    if (what == "corpus") return corpus_text(all, paper);
     struct Kind {
         const char *group, *key;
         std::string (*text)(const json&, const Paper&);
@@ -308,7 +301,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
     std::string text;  // a name may be that of a solver and of a model
-    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "kicad", "columns"};
+    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {
             known.push_back(text_of(one, kind.key));

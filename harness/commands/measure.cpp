@@ -1,10 +1,10 @@
 // `hausbench measure`: the distance between any two files.
-#include "commands/measurement.h"
+#include "harness/commands/measurement.h"
 
-#include "commands/measurement_pairs.h"
-#include "commands/verb.h"
-#include "error.h"
-#include "record/json.h"
+#include "algorithms/error.h"
+#include "harness/commands/measurement_pairs.h"
+#include "harness/commands/verb.h"
+#include "harness/record/json.h"
 
 #include <fmt/format.h>
 

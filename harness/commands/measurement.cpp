@@ -1,16 +1,16 @@
-#include "commands/measurement.h"
+#include "harness/commands/measurement.h"
 
-#include "check/certificate_file.h"
-#include "check/claims.h"
-#include "commands/measurement_solve.h"
-#include "commands/named_shape.h"
-#include "derive.h"
-#include "error.h"
-#include "plan/plan.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/derive.h"
+#include "harness/check/certificate_file.h"
+#include "harness/check/claims.h"
+#include "harness/commands/measurement_solve.h"
+#include "harness/commands/named_shape.h"
+#include "harness/plan/plan.h"
+#include "harness/result/field_file.h"
 #include "process/whole_file.h"
-#include "registry.h"
-#include "result/field_file.h"
-#include "session.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // `hausbench measure A B`: the distance between any two files.
 #pragma once
 
-#include "load.h"
-#include "record/row.h"
+#include "datasets/load.h"
+#include "harness/record/row.h"
 
 #include <nlohmann/json.hpp>
 

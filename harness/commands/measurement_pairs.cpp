@@ -1,8 +1,8 @@
-#include "commands/measurement_pairs.h"
+#include "harness/commands/measurement_pairs.h"
 
-#include "commands/row_texts.h"
-#include "commands/verb.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "harness/commands/row_texts.h"
+#include "harness/commands/verb.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

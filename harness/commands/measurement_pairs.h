@@ -1,7 +1,7 @@
 // Many pairs of files for one `measure`.
 #pragma once
 
-#include "commands/measurement.h"
+#include "harness/commands/measurement.h"
 
 #include <filesystem>
 #include <string>

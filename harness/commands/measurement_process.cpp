@@ -1,9 +1,9 @@
 // The process that solves for `measure`, and the one that waits for it.
-#include "commands/measurement_solve.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "harness/commands/measurement_solve.h"
+#include "harness/record/json.h"
 #include "process/child.h"
 #include "process/interrupts.h"
-#include "record/json.h"
 
 #include <fmt/format.h>
 

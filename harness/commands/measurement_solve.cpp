@@ -1,11 +1,11 @@
-#include "commands/measurement_solve.h"
+#include "harness/commands/measurement_solve.h"
 
-#include "check/certificate_file.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "algorithms/session/session.h"
+#include "datasets/shape_file.h"
+#include "harness/check/certificate_file.h"
+#include "harness/result/field_file.h"
 #include "process/memory.h"
-#include "result/field_file.h"
-#include "session.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 

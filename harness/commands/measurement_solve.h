@@ -1,8 +1,8 @@
 // The solving part of `measure`, which runs in a process of its own.
 #pragma once
 
-#include "commands/measurement.h"
-#include "solver.h"
+#include "algorithms/solver.h"
+#include "harness/commands/measurement.h"
 
 #include <functional>
 

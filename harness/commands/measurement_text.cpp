@@ -1,6 +1,6 @@
 // What `measure` prints: one JSON object, or lines for a person.
-#include "commands/measurement.h"
-#include "record/json.h"
+#include "harness/commands/measurement.h"
+#include "harness/record/json.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // `hausbench merge`: joins several results of one experiment, such as shards.
-#include "commands/merge_results.h"
+#include "harness/commands/merge_results.h"
 
-#include "commands/verb.h"
-#include "commands/verify_result.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "harness/commands/verb.h"
+#include "harness/commands/verify_result.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
-#include "commands/merge_results.h"
+#include "harness/commands/merge_results.h"
 
-#include "error.h"
-#include "plan/plan.h"
-#include "record/json.h"
-#include "record/profiles.h"
+#include "algorithms/error.h"
+#include "harness/plan/plan.h"
+#include "harness/record/json.h"
+#include "harness/record/profiles.h"
 
 #include <fmt/format.h>
 

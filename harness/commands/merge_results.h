@@ -1,7 +1,7 @@
 // Merges results of one experiment.
 #pragma once
 
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
 #include <filesystem>
 #include <string>

@@ -1,11 +1,11 @@
-#include "commands/named_shape.h"
+#include "harness/commands/named_shape.h"
 
-#include "commands/verb.h"
-#include "corpus.h"
-#include "error.h"
-#include "isolated.h"
-#include "paths.h"
-#include "shape_file.h"
+#include "algorithms/error.h"
+#include "datasets/corpus.h"
+#include "datasets/isolated.h"
+#include "datasets/paths.h"
+#include "datasets/shape_file.h"
+#include "harness/commands/verb.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,6 @@ namespace hausbench {
 LoadedShape load_named(const std::string& name) {
     if (names_a_file(name)) return load_isolated(program_path(), name);
     Catalogue models = catalogue();
-    add_tier_of(name, manifest_file(), models);
     if (!models.has(name)) {
         if (std::filesystem::exists(name)) return load_isolated(program_path(), name);
         std::vector<std::string> names;
@@ -30,7 +29,6 @@ LoadedShape load_named(const std::string& name) {
 std::filesystem::path file_behind(const std::string& name) {
     if (names_a_file(name)) return name;
     Catalogue models = catalogue();
-    add_tier_of(name, manifest_file(), models);
     if (!models.has(name)) return name;
     const ModelInfo* model = &models.find(name);
     while (model->source == "derived") model = &models.find(model->from);

@@ -1,7 +1,7 @@
 // Shapes that a command line names.
 #pragma once
 
-#include "load.h"
+#include "datasets/load.h"
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
-#include "commands/python_module.h"
+#include "harness/commands/python_module.h"
 
-#include "error.h"
-#include "paths.h"
+#include "algorithms/error.h"
+#include "datasets/paths.h"
 
 #include <fmt/format.h>
 

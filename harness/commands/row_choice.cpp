@@ -1,9 +1,9 @@
-#include "commands/row_choice.h"
+#include "harness/commands/row_choice.h"
 
-#include "commands/row_texts.h"
-#include "error.h"
-#include "record/columns.h"
-#include "record/profiles.h"
+#include "algorithms/error.h"
+#include "harness/commands/row_texts.h"
+#include "harness/record/columns.h"
+#include "harness/record/profiles.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,7 @@
 // Rows of a result, chosen by solver, scene and the values of columns: what --solver, --scene and --where of `show` say.
 #pragma once
 
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
 #include <functional>
 #include <string>

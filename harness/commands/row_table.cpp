@@ -1,8 +1,8 @@
-#include "commands/row_table.h"
+#include "harness/commands/row_table.h"
 
-#include "commands/row_texts.h"
-#include "record/json.h"
-#include "record/row_times.h"
+#include "harness/commands/row_texts.h"
+#include "harness/record/json.h"
+#include "harness/record/row_times.h"
 
 #include <fmt/format.h>
 

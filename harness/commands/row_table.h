@@ -1,8 +1,8 @@
 // Prints the rows of a result, one line each.
 #pragma once
 
-#include "commands/text_table.h"
-#include "result/result_file.h"
+#include "harness/commands/text_table.h"
+#include "harness/result/result_file.h"
 
 #include <cstddef>
 #include <string>

@@ -1,7 +1,7 @@
-#include "commands/row_texts.h"
+#include "harness/commands/row_texts.h"
 
-#include "record/columns.h"
-#include "record/row_times.h"
+#include "harness/record/columns.h"
+#include "harness/record/row_times.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // Formats values of rows for text tables.
 #pragma once
 
-#include "commands/text_table.h"
-#include "record/row.h"
-#include "result/provenance.h"
+#include "harness/commands/text_table.h"
+#include "harness/record/row.h"
+#include "harness/result/provenance.h"
 
 #include <string>
 #include <vector>

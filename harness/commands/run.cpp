@@ -1,13 +1,13 @@
 // `hausbench run`: runs an experiment and writes its results.
-#include "run/runner.h"
+#include "harness/run/runner.h"
 
-#include "commands/cluster.h"
-#include "commands/experiment_arguments.h"
-#include "commands/row_choice.h"
-#include "commands/summary.h"
-#include "error.h"
-#include "plan/estimate.h"
-#include "plan/split.h"
+#include "algorithms/error.h"
+#include "harness/commands/cluster.h"
+#include "harness/commands/experiment_arguments.h"
+#include "harness/commands/row_choice.h"
+#include "harness/commands/summary.h"
+#include "harness/plan/estimate.h"
+#include "harness/plan/split.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // `hausbench show`: the rows of a result.
-#include "commands/row_choice.h"
-#include "commands/row_table.h"
-#include "commands/row_texts.h"
-#include "commands/summary.h"
-#include "commands/verb.h"
-#include "record/columns.h"
+#include "harness/commands/row_choice.h"
+#include "harness/commands/row_table.h"
+#include "harness/commands/row_texts.h"
+#include "harness/commands/summary.h"
+#include "harness/commands/verb.h"
+#include "harness/record/columns.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,7 +52,7 @@ std::string show_ledger(const ResultFile& result, Form form, const Paper& paper)
 }
 
 std::string show(const std::filesystem::path& file, const RowChoice& choice, Form form, bool summary) {
-    ResultFile& result = *new ResultFile(read_result(file));  // never freed, as in commands/compare.cpp
+    ResultFile result = read_result(file);
     const auto rows = chosen_rows(result, choice);
     if (!summary) return show_rows(result, rows, form, paper_of_output());
     std::vector<Row> chosen;

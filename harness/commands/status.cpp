@@ -1,5 +1,5 @@
 // `hausbench status`: how far the run of an experiment is, here or on a cluster.
-#include "commands/cluster.h"
+#include "harness/commands/cluster.h"
 
 namespace hausbench {
 

@@ -1,9 +1,9 @@
-#include "commands/summary.h"
+#include "harness/commands/summary.h"
 
-#include "commands/row_texts.h"
-#include "plugin.h"
+#include "algorithms/plugin.h"
+#include "harness/commands/row_texts.h"
+#include "harness/record/row_times.h"
 #include "process/child.h"
-#include "record/row_times.h"
 
 #include <fmt/format.h>
 

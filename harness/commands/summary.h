@@ -1,8 +1,8 @@
 // The summary that `run` prints at its end.
 #pragma once
 
-#include "commands/text_table.h"
-#include "result/result_file.h"
+#include "harness/commands/text_table.h"
+#include "harness/result/result_file.h"
 
 #include <map>
 #include <set>

@@ -1,4 +1,4 @@
-#include "commands/text_table.h"
+#include "harness/commands/text_table.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Text tables that fit the terminal; elsewhere they are as wide as needed.
 #pragma once
 
-#include "printable.h"
+#include "algorithms/printable.h"
 
 #include <cstddef>
 #include <string>

@@ -1,6 +1,6 @@
 // `hausbench track`: whether the solvers of a checkout have become slower. What it does is bench/tracking, where scipy is.
-#include "commands/python_module.h"
-#include "commands/verb.h"
+#include "harness/commands/python_module.h"
+#include "harness/commands/verb.h"
 
 namespace hausbench {
 

@@ -1,9 +1,9 @@
-#include "commands/verb.h"
+#include "harness/commands/verb.h"
 
-#include "commands/text_table.h"
-#include "paths.h"
-#include "plugin.h"
-#include "printable.h"
+#include "algorithms/plugin.h"
+#include "algorithms/printable.h"
+#include "datasets/paths.h"
+#include "harness/commands/text_table.h"
 
 #include <fmt/format.h>
 

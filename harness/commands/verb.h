@@ -1,7 +1,7 @@
 // The verbs of the program, each in the file of its name, and what they share.
 #pragma once
 
-#include "catalogue.h"
+#include "datasets/catalogue.h"
 
 #include <CLI/CLI.hpp>
 

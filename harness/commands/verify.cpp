@@ -1,10 +1,10 @@
 // `hausbench verify`: the rows of a result, or a certificate, checked independently of the solvers.
-#include "commands/verify_result.h"
+#include "harness/commands/verify_result.h"
 
-#include "check/certificate_file.h"
-#include "commands/named_shape.h"
-#include "commands/verb.h"
-#include "error.h"
+#include "algorithms/error.h"
+#include "harness/check/certificate_file.h"
+#include "harness/commands/named_shape.h"
+#include "harness/commands/verb.h"
 
 #include <fmt/format.h>
 

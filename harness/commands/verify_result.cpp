@@ -1,10 +1,10 @@
-#include "commands/verify_result.h"
+#include "harness/commands/verify_result.h"
 
-#include "check/claims.h"
-#include "check/verify.h"
-#include "commands/foreign_shapes.h"
-#include "commands/summary.h"
-#include "printable.h"
+#include "algorithms/printable.h"
+#include "harness/check/claims.h"
+#include "harness/check/verify.h"
+#include "harness/commands/foreign_shapes.h"
+#include "harness/commands/summary.h"
 
 #include <fmt/format.h>
 

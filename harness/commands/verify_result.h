@@ -1,8 +1,8 @@
 // Checks every row of a result again.
 #pragma once
 
-#include "catalogue.h"
-#include "result/result_file.h"
+#include "datasets/catalogue.h"
+#include "harness/result/result_file.h"
 
 #include <string>
 #include <vector>

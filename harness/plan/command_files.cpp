@@ -1,6 +1,6 @@
-#include "plan/command_files.h"
+#include "harness/plan/command_files.h"
 
-#include "hash.h"
+#include "datasets/hash.h"
 
 #include <fmt/format.h>
 

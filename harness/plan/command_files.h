@@ -1,8 +1,8 @@
 // Finds the programs and files that a shell command names.
 #pragma once
 
-#include "options.h"
-#include "solver.h"
+#include "algorithms/options.h"
+#include "algorithms/solver.h"
 
 #include <filesystem>
 #include <string>

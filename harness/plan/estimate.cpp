@@ -1,10 +1,10 @@
-#include "plan/estimate.h"
+#include "harness/plan/estimate.h"
 
-#include "error.h"
-#include "plan/lookup.h"
-#include "registry.h"
-#include "result/provenance.h"
-#include "result/result_file.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "harness/plan/lookup.h"
+#include "harness/result/provenance.h"
+#include "harness/result/result_file.h"
 
 #include <fmt/format.h>
 

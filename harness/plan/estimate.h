@@ -1,7 +1,7 @@
 // What running a job will take, before it is run: for `explain`, for the order of work side by side, and for shards.
 #pragma once
 
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
 #include <cstdint>
 #include <filesystem>

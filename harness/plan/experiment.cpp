@@ -1,13 +1,13 @@
-#include "plan/experiment.h"
+#include "harness/plan/experiment.h"
 
-#include "error.h"
-#include "model_table.h"
-#include "plan/scene_reader.h"
-#include "plan/severity.h"
-#include "plan/solver_reader.h"
-#include "plugin.h"
-#include "registry.h"
-#include "toml_reader.h"
+#include "algorithms/error.h"
+#include "algorithms/plugin.h"
+#include "algorithms/registry.h"
+#include "datasets/model_table.h"
+#include "datasets/toml_reader.h"
+#include "harness/plan/scene_reader.h"
+#include "harness/plan/severity.h"
+#include "harness/plan/solver_reader.h"
 
 #include <fmt/format.h>
 

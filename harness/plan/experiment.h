@@ -1,11 +1,11 @@
 // Reads and checks an experiment file; CONTRIBUTING.md lists its keys. scene_reader.h and solver_reader.h read its tables.
 #pragma once
 
-#include "catalogue.h"
-#include "options.h"
-#include "plan/motion.h"
-#include "record/case.h"
-#include "solver.h"
+#include "algorithms/options.h"
+#include "algorithms/solver.h"
+#include "datasets/catalogue.h"
+#include "harness/plan/motion.h"
+#include "harness/record/case.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "plan/experiment_table.h"
+#include "harness/plan/experiment_table.h"
 
 #include <fmt/format.h>
 

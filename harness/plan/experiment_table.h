@@ -1,8 +1,8 @@
 // Reads one TOML table of an experiment, and refuses unknown keys.
 #pragma once
 
-#include "scene.h"
-#include "toml_reader.h"
+#include "algorithms/scene.h"
+#include "datasets/toml_reader.h"
 
 #include <filesystem>
 #include <string>

@@ -1,10 +1,10 @@
-#include "plan/matrix.h"
+#include "harness/plan/matrix.h"
 
-#include "kernel/rounding.h"
-#include "record/json.h"
-#include "registry.h"
-#include "session.h"
-#include "shape_file.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/shape_file.h"
+#include "harness/record/json.h"
 
 #include <fmt/format.h>
 

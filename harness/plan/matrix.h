@@ -1,7 +1,7 @@
 // Joins the pairs of a matrix into jobs, so that each of its shapes is loaded and prepared once.
 #pragma once
 
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
 namespace hausbench {
 

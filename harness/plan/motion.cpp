@@ -1,7 +1,7 @@
-#include "plan/motion.h"
+#include "harness/plan/motion.h"
 
-#include "error.h"
-#include "kernel/direction.h"
+#include "algorithms/error.h"
+#include "algorithms/kernel/direction.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

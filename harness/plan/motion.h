@@ -1,7 +1,7 @@
 // Motions: the poses of a scene's source, or of its target.
 #pragma once
 
-#include "scene.h"
+#include "algorithms/scene.h"
 
 #include <filesystem>
 #include <istream>

@@ -1,9 +1,9 @@
-#include "plan/own_models.h"
+#include "harness/plan/own_models.h"
 
-#include "corpus.h"
-#include "error.h"
-#include "paths.h"
-#include "record/profiles.h"
+#include "algorithms/error.h"
+#include "datasets/corpus.h"
+#include "datasets/paths.h"
+#include "harness/record/profiles.h"
 
 #include <fmt/format.h>
 
@@ -44,14 +44,6 @@ void expect_file(const fs::path& experiment, int line, const ModelInfo& model) {
                        file.string()));
 }
 
-// Before models that may take the place of a rule's.
-void add_tiers(Catalogue& catalogue, const std::vector<ModelInfo>& models) {
-    for (const ModelInfo& model : models) {
-        add_tier_of(model.name, manifest_file(), catalogue);
-        add_tier_of(model.from, manifest_file(), catalogue);
-    }
-}
-
 }  // namespace
 
 void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
@@ -60,10 +52,8 @@ void add_own_models(Catalogue& catalogue, const Experiment& experiment) {
     for (const ModelInfo& model : experiment.models) {
         if (model.source == "file") expect_file(file, 0, model);
     }
-    add_tiers(catalogue, experiment.models);
     catalogue.add(file, experiment.models);
     const auto use = [&](const std::string& name, int line) {
-        add_tier_of(name, manifest_file(), catalogue);
         if (catalogue.has(name)) return;
         if (const std::string origin = origin_by_rule(name); catalogue.has(origin))
             refuse(file, line,
@@ -103,13 +93,11 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         auto models = models_of(file, text("experiment_toml"), profile);
         if (profile != text("profile"))
             std::erase_if(models, [&](const ModelInfo& model) { return catalogue.has(model.name); });
-        add_tiers(catalogue, models);
         catalogue.add(file, std::move(models));
     }
     std::vector<ModelInfo> files;
     std::set<std::string> named;
     for (const ModelRecord& model : result.models) {
-        add_tier_of(model.name, manifest_file(), catalogue);
         if (!catalogue.has(model.name) && names_a_file(model.name) && named.insert(model.name).second)
             files.push_back(file_model(model.name, file.parent_path()));
     }

@@ -5,8 +5,8 @@
 // model's name.
 #pragma once
 
-#include "plan/experiment.h"
-#include "result/result_file.h"
+#include "harness/plan/experiment.h"
+#include "harness/result/result_file.h"
 
 namespace hausbench {
 

@@ -1,15 +1,15 @@
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
-#include "contract.h"
-#include "error.h"
-#include "hash.h"
-#include "plan/command_files.h"
-#include "plan/matrix.h"
-#include "plan/references.h"
-#include "plan/scene_models.h"
-#include "plan/turns.h"
-#include "registry.h"
-#include "session.h"
+#include "algorithms/contract.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/hash.h"
+#include "harness/plan/command_files.h"
+#include "harness/plan/matrix.h"
+#include "harness/plan/references.h"
+#include "harness/plan/scene_models.h"
+#include "harness/plan/turns.h"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // Turns an experiment into cases and jobs, and decides what need not run.
 #pragma once
 
-#include "catalogue.h"
-#include "plan/experiment.h"
-#include "plan/lookup.h"
-#include "plan/shard.h"
-#include "record/row.h"
+#include "datasets/catalogue.h"
+#include "harness/plan/experiment.h"
+#include "harness/plan/lookup.h"
+#include "harness/plan/shard.h"
+#include "harness/record/row.h"
 
 #include <filesystem>
 #include <functional>

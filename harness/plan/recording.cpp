@@ -1,7 +1,7 @@
-#include "plan/recording.h"
+#include "harness/plan/recording.h"
 
-#include "error.h"
-#include "plan/motion.h"
+#include "algorithms/error.h"
+#include "harness/plan/motion.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // A recorded simulation: frame by frame, which of its moving objects overlap, and their poses. CONTRIBUTING.md has the format.
 #pragma once
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <filesystem>
 #include <string>

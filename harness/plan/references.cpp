@@ -1,6 +1,6 @@
-#include "plan/references.h"
+#include "harness/plan/references.h"
 
-#include "registry.h"
+#include "algorithms/registry.h"
 
 #include <algorithm>
 #include <cmath>

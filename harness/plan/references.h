@@ -2,7 +2,7 @@
 // tolerance that the experiment asks for there. Every row's bounds are held against it (check/verify.h), and its true errors follow from it.
 #pragma once
 
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
 #include <optional>
 

@@ -1,10 +1,10 @@
 // From a [[scene]] that names several models or a recording to one scene for each pair of models.
-#include "plan/scene_reader.h"
+#include "harness/plan/scene_reader.h"
 
-#include "corpus.h"
-#include "error.h"
-#include "paths.h"
-#include "plan/recording.h"
+#include "algorithms/error.h"
+#include "datasets/corpus.h"
+#include "datasets/paths.h"
+#include "harness/plan/recording.h"
 
 #include <fmt/format.h>
 
@@ -30,15 +30,9 @@ std::string with(std::string text, const std::string& name) {
 
 std::vector<std::string> names_of_corpus(const ExperimentTable& table, const toml::node& node) {
     const std::string each = node.value_or(std::string());
-    if (std::count(tiers().begin(), tiers().end(), each)) {
-        const std::filesystem::path tier = tier_beside(manifest_file(), each);
-        if (tier.empty())
-            table.fail(node, fmt::format("'each': there is no datasets/{}.toml beside the manifest: add it", each));
-        return tier_names(tier);
-    }
     const bool whole = each == "whole_corpus";
     if (!whole && each != "corpus")
-        table.fail(node, "'each' must be \"corpus\", \"whole_corpus\", \"kicad\" or a list of names of models");
+        table.fail(node, "'each' must be \"corpus\", \"whole_corpus\" or a list of names of models");
     const std::filesystem::path file = corpus_beside(manifest_file());
     if (file.empty()) table.fail(node, "'each': there is no datasets/corpus.toml beside the manifest: add it");
     return corpus_names(file, whole);

@@ -1,7 +1,7 @@
-#include "plan/scene_models.h"
+#include "harness/plan/scene_models.h"
 
-#include "error.h"
-#include "shape_file.h"
+#include "algorithms/error.h"
+#include "datasets/shape_file.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Finds the models of a scene, and the poses of both.
 #pragma once
 
-#include "catalogue.h"
-#include "plan/plan.h"
+#include "datasets/catalogue.h"
+#include "harness/plan/plan.h"
 
 #include <functional>
 #include <map>

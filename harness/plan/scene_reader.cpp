@@ -1,7 +1,7 @@
-#include "plan/scene_reader.h"
+#include "harness/plan/scene_reader.h"
 
-#include "error.h"
-#include "plan/severity.h"
+#include "algorithms/error.h"
+#include "harness/plan/severity.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Reads a [[scene]] table, and expands it into one scene for each pair of models.
 #pragma once
 
-#include "plan/experiment.h"
-#include "plan/experiment_table.h"
+#include "harness/plan/experiment.h"
+#include "harness/plan/experiment_table.h"
 
 #include <filesystem>
 #include <vector>

@@ -1,6 +1,6 @@
-#include "plan/severity.h"
+#include "harness/plan/severity.h"
 
-#include "model_table.h"
+#include "datasets/model_table.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 // a scene describes in place, where a model's name would stand.
 #pragma once
 
-#include "catalogue.h"
-#include "plan/experiment_table.h"
+#include "datasets/catalogue.h"
+#include "harness/plan/experiment_table.h"
 
 #include <string>
 #include <string_view>

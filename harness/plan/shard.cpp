@@ -1,7 +1,7 @@
-#include "plan/shard.h"
+#include "harness/plan/shard.h"
 
-#include "error.h"
-#include "plan/plan.h"
+#include "algorithms/error.h"
+#include "harness/plan/plan.h"
 
 #include <fmt/format.h>
 

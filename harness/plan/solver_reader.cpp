@@ -1,8 +1,8 @@
-#include "plan/solver_reader.h"
+#include "harness/plan/solver_reader.h"
 
-#include "error.h"
-#include "plugin.h"
-#include "registry.h"
+#include "algorithms/error.h"
+#include "algorithms/plugin.h"
+#include "algorithms/registry.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Reads a [[solver]] table.
 #pragma once
 
-#include "plan/experiment.h"
-#include "plan/experiment_table.h"
+#include "harness/plan/experiment.h"
+#include "harness/plan/experiment_table.h"
 
 #include <vector>
 

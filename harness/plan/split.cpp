@@ -1,7 +1,7 @@
-#include "plan/split.h"
+#include "harness/plan/split.h"
 
-#include "error.h"
-#include "hash.h"
+#include "algorithms/error.h"
+#include "datasets/hash.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>

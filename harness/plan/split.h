@@ -1,8 +1,8 @@
 // Deals the jobs of a plan out to shards: so that each takes about as long, by the estimates.
 #pragma once
 
-#include "plan/estimate.h"
-#include "plan/plan.h"
+#include "harness/plan/estimate.h"
+#include "harness/plan/plan.h"
 
 #include <filesystem>
 #include <map>

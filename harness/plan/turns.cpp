@@ -1,4 +1,4 @@
-#include "plan/turns.h"
+#include "harness/plan/turns.h"
 
 #include <algorithm>
 #include <cstdint>

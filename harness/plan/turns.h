@@ -1,7 +1,7 @@
 // The order in which the jobs of a scene are run.
 #pragma once
 
-#include "plan/plan.h"
+#include "harness/plan/plan.h"
 
 namespace hausbench {
 

@@ -1,8 +1,8 @@
-#include "record/case.h"
+#include "harness/record/case.h"
 
-#include "hash.h"
-#include "printable.h"
-#include "record/columns.h"
+#include "algorithms/printable.h"
+#include "datasets/hash.h"
+#include "harness/record/columns.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // A case: what was asked for. Everything that can change its answer goes into its identity.
 #pragma once
 
-#include "options.h"
-#include "solver.h"
+#include "algorithms/options.h"
+#include "algorithms/solver.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "record/column_of.h"
+#include "harness/record/column_of.h"
 
 namespace hausbench {
 

@@ -1,8 +1,8 @@
 // Makes the columns of the table in columns.h from members of rows. For the files that list columns.
 #pragma once
 
-#include "record/columns.h"
-#include "record/json.h"
+#include "harness/record/columns.h"
+#include "harness/record/json.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-#include "record/columns.h"
+#include "harness/record/columns.h"
 
-#include "record/json.h"
+#include "harness/record/json.h"
 
 namespace hausbench {
 

@@ -6,7 +6,7 @@
 // A file may lack a column, which then holds the default of its member, and may hold columns that this program does not know.
 #pragma once
 
-#include "record/row.h"
+#include "harness/record/row.h"
 
 #include <nlohmann/json.hpp>
 

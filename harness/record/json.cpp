@@ -1,6 +1,6 @@
-#include "record/json.h"
+#include "harness/record/json.h"
 
-#include "record/columns.h"
+#include "harness/record/columns.h"
 
 #include <cmath>
 #include <limits>

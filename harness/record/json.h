@@ -1,7 +1,7 @@
 // Rows and their parts as JSON, for journals and pipes.
 #pragma once
 
-#include "record/row.h"
+#include "harness/record/row.h"
 
 #include <nlohmann/json.hpp>
 

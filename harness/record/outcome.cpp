@@ -1,4 +1,4 @@
-#include "record/outcome.h"
+#include "harness/record/outcome.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // result file keeps of it, with times, memory and how its process ended.
 #pragma once
 
-#include "record/case.h"
+#include "harness/record/case.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "record/profiles.h"
+#include "harness/record/profiles.h"
 
 #include <fmt/format.h>
 

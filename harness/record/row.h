@@ -1,8 +1,8 @@
 // The rows of a result file, in memory: cases with their outcomes, models, the ledger. columns.h is the table of the files' columns.
 #pragma once
 
-#include "fields.h"
-#include "record/outcome.h"
+#include "harness/record/fields.h"
+#include "harness/record/outcome.h"
 
 #include <array>
 #include <cstdint>

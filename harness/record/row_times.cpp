@@ -1,4 +1,4 @@
-#include "record/row_times.h"
+#include "harness/record/row_times.h"
 
 #include <algorithm>
 #include <cmath>

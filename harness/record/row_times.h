@@ -2,8 +2,8 @@
 // process are not independent.
 #pragma once
 
-#include "record/row.h"
-#include "record/statistics.h"
+#include "harness/record/row.h"
+#include "harness/record/statistics.h"
 
 #include <map>
 #include <string>

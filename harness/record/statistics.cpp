@@ -1,4 +1,4 @@
-#include "record/statistics.h"
+#include "harness/record/statistics.h"
 
 #include <boost/math/distributions/binomial.hpp>
 

@@ -1,7 +1,7 @@
-#include "result/field_file.h"
+#include "harness/result/field_file.h"
 
-#include "error.h"
-#include "hash.h"
+#include "algorithms/error.h"
+#include "datasets/hash.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 // fields one after the other, float64, little-endian.
 #pragma once
 
-#include "fields.h"
+#include "harness/record/fields.h"
 
 #include <filesystem>
 #include <optional>

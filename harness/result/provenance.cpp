@@ -1,11 +1,11 @@
-#include "result/provenance.h"
+#include "harness/result/provenance.h"
 
+#include "algorithms/plugin.h"
+#include "algorithms/registry.h"
 #include "build_flags.h"  // written by CMake, as is build_info.h
 #include "build_info.h"
-#include "hash.h"
-#include "paths.h"
-#include "plugin.h"
-#include "registry.h"
+#include "datasets/hash.h"
+#include "datasets/paths.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>

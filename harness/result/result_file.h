@@ -1,8 +1,8 @@
 // Writes and reads the HDF5 file that results/README.md documents.
 #pragma once
 
-#include "error.h"
-#include "record/row.h"
+#include "algorithms/error.h"
+#include "harness/record/row.h"
 
 #include <cstdint>
 #include <filesystem>

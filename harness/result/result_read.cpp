@@ -1,12 +1,12 @@
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
-#include "error.h"
-#include "hdf5.h"
-#include "printable.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "datasets/hdf5.h"
+#include "datasets/seal.h"
+#include "harness/record/columns.h"
 #include "process/child.h"
 #include "process/memory.h"
-#include "record/columns.h"
-#include "seal.h"
 
 #include <fmt/format.h>
 

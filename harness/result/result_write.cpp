@@ -1,8 +1,8 @@
-#include "result/result_file.h"
+#include "harness/result/result_file.h"
 
-#include "error.h"
-#include "hdf5.h"
-#include "record/columns.h"
+#include "algorithms/error.h"
+#include "datasets/hdf5.h"
+#include "harness/record/columns.h"
 
 #include <fmt/format.h>
 

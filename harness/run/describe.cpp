@@ -1,6 +1,6 @@
-#include "run/describe.h"
+#include "harness/run/describe.h"
 
-#include "result/provenance.h"
+#include "harness/result/provenance.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Fills in the metadata of a run (/meta) and the records of its models.
 #pragma once
 
-#include "plan/plan.h"
-#include "result/result_file.h"
+#include "harness/plan/plan.h"
+#include "harness/result/result_file.h"
 
 #include <string>
 

@@ -1,10 +1,10 @@
-#include "run/earlier.h"
+#include "harness/run/earlier.h"
 
-#include "error.h"
-#include "printable.h"
+#include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "harness/record/profiles.h"
+#include "harness/result/provenance.h"
 #include "process/interrupts.h"
-#include "record/profiles.h"
-#include "result/provenance.h"
 
 #include <fmt/format.h>
 

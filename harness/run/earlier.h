@@ -2,8 +2,8 @@
 // to its rows and replaces only those that it was asked for.
 #pragma once
 
-#include "plan/plan.h"
-#include "result/result_file.h"
+#include "harness/plan/plan.h"
+#include "harness/result/result_file.h"
 
 #include <filesystem>
 #include <string>

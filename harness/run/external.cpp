@@ -5,13 +5,13 @@
 // is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
 // `seconds` finds the time that the program itself reports. Relative paths in the command line count from the folder of the experiment
 // (`run`), or the current one (`measure`). A command line that names no tolerance is run once for all tolerances of an experiment.
-#include "run/external.h"
+#include "harness/run/external.h"
 
-#include "error.h"
-#include "mesh_file.h"
+#include "algorithms/error.h"
+#include "algorithms/solver.h"
+#include "harness/run/mesh_file.h"
 #include "process/child.h"
 #include "process/interrupts.h"
-#include "solver.h"
 
 #include <fmt/format.h>
 

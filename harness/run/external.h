@@ -1,7 +1,7 @@
 // The solver `external`: any program, by its command line. It starts processes, so the program adds it to the registry itself.
 #pragma once
 
-#include "solver.h"
+#include "algorithms/solver.h"
 
 namespace hausbench {
 

@@ -1,13 +1,13 @@
-#include "run/finished.h"
+#include "harness/run/finished.h"
 
-#include "error.h"
-#include "hash.h"
-#include "record/json.h"
-#include "registry.h"
-#include "result/field_file.h"
-#include "result/provenance.h"
-#include "run/describe.h"
-#include "run/rounds.h"
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "datasets/hash.h"
+#include "harness/record/json.h"
+#include "harness/result/field_file.h"
+#include "harness/result/provenance.h"
+#include "harness/run/describe.h"
+#include "harness/run/rounds.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // The cases of a plan that the journal already answers, with their fields.
 #pragma once
 
-#include "plan/plan.h"
-#include "run/journal.h"
+#include "harness/plan/plan.h"
+#include "harness/run/journal.h"
 
 #include <cstddef>
 #include <filesystem>

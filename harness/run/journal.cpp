@@ -1,9 +1,9 @@
-#include "run/journal.h"
+#include "harness/run/journal.h"
 
-#include "error.h"
-#include "hash.h"
-#include "record/json.h"
-#include "result/provenance.h"
+#include "algorithms/error.h"
+#include "datasets/hash.h"
+#include "harness/record/json.h"
+#include "harness/result/provenance.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 // cut, kill) is removed when the journal is opened; a damaged line before it is an error, since another program wrote it.
 #pragma once
 
-#include "record/row.h"
+#include "harness/record/row.h"
 
 #include <filesystem>
 #include <map>

@@ -1,6 +1,6 @@
-#include "run/lanes.h"
+#include "harness/run/lanes.h"
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "run/ledger.h"
+#include "harness/run/ledger.h"
 
 #include <fmt/format.h>
 

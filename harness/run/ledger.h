@@ -1,8 +1,8 @@
 // Completes the ledger after a run: what was left out, and the time saved.
 #pragma once
 
-#include "plan/plan.h"
-#include "run/finished.h"
+#include "harness/plan/plan.h"
+#include "harness/run/finished.h"
 
 #include <vector>
 

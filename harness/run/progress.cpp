@@ -1,6 +1,6 @@
-#include "run/progress.h"
+#include "harness/run/progress.h"
 
-#include "printable.h"
+#include "algorithms/printable.h"
 
 #include <fmt/format.h>
 

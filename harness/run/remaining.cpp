@@ -1,4 +1,4 @@
-#include "run/remaining.h"
+#include "harness/run/remaining.h"
 
 #include <algorithm>
 #include <map>

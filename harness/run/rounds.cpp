@@ -1,6 +1,6 @@
-#include "run/rounds.h"
+#include "harness/run/rounds.h"
 
-#include "run/timing.h"
+#include "harness/run/timing.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // coarser ones.
 #pragma once
 
-#include "record/row.h"
+#include "harness/record/row.h"
 
 #include <map>
 

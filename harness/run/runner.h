@@ -1,8 +1,8 @@
 // Runs a plan: starts one worker for each solver and scene, keeps the journal, and writes the result.
 #pragma once
 
-#include "plan/plan.h"
-#include "result/result_file.h"
+#include "harness/plan/plan.h"
+#include "harness/result/result_file.h"
 
 #include <filesystem>
 #include <functional>

@@ -1,8 +1,8 @@
-#include "run/supervise.h"
+#include "harness/run/supervise.h"
 
-#include "paths.h"
+#include "datasets/paths.h"
+#include "harness/record/json.h"
 #include "process/child.h"
-#include "record/json.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Runs one worker: reads its events, kills it at a limit, and makes the outcome of each case.
 #pragma once
 
-#include "run/work_order.h"
+#include "harness/run/work_order.h"
 
 #include <functional>
 #include <string>

@@ -1,4 +1,4 @@
-#include "run/timing.h"
+#include "harness/run/timing.h"
 
 #include <benchmark/benchmark.h>
 

@@ -8,7 +8,7 @@
 // that uses less than a fifth of its wall time leaves its work to a daemon or a GPU, or sleeps: wall time is its time, too.
 #pragma once
 
-#include "session.h"
+#include "algorithms/session/session.h"
 
 #include <chrono>
 #include <cstdint>

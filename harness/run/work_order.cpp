@@ -1,6 +1,6 @@
-#include "run/work_order.h"
+#include "harness/run/work_order.h"
 
-#include "record/json.h"
+#include "harness/record/json.h"
 
 #include <algorithm>
 #include <cmath>

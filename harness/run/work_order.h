@@ -1,8 +1,8 @@
 // What a worker reads from its standard input: solver, shapes and cases.
 #pragma once
 
-#include "plan/plan.h"
-#include "session.h"
+#include "algorithms/session/session.h"
+#include "harness/plan/plan.h"
 
 #include <filesystem>
 #include <map>

@@ -1,22 +1,22 @@
 // Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
 // timed), "repeat" for each timed repeat, "trace", "fields", "proof", "end". In a warm chain the worker first answers all poses.
 // Each repeat, the trace and the fields then take one pass over the chain each. It sends "end" for every case last.
-#include "run/worker.h"
+#include "harness/run/worker.h"
 
-#include "check/certificate_file.h"
-#include "check/verify_upper.h"
-#include "error.h"
-#include "hash.h"
-#include "plugin.h"
+#include "algorithms/error.h"
+#include "algorithms/plugin.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/hash.h"
+#include "datasets/shape_file.h"
+#include "harness/check/certificate_file.h"
+#include "harness/check/verify_upper.h"
+#include "harness/record/json.h"
+#include "harness/result/field_file.h"
+#include "harness/run/timing.h"
+#include "harness/run/work_order.h"
 #include "process/memory.h"
 #include "process/watch.h"
-#include "record/json.h"
-#include "registry.h"
-#include "result/field_file.h"
-#include "run/timing.h"
-#include "run/work_order.h"
-#include "session.h"
-#include "shape_file.h"
 
 #include <fmt/format.h>
 

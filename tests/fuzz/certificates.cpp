@@ -1,16 +1,16 @@
 // Bytes as a certificate of small fixed scenes. Whatever they are, the bound that the checker finds must hold: it is held against the exact
 // distances of points of A. The first byte chooses the scene, the next two `proven`. A first byte of 255 says that the rest is a certificate
 // file; one of 254, that it is a file without its seal, which is added, and that the second byte chooses the scene.
-#include "check/certificate_check.h"
-#include "check/certificate_file.h"
-#include "exact.h"
-#include "exact_distance.h"
-#include "kernel/triangle.h"
-#include "memory_file.h"
-#include "scenes.h"
-#include "seal.h"
-#include "shape_file.h"
-#include "target.h"
+#include "algorithms/kernel/triangle.h"
+#include "datasets/seal.h"
+#include "datasets/shape_file.h"
+#include "harness/check/certificate_check.h"
+#include "harness/check/certificate_file.h"
+#include "tests/fuzz/exact_distance.h"
+#include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/target.h"
+#include "tests/support/exact.h"
+#include "tests/support/scenes.h"
 
 #include <cmath>
 

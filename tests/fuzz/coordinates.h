@@ -2,9 +2,9 @@
 // away, or any double of moderate exponent.
 #pragma once
 
-#include "target.h"
+#include "tests/fuzz/target.h"
 
-#include "geometry.h"
+#include "algorithms/kernel/geometry.h"
 
 #include <bit>
 #include <cmath>

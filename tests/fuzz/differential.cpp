@@ -1,13 +1,13 @@
 // Two small shapes, and every certified solver that takes them, each with one of its options: all intervals must overlap, and must hold
 // the exact distances of A's vertices, of points of a grid on its triangles, and of all of A where both shapes are point sets.
-#include "coordinates.h"
-#include "exact.h"
-#include "exact_distance.h"
-#include "kernel/triangle.h"
-#include "quick_options.h"
-#include "registry.h"
-#include "scenes.h"
-#include "session.h"
+#include "algorithms/kernel/triangle.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "tests/fuzz/coordinates.h"
+#include "tests/fuzz/exact_distance.h"
+#include "tests/support/exact.h"
+#include "tests/support/quick_options.h"
+#include "tests/support/scenes.h"
 
 #include <ctime>
 

@@ -1,9 +1,9 @@
 // The exact squared distance of a point to a shape.
 #pragma once
 
-#include "exact.h"
-#include "kernel/triangle.h"
-#include "scene.h"
+#include "algorithms/kernel/triangle.h"
+#include "algorithms/scene.h"
+#include "tests/support/exact.h"
 
 namespace hausbench {
 

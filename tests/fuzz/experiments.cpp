@@ -1,11 +1,11 @@
 // Files that people write: experiments, the manifest, surfaces, poses and recordings. The first byte chooses which; the rest is the file.
-#include "catalogue.h"
-#include "memory_file.h"
-#include "plan/experiment.h"
-#include "plan/motion.h"
-#include "plan/recording.h"
-#include "surface_file.h"
-#include "target.h"
+#include "datasets/catalogue.h"
+#include "datasets/surface_file.h"
+#include "harness/plan/experiment.h"
+#include "harness/plan/motion.h"
+#include "harness/plan/recording.h"
+#include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/target.h"
 
 #include <algorithm>
 

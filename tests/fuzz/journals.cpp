@@ -1,9 +1,9 @@
 // The journal of a run: each line of the bytes gets the checksum that a run would have written. What is read back is written again, and
 // must then be the same.
-#include "hash.h"
-#include "memory_file.h"
-#include "run/journal.h"
-#include "target.h"
+#include "datasets/hash.h"
+#include "harness/run/journal.h"
+#include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/target.h"
 
 #include <vector>
 

@@ -1,11 +1,11 @@
 // A point and a triangle: what kernel/point_triangle.h and kernel/box.h promise, against the exact distance in rationals; and the kernels
 // for eight at a time, which must return the same bits.
-#include "coordinates.h"
-#include "exact.h"
-#include "kernel/point_triangle.h"
-#include "kernel/rounding.h"
-#include "kernel/triangle_block.h"
-#include "scenes.h"
+#include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/triangle_block.h"
+#include "tests/fuzz/coordinates.h"
+#include "tests/support/exact.h"
+#include "tests/support/scenes.h"
 
 #include <array>
 

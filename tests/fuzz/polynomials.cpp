@@ -1,7 +1,7 @@
 // Text as a polynomial: its ranges over a box, in every form, must hold its exact value at a point of the box. The value is found from the text
 // by a second reader, in rationals.
-#include "kernel/interval_form.h"
-#include "target.h"
+#include "algorithms/kernel/interval_form.h"
+#include "tests/fuzz/target.h"
 
 #include <CGAL/Exact_rational.h>
 

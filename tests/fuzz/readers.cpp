@@ -1,7 +1,7 @@
 // Files of meshes and points, through load_file(): a valid shape or an InputError. The first byte chooses the format, the rest is the file.
-#include "load.h"
-#include "memory_file.h"
-#include "target.h"
+#include "datasets/load.h"
+#include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/target.h"
 
 #include <vector>
 

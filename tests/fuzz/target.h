@@ -1,8 +1,8 @@
 // What the fuzz targets share. A target is a function of bytes that throws where something is wrong. libFuzzer calls it (`make fuzz`,
-// HAUSBENCH_LIBFUZZER), and so does tests/fuzz_replay_test.cpp, which any compiler builds: it replays the files of tests/fuzz/corpus.
+// HAUSBENCH_LIBFUZZER), and so does tests/fuzz/replay/fuzz_replay_test.cpp, which any compiler builds: it replays the files of tests/fuzz/corpus.
 #pragma once
 
-#include "error.h"
+#include "algorithms/error.h"
 
 #include <cstddef>
 #include <cstdint>

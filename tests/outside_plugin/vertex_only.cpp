@@ -4,11 +4,11 @@
 // triangle T of A it is largest at a corner; T is covered best by the S that is least far from its farthest corner.
 // O(|A| |B|) time, O(|B|) memory for each corner of T. Certified: vertices are exact, and the distances are bounded by the
 // kernels' own proofs (kernel/point_triangle.h, kernel/rounding.h).
+#include <hausbench/certificate/cover_certificate.h>
 #include <hausbench/kernel/deadline.h>
 #include <hausbench/kernel/point_triangle.h>
 #include <hausbench/kernel/rounding.h>
 #include <hausbench/plugin.h>
-#include <hausbench/search/cover_certificate.h>
 
 #include <algorithm>
 

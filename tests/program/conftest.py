@@ -124,8 +124,7 @@ def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path
             shutil.rmtree(folder, ignore_errors=True)  # of a worker that failed
             shutil.copytree(SOURCES, folder / "sources")
             built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
-            said = built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
-            assert said.count("CMAKE_BUILD_TYPE is not set: building Release") == 1
+            built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
             built(["cmake", "--build", "build", "--parallel", "2"], folder)
             (folder / "done").touch()
     return folder / "build"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
 
@@ -75,40 +74,6 @@ def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Pat
     assert "'ball' is listed twice" in fails(hausbench, root, write(tmp_path / "s.toml", SCENE + 'each = "corpus"\n'))
 
 
-def test_a_tier_has_a_list_of_its_own(hausbench: Program, root: Path, tmp_path: Path) -> None:
-    """Meshes that are not fetched are rows too; nobody else sees the tier."""
-    file = write(tmp_path / "tier.toml", SCENE + 'each = "kicad"\n')
-    assert "s.toml" not in fails(hausbench, root, file) and "no datasets/kicad.toml" in fails(hausbench, root, file)
-    vrml = "#VRML V2.0 utf8\nShape { geometry IndexedFaceSet {\n" \
-        "coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0, 0 0 1, 1 0 1, 1 1 1, 0 1 1 ] }\n" \
-        "coordIndex [ 0 3 2 1 -1 4 5 6 7 -1 0 1 5 4 -1 1 2 6 5 -1 2 3 7 6 -1 3 0 4 7 -1 ] } }\n"
-    digest = hashlib.sha256(vrml.encode()).hexdigest()
-    (root / "datasets" / "kicad.toml").write_text(
-        'package = "parts"\nversion = "2"\nfolder = "3d/"\nlicence = "CC"\n'
-        f"meshes = '''\n{'b' * 64} 100 X/gone,1.wrl\n{digest} 12 X/here.wrl\n'''\n")
-    place = root / "cache" / "raw" / digest / "here.wrl"
-    place.parent.mkdir(parents=True)
-    place.write_text(vrml)
-    result = measured(hausbench, root, file)
-    assert texts(result, "cases/scene") == ["kicad_gone_1", "kicad_here"] and texts(result, "cases/status") == ["skipped", "ok"]
-    assert "run `make fetch-kicad`" in texts(result, "cases/reason")[0]
-    assert list(numbers(result, "cases/source_elements"))[1] == 12
-    assert run_in(hausbench, root, "verify", result).returncode == 0
-    named = measured(hausbench, root, write(tmp_path / "s.toml", SCENE + 'each = ["kicad_here"]\n'))
-    assert texts(named, "cases/status") == ["ok"]
-    own = '[model.kicad_here_half]\nfrom = "kicad_here"\noperation = "weld"\n'  # takes the place of the rule's
-    replaced = measured(hausbench, root, write(tmp_path / "own.toml", own + SCENE + 'each = ["kicad_here"]\n'))
-    assert list(numbers(replaced, "cases/target_elements")) == [12]
-    assert run_in(hausbench, root, "verify", replaced).returncode == 0
-    assert "did you mean 'kicad_here'" in fails(hausbench, root, write(tmp_path / "s.toml", SCENE + 'each = ["kicad_hero"]\n'))
-    assert run_in(hausbench, root, "export", "kicad_here", tmp_path / "out.off").returncode == 0
-    assert "kicad_here" in run_in(hausbench, root, "list", "kicad").stdout and "kicad_here" in run_in(hausbench, root, "list", "kicad_here").stdout
-    for what in ("models", "corpus"):
-        assert "kicad_" not in run_in(hausbench, root, "list", what).stdout
-    whole = measured(hausbench, root, write(tmp_path / "whole.toml", SCENE + 'each = "whole_corpus"\n'))
-    assert texts(whole, "cases/scene") == NAMES
-
-
 def test_a_damaged_mesh_costs_its_own_rows_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
     datasets = root / "datasets"
     (datasets / "bad.off").write_text(TETRAHEDRON.replace("1 0 0", "1 nan 0"))
@@ -130,8 +95,8 @@ def test_scenes_are_chosen_one_by_one_or_together(hausbench: Program, root: Path
 
 
 BAD = {
-    'each = "corpse"': '"corpus", "whole_corpus", "kicad" or a list',
-    "each = 3": '"corpus", "whole_corpus", "kicad" or a list',
+    'each = "corpse"': '"corpus", "whole_corpus" or a list',
+    "each = 3": '"corpus", "whole_corpus" or a list',
     "each = []": "names no model: list some",
     "each = ['ball', 'ball']": "names a model twice",
     "each = ['bal']": "no model 'bal', did you mean 'ball'",

@@ -21,6 +21,7 @@ echo "$3" >> drawn
 
 def test_unsound_rows_are_drawn_named_and_a_failure(tmp_path: Path) -> None:
     shutil.copy(ROOT / "Makefile", tmp_path)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools")
     (tmp_path / "packages.txt").write_text("")
     for name, text in (("program", PROGRAM), ("python", PYTHON)):
         (tmp_path / name).write_text(text)
@@ -48,6 +49,7 @@ def test_unsound_rows_are_drawn_named_and_a_failure(tmp_path: Path) -> None:
 
 def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> None:
     shutil.copy(ROOT / "Makefile", tmp_path)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools")
     (tmp_path / "packages.txt").write_text("")
     (tmp_path / "program").write_text("#!/bin/bash\n")
     (tmp_path / "program").chmod(0o755)
@@ -71,6 +73,7 @@ def test_models_are_fetched_for_the_stems_and_the_profile(tmp_path: Path) -> Non
 
 def test_a_stem_of_another_experiment_runs_that_one(tmp_path: Path) -> None:
     shutil.copy(ROOT / "Makefile", tmp_path)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools")
     (tmp_path / "packages.txt").write_text("")
     for name, text in (("program", PROGRAM), ("python", PYTHON)):
         (tmp_path / name).write_text(text)

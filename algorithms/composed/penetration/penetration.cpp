@@ -1,0 +1,173 @@
+// The penetration depth of two solids, by cutting out the volume that they have in common.
+//
+// Source: Tang et al. 2009, section 7.3: compute the volume of the intersection; its surface is in part of A and in part of B; the depth is H of these
+// two, by any solver of H (parameter `solver`; the paper's is `tang`). Of several parts of the volume it is the largest; the witness is the deepest pair of points.
+//
+// What the paper leaves open: a part that is enclosed by one mesh alone has no surface of that mesh, and H is infinite. Its depth here is h of the surface that it
+// has to the whole of the enclosing mesh. Solids that only touch, or do not, have depth 0. Meshes that are not closed, or cross themselves, have no inside: they are refused,
+// with the reason, where their boxes overlap.
+//
+// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Extras: `parts` of the volume, triangles that were measured; with
+// `each_part` bounds and witness of each part, where otherwise a part that cannot be the deepest is left early. Stages: "cut", "measure".
+// Budget: for each part, of the inner solver. Time: corefinement, O(n log n) and what crosses; then that of the inner solver. Cutting ignores the limit of time.
+#include "algorithms/composed/penetration/common_volume.h"
+#include "algorithms/kernel/posed_box.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+
+namespace hausbench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+class Penetration final : public Solver {
+public:
+    explicit Penetration(const Options& options)
+        : inner_(find_solver(options.text("solver"))), each_part_(options.flag("each_part")) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        source_.emplace(mesh_of(scene.source));
+        target_.emplace(mesh_of(scene.target));
+        scene_ = &scene;
+    }
+
+    std::size_t prepared_bytes() const override { return source_->bytes() + target_->bytes(); }
+
+    Result solve(const Query& query, State*, Trace&) const override {
+        const auto begin = Clock::now();
+        Result result;
+        result.bounds = {0, 0};
+        if (!boxes_overlap(query)) return ended(query, result);
+        if (const std::string why = flaw(); !why.empty()) return refused(why);
+        const CommonVolume common = common_volume(*source_, query.source_pose, *target_, query.target_pose);
+        if (!common.failure.empty()) return refused(common.failure);
+        const double cut = seconds_since(begin);
+        std::size_t measured = 0;
+        for (std::size_t i = 0; i < common.parts.size(); ++i) {
+            Query asked = query;
+            asked.time_limit = std::max(0.0, query.time_limit - seconds_since(begin));
+            if (!each_part_) asked.floor = std::max(query.floor, result.bounds.lower);
+            // A floor that is the cutoff would ask a question that nobody asked.
+            if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
+            const Result part = measure(common.parts[i], asked);
+            if (each_part_) describe(part, i + 1, result.reported);
+            measured +=
+                std::size_t(common.parts[i].of_source.triangles.rows() + common.parts[i].of_target.triangles.rows());
+            keep_larger(result, part);
+        }
+        result.reported["parts"] = double(common.parts.size());
+        result.reported["triangles measured"] = double(measured);
+        if (query.wanted.stages) {
+            result.reported[std::string(stage_prefix) + "cut"] = cut;
+            result.reported[std::string(stage_prefix) + "measure"] = seconds_since(begin) - cut;
+        }
+        return ended(query, result);
+    }
+
+private:
+    bool boxes_overlap(const Query& query) const {
+        const Box a = box_of(source_->posed(query.source_pose)), b = box_of(target_->posed(query.target_pose));
+        for (int k = 0; k < 3; ++k)
+            if (a.high[k] < b.low[k] || b.high[k] < a.low[k]) return false;
+        return true;
+    }
+
+    std::string flaw() const {
+        for (const auto& [name, solid] : {std::pair{"A", &source_}, std::pair{"B", &target_}})
+            if (!(*solid)->flaw().empty())
+                return fmt::format("{} bounds no volume, so that nothing lies in it: {}", name, (*solid)->flaw());
+        return {};
+    }
+
+    static Result refused(const std::string& why) {
+        Result result;
+        result.note = why;
+        return result;
+    }
+
+    // A part without a surface of one mesh lies inside of that mesh.
+    Result measure(const CommonPart& part, Query query) const {
+        const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
+        const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
+            return TriangleMesh{posed(mesh.vertices, pose), mesh.triangles};
+        };
+        Scene scene{in_source ? part.of_target : part.of_source,
+                    in_target   ? whole(mesh_of(scene_->target), query.target_pose)
+                    : in_source ? whole(mesh_of(scene_->source), query.source_pose)
+                                : part.of_target};
+        query.quantity = in_target || in_source ? Quantity::directed : Quantity::symmetric;
+        query.source_pose = query.target_pose = {};
+        query.wanted = {};
+        QuerySet queries;
+        queries.symmetric = query.quantity == Quantity::symmetric;
+        queries.threads = query.threads;
+        queries.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
+        const Session session(inner_, Options(inner_.info.name, inner_.info.parameters, {}), scene, queries);
+        Trace untraced;
+        Result result = session.solve(query, untraced);
+        if (in_source) {
+            std::swap(result.witness.source_point, result.witness.target_point);
+            result.witness.direction = Witness::Direction::target_to_source;
+        }
+        result.witness.source_element = result.witness.target_element = -1;  // of the cut meshes
+        return result;
+    }
+
+    static void describe(const Result& part, std::size_t number, Reported& reported) {
+        const auto name = [&](const char* what) { return fmt::format("{}part {}, {}", length_prefix, number, what); };
+        reported[name("lower")] = part.bounds.lower;
+        reported[name("upper")] = part.bounds.upper;
+        for (int k = 0; k < 3; ++k) {
+            const char axis = "xyz"[k];
+            reported[name("A ") + axis] = part.witness.source_point[k];
+            reported[name("B ") + axis] = part.witness.target_point[k];
+        }
+    }
+
+    static Result ended(const Query& query, Result result) {
+        if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+            result.status = *answer;
+            result.note.clear();
+        }
+        return result;
+    }
+
+    SolverEntry inner_;  // a copy: plug-ins make the registry's list longer
+    bool each_part_;
+    std::optional<Solid> source_, target_;
+    const Scene* scene_ = nullptr;
+};
+
+}  // namespace
+
+SolverEntry penetration_solver() {
+    SolverInfo info;
+    info.name = "penetration";
+    info.title = "Tang 2009, penetration depth";
+    info.paper = "tang2009";
+    info.source.mesh = info.target.mesh = true;
+    info.quantities = {Quantity::penetration};
+    info.moving_target = true;
+    info.threads = true;
+    info.parameters = {
+        {.name = "solver",
+         .default_value = std::string("cover"),
+         .paper_value = "tang",
+         .description = "what measures H of the two sides of each part of the common volume, with its defaults",
+         .choices = {"cover", "tang", "guthe", "kang", "zheng", "sacht"}},
+        {.name = "each_part",
+         .default_value = false,
+         .description = "measure every part to the full tolerance and report its bounds and witness"},
+    };
+    return {info, make_solver<Penetration>};
+}
+
+}  // namespace hausbench

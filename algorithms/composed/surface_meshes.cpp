@@ -1,0 +1,151 @@
+// The bridge to mesh solvers: both surfaces are triangulated, a mesh solver is asked, and what it answers is widened by how
+// far each mesh is from its surface at most, proven in both directions (surface_mesh.h):
+//     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
+// Certified, because the mesh solver has to be. The deviations, the mesh solver's own bounds and the numbers of triangles
+// are reported. The width is that of the deviations at least, of the order of a cell (of its square, where the surface is
+// smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
+// back to the farthest points of the boxes.
+//
+// Where a polynomial does not change its sign on the grid there is no mesh of the surface: `stalled`, with the farthest points of the boxes
+// as the upper bound; infinity where it is the target, which may have no point.
+// Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
+#include "algorithms/error.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "algorithms/surfaces/surface_mesh.h"
+
+#include "algorithms/kernel/interval.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace hausbench {
+namespace {
+
+class SurfaceMeshes final : public Solver {
+public:
+    explicit SurfaceMeshes(const Options& options)
+        : cells_(static_cast<int>(options.integer("cells"))),
+          levels_(static_cast<int>(options.integer("levels"))),
+          asked_(find_solver(options.text("solver"))) {}
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        const auto &a = surface_of(scene.source), &b = surface_of(scene.target);
+        farthest_ = farthest(a.box, b.box);
+        TriangleMesh of_a, of_b;
+        try {
+            of_b = triangulate(b, cells_);
+        } catch (const InputError& error) {  // it may have no point
+            no_mesh_ = error.what();
+            farthest_ = std::numeric_limits<double>::infinity();
+            return;
+        }
+        try {
+            of_a = triangulate(a, cells_);
+        } catch (const InputError& error) {
+            no_mesh_ = error.what();
+            return;
+        }
+        a_ = deviation(a, of_a, cells_, levels_);
+        b_ = deviation(b, of_b, cells_, levels_);
+        triangles_ = {static_cast<double>(of_a.triangles.rows()), static_cast<double>(of_b.triangles.rows())};
+        meshes_ = std::make_unique<Session>(asked_, Options(asked_.info.name, asked_.info.parameters, {}),
+                                            Scene{std::move(of_a), std::move(of_b)}, QuerySet{});
+    }
+
+    std::size_t prepared_bytes() const override { return meshes_ ? meshes_->prepare_bytes() : 0; }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        if (!meshes_) return without_meshes(query);
+        Query inner = query;
+        inner.floor = 0;  // its distance is another
+        inner.cutoff = std::numeric_limits<double>::infinity();
+        Trace unused;
+        Result result = meshes_->solve(inner, unused);
+        const Bounds of_meshes = result.bounds;
+        {
+            const UpwardRounding upward;
+            const Interval low =
+                Interval(of_meshes.lower) - Interval(a_.mesh_to_surface) - Interval(b_.surface_to_mesh);
+            result.bounds.lower = std::max(low.inf(), 0.0);
+            result.bounds.upper = std::min(of_meshes.upper + a_.surface_to_mesh + b_.mesh_to_surface, farthest_);
+        }
+        result.witness.source_element = result.witness.target_element = -1;  // of meshes that nobody else has
+        result.reported = {{"mesh_a_to_surface", a_.mesh_to_surface},
+                           {"surface_to_mesh_a", a_.surface_to_mesh},
+                           {"mesh_b_to_surface", b_.mesh_to_surface},
+                           {"surface_to_mesh_b", b_.surface_to_mesh},
+                           {"mesh_lower", of_meshes.lower},
+                           {"mesh_upper", of_meshes.upper},
+                           {"triangles_a", triangles_[0]},
+                           {"triangles_b", triangles_[1]}};
+        trace.record(result.bounds.lower, result.bounds.upper);
+        if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+            result.status = *answer;
+        } else if (result.status == Status::converged) {
+            result.status = Status::stalled;
+            result.note = "the meshes are not nearer to their surfaces: give more cells";
+        }
+        return result;
+    }
+
+private:
+    // No two points of the boxes are farther apart.
+    static double farthest(const Points& a, const Points& b) {
+        const UpwardRounding upward;
+        Interval sum(0.0);
+        for (int k = 0; k < 3; ++k) {
+            const double first = b(1, k) - a(0, k), second = a(1, k) - b(0, k);
+            sum += CGAL::square(Interval(std::max({first, second, 0.0})));
+        }
+        return CGAL::sqrt(sum).sup();
+    }
+
+    Result without_meshes(const Query& query) const {
+        Result result;
+        result.bounds = {0, farthest_};
+        result.status = query.answer(0, farthest_).value_or(Status::stalled);
+        result.note = no_mesh_;
+        return result;
+    }
+
+    int cells_, levels_;
+    std::string no_mesh_;  // why there is none; else empty
+    SolverEntry asked_;
+    MeshDeviation a_{}, b_{};
+    std::array<double, 2> triangles_{};
+    double farthest_ = 0;
+    std::unique_ptr<Session> meshes_;
+};
+
+}  // namespace
+
+SolverEntry surface_meshes_solver() {
+    SolverInfo info;
+    info.name = "surface_meshes";
+    info.title = "surface meshes (ours)";
+    info.source.surface = info.target.surface = true;
+    info.certified = true;
+    info.traces = true;
+    info.parameters = {
+        {.name = "cells",
+         .default_value = std::int64_t{32},
+         .unit = "cells an axis",
+         .description = "of the grid that is triangulated",
+         .least = 2,
+         .most = 512},
+        {.name = "levels",
+         .default_value = std::int64_t{3},
+         .description = "the surface is looked at in boxes of a cell over 2^levels",
+         .least = 0,
+         .most = 8},
+        {.name = "solver",
+         .default_value = std::string("guthe"),
+         .description = "for the meshes, with its own defaults",
+         .choices = {"guthe"}},
+    };
+    return {info, make_solver<SurfaceMeshes>};
+}
+
+}  // namespace hausbench

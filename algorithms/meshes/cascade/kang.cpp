@@ -1,0 +1,29 @@
+// One upper bound, from cutting a piece where its nearest triangles meet: Kang, Kyung, Yoon, Kim: Fast and robust Hausdorff distance
+// computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric Design 62, 2018.
+//
+// After public code, and after Sacht and Jacobson 2024, section 3.2.3, who call the bound u3; that paper was not at hand. The
+// search is meshes/cascade/cascade.h, the bound is search/piece_bounds.h. Closest points are found by a uniform grid
+// (structures/triangle_grid.h), or by a BVH, which is better far from B; B is a triangle mesh here, not one of quadrilaterals.
+//
+// Fields: those of guthe.cpp, and "bound": 0 where the last piece of the triangle was exact, otherwise 3.
+// Budget: subdivisions.
+#include "algorithms/meshes/cascade/cascade.h"
+
+namespace hausbench {
+
+SolverEntry kang_solver() {
+    SolverInfo info = cascade_info("kang", "Kang 2018", "kang2018");
+    info.may_need.push_back(need<TriangleGrid>(Side::target));
+    info.parameters.push_back({.name = "closest",
+                               .default_value = std::string("grid"),
+                               .paper_value = "grid",
+                               .description = "what closest points of B are found by: a uniform grid, or a BVH",
+                               .choices = {"grid", "bvh"}});
+    return {info, [](const Options& options) {
+                Cascade cascade = cascade_of(options, {PieceBound::u3});
+                cascade.grid = options.text("closest") == "grid";
+                return cascade_solver(std::move(cascade));
+            }};
+}
+
+}  // namespace hausbench

@@ -1,0 +1,59 @@
+// Four upper bounds in turn: Sacht, Jacobson: Cascading upper bounds for triangle soup Pompeiu-Hausdorff distance, SGP 2024.
+//
+// The search is meshes/cascade/cascade.h, the bounds are search/piece_bounds.h. From the paper: the exact case, u1 to u4 and their order,
+// midpoint subdivision, the piece of largest upper bound first, and max_factor. Ours: all that certifies, ties (meshes/cascade/cascade.h)
+// and `longest_edge`. Corrected: |v2 - q3| in Eq. 8 is |v2 - q2|, and the proof of u2 takes the vertex nearest to p, not to q. u4
+// divides nothing by zero where two closest points are the same. A vertex that no triangle uses does not count, and rounding cannot
+// empty the queue too early: two failures of its section 5.2.
+//
+// Fields: those of guthe.cpp, and the "bound" that was computed last for a piece of the triangle: 1 to 4, or 0 where it is exact.
+//
+// Budget: subdivisions; max_factor, as published, counts A's triangles and every piece. Time O(n log m) for the vertices and
+// O(log m) a subdivision on tame data; memory O(n + m) and 152 bytes for each piece in the queue.
+#include "algorithms/meshes/cascade/cascade.h"
+
+#include "algorithms/error.h"
+
+#include <algorithm>
+
+namespace hausbench {
+namespace {
+
+std::string problem_of_order(const std::string& order) {
+    std::string digits = order;
+    std::sort(digits.begin(), digits.end());
+    const bool distinct = std::adjacent_find(digits.begin(), digits.end()) == digits.end();
+    if (!order.empty() && distinct && order.find_first_not_of("1234") == std::string::npos) return "";
+    return "not an order of upper bounds: write some of the digits 1 to 4, each at most once, such as \"1234\" or "
+           "\"23\"";
+}
+
+std::vector<PieceBound> order_of(const std::string& digits) {
+    std::vector<PieceBound> order;
+    for (const char digit : digits) order.push_back(static_cast<PieceBound>(digit - '0'));
+    return order;
+}
+
+}  // namespace
+
+SolverEntry sacht_solver() {
+    SolverInfo info = cascade_info("sacht", "Sacht 2024", "sacht2024");
+    info.parameters.push_back({.name = "order",
+                               .default_value = std::string("1234"),
+                               .paper_value = "1234",
+                               .description = "which of the upper bounds u1 to u4 are computed, in which order",
+                               .problem = problem_of_order});
+    info.parameters.push_back(
+        {.name = "max_factor",
+         .default_value = 1e7,
+         .paper_value = "1e7; 1e3 in Fig. 10",
+         .description = "end with status budget at this many triangles and pieces for each triangle of A",
+         .least = 1});
+    return {info, [](const Options& options) {
+                Cascade cascade = cascade_of(options, order_of(options.text("order")));
+                cascade.max_factor = options.real("max_factor");
+                return cascade_solver(std::move(cascade));
+            }};
+}
+
+}  // namespace hausbench

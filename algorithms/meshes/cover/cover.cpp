@@ -1,0 +1,296 @@
+// Threshold cover: ours. Every triangle of A is shown to lie within tau of B, where tau is just above the largest distance that any
+// point of A is known to have.
+//
+// 1. A lower bound l: the distance of one vertex of each of a few groups of neighbouring triangles of A, then of each quarter of them, down
+//    to clusters of 16 (meshes/cover/groups.h). A group is done with where that distance and the size of its box together are at most
+//    tau = l + 0.9 tolerance, or l and what its own rounding needs.
+// 2. What is left is looked at eight triangles at a time, the most promising first, so that l is nearly final early. The triangles of
+//    B that are near are gathered once, as frames in single precision (structures/triangle_blocks.h), and the distances of all corners
+//    to them are found. If all three corners of a triangle are within tau of one triangle S of B, all of it is, as the tau-offset of S
+//    is convex; if not, several are tried together (meshes/cover/offset_cover.h).
+// 3. What single precision cannot decide is done again at the end, in double precision, with a tau that is nearly final. A point that no
+//    triangle of B is within tau of is measured exactly: it updates the lower bound l, and tau with it. Where tau is nearer to l than double precision tells
+//    apart at the place of a piece, that piece gets a bound that is above tau by as much.
+// There is no queue, and no bound is ever made better: a triangle is covered once. Most are by step 2, with no query of their own.
+//
+// Upper bound: the largest of the distances that the covers and the groups have shown, not tau. Lower bound and witness: as in
+// guthe.cpp. Rounding: meshes/cover/offset_cover.h in coordinates of the place, so that it errs by parts of the place's size; kernel/rounding.h
+// for groups, and for the pieces of triangles that are too large beside those of B and are halved first.
+//
+// Rounds: the work is cut into parts, and a few parts make a round. All parts of a round begin from the lower bound at its beginning, and what
+// they find is merged in their order, so the answer is the same whatever the number of threads. Rounds grow, so that an early l is
+// known to nearly all.
+//
+// Two sides, and a chain of poses (ours as well): the triangle of B that was nearest to a group at the pose before, or that lay near one
+// of its triangles in the other direction, often settles it without a query; the point that was farthest before is measured first.
+// Fields: those of guthe.cpp.
+// Budget: cuts; with a budget each round has one part.
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/meshes/cover/groups.h"
+#include "algorithms/meshes/cover/worker.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/elements.h"
+#include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/stages.h"
+#include "algorithms/search/warm_start.h"
+#include "algorithms/structures/triangle_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+constexpr std::size_t first_clusters = 32;  // the most promising ones
+constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
+
+// More than a bound is widened by. At each place a cover adds what its own rounding needs (meshes/cover/worker.h).
+double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
+
+Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
+    if (!warm_start) return nullptr;
+    warm_start->partner.resize(static_cast<std::size_t>(pair.source.triangles.rows()), -1);
+    return warm_start->partner.data();
+}
+
+class CoverSearch {
+public:
+    CoverSearch(const MeshPair& pair, const TriangleBlocks& blocks, const std::vector<Index>& order,
+                const GroupBoxes& boxes, const Query& query, WarmStart* warm_start, Trace& trace)
+        : pair_(pair),
+          boxes_(boxes, pair.source.triangles, pair.points, order, query.source_pose),
+          query_(query),
+          warm_start_(warm_start),
+          trace_(trace),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(pair.source.triangles.rows())
+                                        : std::nullopt),
+          stages_(query.wanted.stages),
+          bounds_(query, pair.target, {pair.magnitude, true}, counters_, trace, elements_ ? &*elements_ : nullptr),
+          deadline_(query.time_limit),
+          proofs_(query.wanted.certificate ? std::make_optional<CoverProofs>(pair.source.triangles.rows())
+                                           : std::nullopt),
+          scene_{pair.source,
+                 pair.points,
+                 pair.target,
+                 blocks,
+                 order,
+                 query,
+                 pair.magnitude,
+                 least_gap_of(pair),
+                 elements_ ? &*elements_ : nullptr,
+                 proofs_ ? &*proofs_ : nullptr,
+                 partners_of(warm_start, pair)},
+          threads_(elements_ || proofs_ ? 1 : query.threads) {
+        workers_.resize(static_cast<std::size_t>(threads_.most()));
+    }
+
+    Result run();
+
+private:
+    void measure_previous();
+    void measure_groups();
+    void cover_clusters(std::size_t begin, std::size_t end);
+    void decide_all(std::size_t clusters_left);
+    template <class Item, class UpperOfRest>
+    void in_rounds(std::size_t count, std::size_t of_part, const Item& item, const UpperOfRest& upper_of_rest);
+    void merge(CoverOutcome outcome);
+    bool asks() const { return query_.floor > 0 || query_.cutoff < std::numeric_limits<double>::infinity(); }
+    template <class List> static double upper_of(const List& list, std::size_t from) {
+        double most = 0;
+        for (std::size_t i = from; i < list.size(); ++i) most = std::max(most, list[i].upper.value);
+        return most;
+    }
+
+    const MeshPair& pair_;
+    PosedGroupBoxes boxes_;
+    const Query& query_;
+    WarmStart* warm_start_;
+    Trace& trace_;
+    Counters counters_;
+    std::optional<ElementBounds> elements_;
+    Stages stages_;
+    SearchBounds bounds_;
+    Deadline deadline_;
+    std::optional<CoverProofs> proofs_;
+    CoverScene scene_;
+    Threads threads_;
+    std::vector<std::unique_ptr<CoverWorker>> workers_;  // of each thread, made when it has its first part
+    std::vector<Cluster> clusters_;
+    std::vector<CoverPiece> undecided_;
+    std::optional<Status> stop_;
+};
+
+// The outcomes of one round are merged in the order of its parts. `upper_of_rest(i)`: of what is left from item i on, for the trace.
+template <class Item, class UpperOfRest>
+void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
+                            const UpperOfRest& upper_of_rest) {
+    const bool one_by_one = query_.budget < std::numeric_limits<std::uint64_t>::max();
+    if (one_by_one) of_part = 1;
+    std::size_t parts = 1;
+    for (std::size_t begin = 0; begin < count; begin += parts * of_part) {
+        if (begin > 0 && !one_by_one) parts = std::min(2 * parts, most_parts_of_round);
+        const std::size_t end = std::min(count, begin + parts * of_part);
+        const Farthest farthest = bounds_.farthest();
+        const double settled = bounds_.settled();
+        const std::uint64_t left = query_.budget - std::min(query_.budget, counters_.subdivisions);
+        const bool stopped = stop_.has_value();
+        std::vector<CoverOutcome> outcomes((end - begin + of_part - 1) / of_part);
+        std::vector<std::optional<Status>> stops(outcomes.size());
+        threads_.for_each(outcomes.size(), [&](std::size_t part, int number) {
+            std::unique_ptr<CoverWorker>& made = workers_[static_cast<std::size_t>(number)];
+            if (!made) made = std::make_unique<CoverWorker>(scene_);
+            CoverWorker& worker = *made;
+            worker.begin(farthest, settled, left, stopped, deadline_);
+            const std::size_t first = begin + part * of_part;
+            for (std::size_t i = first; i < std::min(end, first + of_part); ++i) item(worker, i);
+            stops[part] = worker.stopped();
+            outcomes[part] = worker.finish();
+        });
+        for (CoverOutcome& outcome : outcomes) merge(std::move(outcome));
+        for (const std::optional<Status>& stop : stops)
+            if (!stop_) stop_ = stop;
+        if (!stop_ && (trace_.on() || asks())) stop_ = bounds_.answered(upper_of_rest(end));
+    }
+}
+
+void CoverSearch::merge(CoverOutcome outcome) {
+    for (const CounterField& field : counter_fields) counters_.*field.member += outcome.counters.*field.member;
+    if (outcome.farthest.source >= 0)
+        bounds_.offer(outcome.farthest.point, outcome.farthest.source, outcome.farthest.level);
+    bounds_.keep(outcome.settled);
+    std::move(outcome.groups.begin(), outcome.groups.end(), std::back_inserter(clusters_));
+    std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
+}
+
+// What was farthest at the pose before is likely to be so again.
+void CoverSearch::measure_previous() {
+    if (!warm_start_ || warm_start_->source < 0) return;
+    const auto v = pair_.source.triangles.row(warm_start_->source);
+    const Triangle t{pair_.points.row(v[0]), pair_.points.row(v[1]), pair_.points.row(v[2])};
+    const int corner = warm_start_->corner;
+    if (corner >= 0)
+        bounds_.measure(corner == 0 ? t.a : corner == 1 ? t.b : t.c, warm_start_->target, warm_start_->source, 0);
+    else
+        bounds_.measure(warm_start_->point_in(t), warm_start_->target, warm_start_->source, level_of_closest_point);
+}
+
+// Level by level, so that l is nearly final when the small groups, which are many, have their turn.
+void CoverSearch::measure_groups() {
+    clusters_.assign(1, Cluster());
+    clusters_[0].count = scene_.order.size();
+    for (std::size_t level = boxes_.levels(); level-- > 0;) {
+        std::vector<Cluster> groups;
+        groups.swap(clusters_);
+        const std::size_t size = GroupBoxes::triangles_of_group(level);
+        const auto item = [&](CoverWorker& worker, std::size_t i) {
+            const Cluster& group = groups[i];
+            for (std::size_t begin = group.begin; begin < group.begin + group.count; begin += size) {
+                Cluster part = group;
+                part.begin = begin;
+                part.count = std::min(size, group.begin + group.count - begin);
+                worker.narrow(part, boxes_.box(level, begin / size));
+            }
+        };
+        in_rounds(groups.size(), groups_of_part, item,
+                  [&](std::size_t i) { return std::max(upper_of(clusters_, 0), upper_of(groups, i)); });
+        if (stop_ == Status::time_limit) return;
+    }
+}
+
+void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
+    in_rounds(
+        end - begin, clusters_of_part, [&](CoverWorker& worker, std::size_t i) { worker.cover(clusters_[begin + i]); },
+        [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
+}
+
+// Those that may be far first, as they may update l.
+void CoverSearch::decide_all(std::size_t clusters_left) {
+    std::vector<CoverPiece> pieces;
+    pieces.swap(undecided_);
+    std::stable_sort(pieces.begin(), pieces.end(),
+                     [](const CoverPiece& x, const CoverPiece& y) { return x.upper.value > y.upper.value; });
+    in_rounds(
+        pieces.size(), pieces_of_part, [&](CoverWorker& worker, std::size_t i) { worker.decide(pieces[i]); },
+        [&](std::size_t i) { return std::max(upper_of(pieces, i), upper_of(clusters_, clusters_left)); });
+}
+
+Result CoverSearch::run() {
+    measure_previous();
+    measure_groups();
+    if (stop_ == Status::time_limit) {
+        Result result = bounds_.result_without_bounds(pair_.source.triangles, pair_.points);
+        result.why_no_certificate = "time was out before the solver had a proof for any of A; allow it more time";
+        return result;
+    }
+    stages_.end("measure groups");
+    const std::size_t first = std::min(first_clusters, clusters_.size());
+    order_clusters(clusters_, first);
+    cover_clusters(0, first);
+    decide_all(first);
+    stages_.end("cover the first clusters");
+    cover_clusters(first, clusters_.size());
+    stages_.end("cover in single precision");
+    decide_all(clusters_.size());
+    stages_.end("cover in double precision");
+    if (!stop_) stop_ = bounds_.answered(0);
+    Result result = bounds_.result(stop_.value_or(Status::precision_floor), 0);
+    if (warm_start_ && result.witness.source_element >= 0) {
+        const auto v = pair_.source.triangles.row(result.witness.source_element);
+        warm_start_->remember(bounds_.farthest(),
+                              {pair_.points.row(v[0]), pair_.points.row(v[1]), pair_.points.row(v[2])});
+    }
+    if (elements_) result.fields = bounds_.fields();
+    if (proofs_) {
+        // Who checks it loses up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h); a chain of 280 cuts fits in.
+        const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
+        if (proof)
+            result.certificates = {*proof};
+        else
+            result.why_no_certificate =
+                "the solver ended before it had covered all of A; allow it more time, or a larger tolerance";
+    }
+    result.reported = stages_.seconds();
+    return result;
+}
+
+class Cover final : public MeshSolver<TriangleBlocks> {
+public:
+    Needs needs(const Scene&, const QuerySet&) const override {
+        return {need<TriangleBlocks>(Side::target), need<TriangleOrder>(Side::source)};
+    }
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        MeshSolver::prepare(scene, prepared);
+        order_ = &prepared.get<TriangleOrder>(Side::source);
+        boxes_ = GroupBoxes(source().triangles, source().vertices, order_->order);
+    }
+    std::size_t prepared_bytes() const override { return boxes_.bytes(); }
+
+    std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
+
+private:
+    Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
+        return CoverSearch(pair, *tree(), order_->order, boxes_, query, static_cast<WarmStart*>(state), trace).run();
+    }
+
+    const TriangleOrder* order_ = nullptr;
+    GroupBoxes boxes_;  // of A
+};
+
+}  // namespace
+
+SolverEntry cover_solver() {
+    SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
+    info.warm = info.shares_pairs = true;
+    info.threads = info.certificates = true;
+    info.tolerance_guides = true;  // tau
+    info.may_need.push_back(need<TriangleOrder>(Side::source));
+    return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
+}
+
+}  // namespace hausbench

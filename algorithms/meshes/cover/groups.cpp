@@ -1,0 +1,54 @@
+#include "algorithms/meshes/cover/groups.h"
+
+#include "algorithms/kernel/posed_box.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hausbench {
+
+namespace {
+
+constexpr std::size_t most_first_groups = 64, group_parts = 4;
+
+Box box_of_cluster(const Triangles& triangles, const Points& points, const std::vector<Index>& order,
+                   std::size_t cluster) {
+    Box box;
+    const std::size_t begin = cluster * cluster_triangles, end = std::min(order.size(), begin + cluster_triangles);
+    for (std::size_t i = begin; i < end; ++i)
+        for (const Index v : triangles.row(order[i])) box.add(Vec3(points.row(v)));
+    return box;
+}
+
+}  // namespace
+
+GroupBoxes::GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order) : boxes_(1) {
+    boxes_[0].resize((order.size() + cluster_triangles - 1) / cluster_triangles);
+    for (std::size_t i = 0; i < boxes_[0].size(); ++i) boxes_[0][i] = box_of_cluster(triangles, points, order, i);
+    while (boxes_.back().size() > most_first_groups) {
+        const std::vector<Box>& below = boxes_.back();
+        std::vector<Box> level((below.size() + group_parts - 1) / group_parts);
+        for (std::size_t i = 0; i < below.size(); ++i) level[i / group_parts].add(below[i]);
+        boxes_.push_back(std::move(level));
+    }
+}
+
+std::size_t GroupBoxes::bytes() const {
+    std::size_t sum = 0;
+    for (const std::vector<Box>& level : boxes_) sum += level.capacity() * sizeof(Box);
+    return sum;
+}
+
+PosedGroupBoxes::PosedGroupBoxes(const GroupBoxes& boxes, const Triangles& triangles, const Points& points,
+                                 const std::vector<Index>& order, const Pose& pose)
+    : boxes_(boxes), triangles_(triangles), points_(points), order_(order), pose_(pose) {
+    if (!pose.is_identity()) within_ = box_of(points);
+}
+
+Box PosedGroupBoxes::box(std::size_t level, std::size_t group) const {
+    if (pose_.is_identity()) return boxes_.box(level, group);
+    if (level == 0) return box_of_cluster(triangles_, points_, order_, group);
+    return posed_box(boxes_.box(level, group), pose_, within_);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,78 @@
+#include "algorithms/meshes/cover/offset_cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "algorithms/meshes/cover/offset_cover.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include "algorithms/meshes/cover/offset_cover_cut-inl.h"
+#include "algorithms/meshes/cover/offset_cover_engine-inl.h"
+#include "algorithms/meshes/cover/offset_cover_peel-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+
+void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+    const Candidates<float> all{&cover.near, cover.limit.data()};
+    for (std::size_t i = 0; i < points.count; ++i) measure_row(cover, all, i, points.x[i], points.y[i], points.z[i]);
+}
+
+CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+                         const std::array<std::size_t, 3>& points, std::size_t most_work) {
+    return Engine<float>(cover, nullptr, nullptr, most_work).run(piece, points.data());
+}
+
+CoverResult sure_piece(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+                       const TriangleMesh& target) {
+    return Engine<double>(cover, &host, &target, std::numeric_limits<std::size_t>::max()).run(piece, nullptr);
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hausbench {
+
+HWY_EXPORT(shared_rows);
+HWY_EXPORT(shared_piece);
+HWY_EXPORT(sure_piece);
+
+template <class T> void OffsetCover<T>::set_threshold(double tau) {
+    threshold = tau;
+    const std::size_t count = near.count(), padded = (count + frames_width - 1) / frames_width * frames_width;
+    limit.resize(NearTriangles<T>::stride);
+    for (std::size_t k = 0; k < padded; ++k) {
+        const double allowed = std::max(tau * (1 - 0x1p-50) - error(near, k), 0.0);
+        // Rounded down: the factor is more than rounding to T takes.
+        limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
+    }
+    std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded),
+              T(-1));
+}
+template <class T> void OffsetCover<T>::make_rows(std::size_t points) {
+    if (squared.size() < points * NearTriangles<T>::stride) squared.resize(points * NearTriangles<T>::stride);
+    if (within.size() < points) within.resize(points);
+}
+template struct OffsetCover<float>;
+template struct OffsetCover<double>;
+
+void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points) {
+    HWY_DYNAMIC_DISPATCH(shared_rows)(cover, points);
+}
+CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
+                         const std::array<std::size_t, 3>& points, std::size_t most_work) {
+    return HWY_DYNAMIC_DISPATCH(shared_piece)(cover, piece, points, most_work);
+}
+CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
+                         const TriangleMesh& target) {
+    cover.make_rows(most_shared_points + most_polygon_corners + 4);
+    return HWY_DYNAMIC_DISPATCH(sure_piece)(cover, piece, host, target);
+}
+
+}  // namespace hausbench
+#endif

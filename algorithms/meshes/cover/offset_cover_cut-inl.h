@@ -1,0 +1,158 @@
+// A polygon is cut in two where peeling gets nowhere, see offset_cover.h. Compiled once for every target: include it after
+// hwy/foreach_target.h.
+#include "algorithms/meshes/cover/offset_cover_engine-inl.h"
+
+#if defined(HAUSBENCH_OFFSET_COVER_CUT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAUSBENCH_OFFSET_COVER_CUT_INL
+#undef HAUSBENCH_OFFSET_COVER_CUT_INL
+#else
+#define HAUSBENCH_OFFSET_COVER_CUT_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+
+// The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
+// the quotient by u: sqrt(3) 16 < 28.
+constexpr double slack_of_mean = 28;
+
+// No point of the polygon is farther from a triangle than its centre is, plus its radius.
+template <class T> void Engine<T>::find_centre() {
+    std::array<T, 3> sum{};
+    for (std::size_t i = 0; i < piece_.count; ++i) sum[0] += piece_.x[i], sum[1] += piece_.y[i], sum[2] += piece_.z[i];
+    for (std::size_t k = 0; k < 3; ++k) centre_[k] = sum[k] / static_cast<T>(piece_.count);
+    double most = 0;
+    slack_ = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const double x = static_cast<double>(piece_.x[i]) - static_cast<double>(centre_[0]),
+                     y = static_cast<double>(piece_.y[i]) - static_cast<double>(centre_[1]),
+                     z = static_cast<double>(piece_.z[i]) - static_cast<double>(centre_[2]);
+        most = std::max(most, (x * x + y * y) + z * z);
+        slack_ = std::max(slack_, piece_.slack[i]);
+    }
+    radius_ = std::sqrt(most) * (1 + 0x1p-50);
+}
+
+template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
+    find_centre();
+    measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
+    std::size_t k = nearest(centre_row);
+    const auto distance = [&] { return at_most(c_.squares(centre_row)[k], k); };
+    if (exact && host_->promising(distance())) {
+        ask(centre_[0], centre_[1], centre_[2], slack_ + slack_of_mean, k);
+        measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
+        k = nearest(centre_row);
+    }
+    // Too small to be cut: rounding is as large.
+    const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
+                      slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
+    // The centre only tells whether its triangle, which the host may have just found, is near all of the polygon. What is proven is the bound by the
+    // corners: in exact arithmetic it is never larger than the distance of the centre and the radius, but as computed it may be.
+    const double by_corners = at_most(largest_square(k), k);
+    if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
+        covered_by(k, by_corners);
+        return Centre::covered;
+    }
+    if (!exact && (tiny || distance() > c_.threshold)) return Centre::lost;
+    return Centre::cut;
+}
+
+// Across an edge of triangle k, by the plane through it that is normal to the triangle, if that is not near the rim of the polygon.
+template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
+    const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
+    T sides[3][most_polygon_corners], best = 0;
+    std::size_t chosen = 3;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const auto along = [&](std::size_t axis) {
+            return ((row(3 * axis) * piece_.x[i] + row(3 * axis + 1) * piece_.y[i]) + row(3 * axis + 2) * piece_.z[i]) +
+                   row(frame_row::shift + axis);
+        };
+        const T x = along(0), y = along(1), from_b = x - row(frame_row::length);
+        sides[0][i] = y;
+        sides[1][i] = x * row(frame_row::ac + 1) - y * row(frame_row::ac);
+        sides[2][i] = y * row(frame_row::bc) - from_b * row(frame_row::bc + 1);
+    }
+    for (std::size_t s = 0; s < 3; ++s) {
+        const auto [low, high] = std::minmax_element(sides[s], sides[s] + piece_.count);
+        const T depth = std::min(-*low, *high);
+        if (depth > best) best = depth, chosen = s;
+    }
+    if (chosen == 3 || !(static_cast<double>(best) > 0.05 * radius_)) return false;
+    std::copy_n(sides[chosen], piece_.count, side);
+    return true;
+}
+
+// By the plane across the longest edge, where it is as far from the triangles that are nearest to its ends, or at its midpoint.
+template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_corners]) {
+    std::size_t a = 0;
+    T longest = -1;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        const std::size_t j = next(i);
+        const T x = piece_.x[j] - piece_.x[i], y = piece_.y[j] - piece_.y[i], z = piece_.z[j] - piece_.z[i];
+        const T squared = (x * x + y * y) + z * z;
+        if (squared > longest) longest = squared, a = i;
+    }
+    const std::size_t b = next(a), near_a = nearest(row_[a]), near_b = nearest(row_[b]);
+    T t = T(0.5);
+    if (near_a != near_b) {
+        const T at_a = square(a, near_b) - square(a, near_a), at_b = square(b, near_a) - square(b, near_b);
+        if (at_a + at_b > 0) t = std::clamp(at_a / (at_a + at_b), T(0.1), T(0.9));
+    }
+    const T ex = piece_.x[b] - piece_.x[a], ey = piece_.y[b] - piece_.y[a], ez = piece_.z[b] - piece_.z[a];
+    const T mx = piece_.x[a] + t * ex, my = piece_.y[a] + t * ey, mz = piece_.z[a] + t * ez;
+    for (std::size_t i = 0; i < piece_.count; ++i)
+        side[i] = ((piece_.x[i] - mx) * ex + (piece_.y[i] - my) * ey) + (piece_.z[i] - mz) * ez;
+    side[a] = -t * longest;  // whatever rounding says
+    side[b] = (1 - t) * longest;
+}
+
+// Cuts where the sides change, twice: a run of corners on the positive side, and the rest. That a side may be wrong by rounding, or that
+// there are more changes, does no harm: what is cut off is what lies beyond the chord between two points of the rim.
+template <class T> void Engine<T>::cut() {
+    ++c_.cuts;
+    T side[most_polygon_corners];
+    if (!along_prism(nearest(centre_row), side)) across_longest_edge(side);
+    std::size_t first = 0;  // of a run of corners on the positive side
+    while (!(side[first] > 0 && side[last(first)] <= 0)) ++first;
+    std::size_t end = first;
+    while (side[next(end)] > 0) end = next(end);
+    const std::size_t before = last(first), after = next(end);
+    struct Crossing {
+        T x, y, z;
+        float slack;
+        CutPoint place;
+    };
+    // The rim crosses between two corners, or in one of them where the side is 0.
+    const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
+        if (side[zero] == 0)
+            return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};
+        const T t = side[from] / (side[from] - side[to]);
+        return {piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
+                piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
+                piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack_of_cut(from, to, t),
+                CutPoint::along(from, static_cast<double>(t))};
+    };
+    const Crossing p = crossing(before, first, before), q = crossing(end, after, after);
+    CoverPolygon<T> high, low;
+    const auto add = [](CoverPolygon<T>& part, const Crossing& at) { part.add(at.x, at.y, at.z, at.slack); };
+    const auto copy = [&](CoverPolygon<T>& part, std::size_t i) {
+        part.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i]);
+    };
+    add(high, p);
+    for (std::size_t i = first; i != after; i = next(i)) copy(high, i);
+    add(high, q);
+    add(low, q);
+    for (std::size_t i = side[after] == 0 ? next(after) : after; i != first && (i != before || side[before] != 0);
+         i = next(i))
+        copy(low, i);
+    add(low, p);
+    if (c_.proof) c_.proof->cut(p.place, q.place);
+    c_.stack.push_back(low);
+    begin(high, nullptr);
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

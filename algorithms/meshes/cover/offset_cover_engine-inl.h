@@ -1,0 +1,350 @@
+// The engine of offset_cover.h: the polygons of one piece and what they are measured against. How one is peeled is in
+// offset_cover_peel-inl.h, how it is cut in two in offset_cover_cut-inl.h. Compiled once for every target: include it after
+// hwy/foreach_target.h.
+#include "algorithms/kernel/triangle_frames-inl.h"
+#include "algorithms/meshes/cover/offset_cover.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#if defined(HAUSBENCH_OFFSET_COVER_ENGINE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAUSBENCH_OFFSET_COVER_ENGINE_INL
+#undef HAUSBENCH_OFFSET_COVER_ENGINE_INL
+#else
+#define HAUSBENCH_OFFSET_COVER_ENGINE_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace hausbench::HWY_NAMESPACE {
+namespace {
+
+// Points that are measured at once against one triangle: half of them on either edge of a peel.
+template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
+
+constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
+
+// The triangles that are looked at now: all that are near, or few of them.
+template <class T> struct Candidates {
+    const NearTriangles<T>* frames;
+    const T* limit;
+
+    std::size_t count() const { return frames->count(); }
+    const T* row(std::size_t i) const { return frames->row(i); }
+};
+
+template <class T> NearSet compare(const Candidates<T>& candidates, const T* squares) {
+    using D = FrameLanes<T>;
+    const D d;
+    NearSet within;
+    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
+        const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
+        within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
+    }
+    return within;  // the limit of what is not in use is -1
+}
+
+template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
+    using D = FrameLanes<T>;
+    const D d;
+    const auto px = hn::Set(d, x), py = hn::Set(d, y), pz = hn::Set(d, z);
+    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
+        const auto load = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d, candidates.row(i) + k); };
+        hn::StoreU(squared_in_frames<T>(load, px, py, pz), d, squares + k);
+    }
+}
+
+template <class T>
+void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t point, T x, T y, T z) {
+    measure_all(candidates, x, y, z, c.squares(point));
+    c.distances += candidates.count();
+    c.within[point] = compare(candidates, c.squares(point));
+}
+
+// Squared distances of some points to one triangle, and which of them are within its limit, as bits.
+template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
+template <class T> struct Sampled {
+    T square[samples<T>];
+    unsigned within;
+};
+template <class T>
+Sampled<T> measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
+                           const SamplePoints<T>& points) {
+    using D = FrameLanes<T>;
+    const D d;
+    const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
+    const auto limit = hn::Set(d, candidates.limit[k]);
+    Sampled<T> found;
+    found.within = 0;
+    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
+        const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
+                                                  hn::LoadU(d, points.z + i));
+        hn::StoreU(squared, d, found.square + i);
+        found.within |= mask_bits<T>(hn::Le(squared, limit)) << i;
+    }
+    c.distances += samples<T>;
+    return found;
+}
+
+template <class T> void roots(const T (&squares)[samples<T>], T (&distances)[samples<T>]) {
+    const FrameLanes<T> d;
+    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d))
+        hn::StoreU(hn::Sqrt(hn::LoadU(d, squares + i)), d, distances + i);
+}
+
+// One piece of A.
+template <class T> class Engine {
+public:
+    Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
+        : c_(cover), all_{&cover.near, cover.limit.data()}, host_(host), target_(target), most_work_(most_work) {}
+
+    CoverResult run(const CoverPolygon<T>& piece, const std::size_t* shared);
+
+private:
+    static constexpr bool exact = sizeof(T) == 8;
+    static constexpr std::size_t centre_row = most_shared_points + most_polygon_corners + 2;
+
+    struct Run {
+        std::size_t begin = 0, length = 0;  // corners
+        NearSet common;                     // the triangles that are near all of them
+    };
+    static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
+    struct Exits {
+        std::size_t triangle = 0;
+        T before = 0,
+          after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
+        std::size_t second = none;  // a triangle that covers the rest, if they are left there
+        double upper = 0;           // by both
+    };
+    struct Tried {
+        std::size_t k;
+        T estimate;
+        Sampled<T> sampled;
+    };
+    enum class Peel { stuck, peeled, covered };
+
+    CoverResult cover(const CoverPolygon<T>& piece, const std::size_t* shared);
+    void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
+    bool pop();
+    bool one_for_all();
+    bool every_corner_near();
+    void ask(T x, T y, T z, double slack, std::size_t near);
+    Run longest_run() const;
+    std::size_t choose(const Run& run, std::array<Tried, tried_triangles>& tried);
+    Exits exits(const Run& run);
+    void sample_edges(const Run& run, SamplePoints<T>& points) const;
+    void sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high, SamplePoints<T>& points) const;
+    bool by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out);
+    T exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points);
+    void estimate_exits(const Run& run, const std::size_t (&corners)[4],
+                        T (&estimate)[NearTriangles<T>::most_triangles]);
+    Peel peel();
+    void keep_few();
+    void find_centre();
+    bool add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
+                  std::size_t k);
+    enum class Centre { covered, lost, cut };
+    Centre look_at_centre();
+    void cut();
+    bool along_prism(std::size_t k, T (&side)[most_polygon_corners]) const;
+    void across_longest_edge(T (&side)[most_polygon_corners]);
+    void settle();
+
+    std::size_t next(std::size_t i) const { return i + 1 == piece_.count ? 0 : i + 1; }
+    std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
+    std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
+    T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
+    // Of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding here.
+    float slack_of_cut(std::size_t from, std::size_t to, T t) const {
+        const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
+                         std::abs(piece_.z[to] - piece_.z[from]);
+        return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
+    }
+    const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
+    // Triangle k is near all corners.
+    void covered_by(std::size_t k, double bound) {
+        upper_ = std::max(upper_, bound);
+        if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
+    }
+    void cut_proof(const Run& run, const Exits& out) {
+        c_.proof->cut(CutPoint::back(last(run.begin), static_cast<double>(out.before)),
+                      CutPoint::along(end_of(run), static_cast<double>(out.after)));
+    }
+    double at_most(T square, std::size_t k) const {
+        return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
+    }
+    T largest_square(std::size_t k) const {
+        T most = 0;
+        for (std::size_t i = 0; i < piece_.count; ++i) most = std::max(most, square(i, k));
+        return most;
+    }
+    std::size_t nearest(std::size_t point) const {
+        const T* const squares = c_.squares(point);
+        return static_cast<std::size_t>(std::min_element(squares, squares + all_.count()) - squares);
+    }
+    std::size_t take_row() {
+        const auto free = static_cast<std::size_t>(std::countr_one(used_));
+        used_ |= 1U << free;
+        return most_shared_points + free;
+    }
+
+    OffsetCover<T>& c_;
+    Candidates<T> all_;
+    CoverHost* host_;             // null in single precision
+    const TriangleMesh* target_;  // likewise
+    std::size_t most_work_, work_ = 0;
+    double upper_ = 0;  // of what is covered so far
+    CoverPolygon<T> piece_;
+    std::size_t row_[most_polygon_corners]{};  // of its corners
+    std::uint32_t used_ = 0;                   // rows
+    int slow_ = 0;                             // peels in a row that removed little
+    int peels_ = 0;                            // since the last cut
+    bool spent_ = false;                       // what is left gets the bound that it has
+    bool full_ = false;                        // there is no room for a triangle that is nearest to a point
+    std::array<T, 3> centre_{};
+    double radius_ = 0;  // of the piece, around it
+    float slack_ = 0;    // the largest of its corners
+};
+
+template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* shared) {
+    piece_ = polygon;
+    used_ = 0;
+    slow_ = 0;
+    peels_ = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        row_[i] = shared ? shared[i] : take_row();
+        if (!shared) measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+    }
+}
+
+template <class T> CoverResult Engine<T>::run(const CoverPolygon<T>& piece, const std::size_t* shared) {
+    const std::size_t mark = c_.proof ? c_.proof->mark() : 0;
+    const CoverResult result = cover(piece, shared);
+    if (c_.proof && !result.covered) c_.proof->back_to(mark);
+    return result;
+}
+
+template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, const std::size_t* shared) {
+    c_.stack.clear();
+    begin(piece, shared);
+    while (true) {
+        if (++work_ > most_work_) return {};
+        if (exact && !spent_ && !host_->go_on()) spent_ = true;
+        if (spent_) {
+            settle();
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        if (!every_corner_near()) {
+            if (!exact) return {};
+            if (full_) return {};
+            settle();  // rounding is more than what is left
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        if (one_for_all()) {
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        const Peel peeled = peel();
+        if (peeled == Peel::peeled) {
+            if (peels_ == 2 || (peels_ == 1 && all_.count() > 4 * frames_width)) keep_few();
+            continue;
+        }
+        if (peeled == Peel::covered) {
+            if (!pop()) return {true, upper_};
+            continue;
+        }
+        const Centre centre = look_at_centre();
+        if (full_) return {};
+        if (centre == Centre::lost) return {};
+        if (centre == Centre::cut)
+            cut();
+        else if (!pop())
+            return {true, upper_};
+    }
+}
+
+template <class T> bool Engine<T>::pop() {
+    if (c_.stack.empty()) return false;
+    const CoverPolygon<T> polygon = c_.stack.back();
+    c_.stack.pop_back();
+    begin(polygon, nullptr);
+    return true;
+}
+
+// The distance to a triangle is convex, so the largest of the corners bounds that of the polygon; for the triangle for which it is least.
+template <class T> void Engine<T>::settle() {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < all_.count(); ++k) {
+        const double bound = at_most(largest_square(k), k);
+        if (bound < least) least = bound, best = k;
+    }
+    covered_by(best, least);
+}
+
+// Whether one triangle is within the threshold of all corners. The one that bounds the polygon best settles it.
+template <class T> bool Engine<T>::one_for_all() {
+    ++c_.tests;
+    NearSet common = within(0);
+    for (std::size_t i = 1; i < piece_.count; ++i) common = common & within(i);
+    if (common.empty()) return false;
+    double least = std::numeric_limits<double>::infinity();
+    const double early_out = std::max(upper_, c_.early_out);
+    std::size_t best = 0;
+    common.for_each([&](std::size_t k) {
+        if (least <= early_out) return;
+        const double bound = at_most(largest_square(k), k);
+        if (bound < least) least = bound, best = k;
+    });
+    covered_by(best, least);
+    return true;
+}
+
+// Measures a point of the piece exactly. The host's threshold may rise, and the triangle that is nearest is among those near, from
+// then on. Squares of all corners and limits are as they should be afterwards.
+template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
+    const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    const Index found = host_->measure(point, slack, c_.near.triangle[near]);
+    if (std::find(c_.near.triangle.begin(), c_.near.triangle.end(), found) == c_.near.triangle.end()) {
+        if (c_.near.count() == NearTriangles<T>::most_triangles) {
+            full_ = true;
+            return;
+        }
+        std::vector<Index> triangles = c_.near.triangle;
+        triangles.push_back(found);
+        if constexpr (exact) set_frames(*target_, triangles, c_.near);
+        c_.make_rows(most_shared_points + most_polygon_corners + 4);
+        c_.set_threshold(host_->threshold());
+        all_ = {&c_.near, c_.limit.data()};
+        for (std::size_t i = 0; i < piece_.count; ++i)
+            measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+    } else {
+        c_.set_threshold(host_->threshold());
+        all_ = {&c_.near, c_.limit.data()};
+        for (std::size_t i = 0; i < piece_.count; ++i) c_.within[row_[i]] = compare(all_, c_.squares(row_[i]));
+    }
+}
+
+template <class T> bool Engine<T>::every_corner_near() {
+    std::size_t asked = 0;
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        if (!within(i).empty()) continue;
+        if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
+        ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));
+        if (within(i).empty()) return false;
+        i = static_cast<std::size_t>(-1);  // sets of the others are new too
+    }
+    return true;
+}
+
+}  // namespace
+}  // namespace hausbench::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

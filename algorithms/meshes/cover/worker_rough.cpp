@@ -1,0 +1,134 @@
+// Covers in single precision, of a few triangles at a time.
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/cover/batch.h"
+#include "algorithms/meshes/cover/worker.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
+// Triangles of B, fewer than fit; if more are near, the pieces are halved.
+constexpr std::size_t most_gathered_roughly = 208;
+
+Triangle triangle_of(const CoverScene& scene, Index i) {
+    const auto v = scene.a.triangles.row(i);
+    return {scene.points.row(v[0]), scene.points.row(v[1]), scene.points.row(v[2])};
+}
+
+}  // namespace
+
+void CoverWorker::cover(const Cluster& cluster) {
+    ++outcome_.counters.bound_tests;
+    look_at_clock();
+    if (cluster.upper.value <= tau_ || stop_) return settle(cluster);
+    pieces_.clear();
+    for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
+        const Triangle t = triangle_of(scene_, scene_.order[i]);
+        pieces_.push_back({{t.a, t.b, t.c}, scene_.order[i], scene_.order[i], cluster.upper, cluster.landmark});
+    }
+    for (std::size_t i = 0; i < pieces_.size();) {
+        const std::size_t count = std::min(batch_, pieces_.size() - i);
+        const auto batch = std::span(pieces_).subspan(i, count);
+        i += count;
+        gathered_ = 0;
+        if (crowded_)
+            cover_from_own(batch, cluster.landmark);
+        else
+            cover(batch, cluster.landmark);
+        // Neighbours need about as many triangles of B.
+        if (gathered_ > most_gathered_roughly)
+            batch_ = std::max(count / 2, std::size_t{1});
+        else if (gathered_ < most_gathered_roughly / 3)
+            batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
+    }
+    // Each alone, and everything near it.
+    std::vector<CoverPiece> again;
+    again.swap(again_);
+    for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
+    count();
+}
+
+void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    if (stop_) {
+        for (const CoverPiece& piece : pieces) settle(piece);
+        return;
+    }
+    crowded_ = !cover_together(pieces, landmark, pieces.size() == 1);
+    if (!crowded_) return;
+    if (pieces.size() == 1) {
+        for (CoverPiece& half : halve(pieces[0])) {
+            if (is_open(half)) cover(std::span<const CoverPiece>(&half, 1), half.landmark);
+        }
+        return;
+    }
+    const std::size_t half = pieces.size() / 2;
+    cover_from_own(pieces.first(half), landmark);
+    cover_from_own(pieces.subspan(half), landmark);
+}
+
+// Where too many triangles of B are near, the pieces get a landmark of their own. Far from B it settles most: what is nearest to one of
+// them is near all.
+void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
+    const CoverPiece& middle = pieces[pieces.size() / 2];
+    const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
+    const Landmark own{m.point, std::sqrt(m.squared), m.triangle, scene_.a.triangles(middle.source, 0)};
+    double radius = 0;
+    for (const CoverPiece& piece : pieces) radius = std::max(radius, piece.farthest_corner(m.point));
+    const KnownUpper upper{surface_sum_at_most(own.distance + radius, scene_.magnitude, 0), own.near, own.vertex};
+    std::vector<CoverPiece> open;
+    for (CoverPiece piece : pieces) {
+        piece.upper.improve(upper);
+        if (piece.upper.value > tau_ && !stop_) piece.upper.improve(by_corners(piece, own.near).upper);
+        if (piece.upper.value > tau_ && !stop_)
+            open.push_back(piece);
+        else
+            settle(piece);
+    }
+    if (!open.empty()) cover(open, own);
+}
+
+// False: too many triangles of B are near. What cannot be covered by those nearest is kept to be covered again, or is undecided.
+bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
+    const CoverBatch batch(pieces, scene_.magnitude);
+    // All triangles that may cover a part, unless tau is so large that it would be most of B: then those near the surface.
+    const double all =
+        std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
+    const double radius = all_near ? all : std::min(all, 1.5 * landmark.distance + 0.15 * batch.radius);
+    cover_.near.clear(batch.place);
+    cover_.near.most = most_gathered_roughly;
+    scene_.blocks.gather(batch.centre, radius + batch.radius, cover_.near, outcome_.counters);
+    gathered_ = std::max(gathered_, cover_.near.count());
+    const bool by_some = pieces.size() == 1 && pieces[0].level >= halvings_for_all_near;
+    if (cover_.near.count() > most_gathered_roughly && !by_some) return false;
+    const bool any = cover_.near.count() > 0;
+    if (any) {
+        cover_.make_rows(most_shared_points + most_polygon_corners + 4);
+        cover_.extent = batch.radius * batch.place.inverse * (1 + 0x1p-10);
+        cover_.set_threshold(covered_within(pieces[0].level) * batch.place.inverse);
+        cover_.early_out = scene_.elements ? 0 : std::max(settled_before_, outcome_.settled) * batch.place.inverse;
+        measure_shared(cover_, batch.points);
+    }
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const CoverPiece& piece = pieces[i];
+        CoverResult result;
+        if (any) {
+            CoverPolygon<float> polygon;
+            for (const std::size_t k : batch.of_piece[i])
+                polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
+            cover_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
+            result = cover_shared(cover_, polygon, batch.of_piece[i], most_work_in_float);
+        }
+        if (result.covered)
+            settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
+        else if (radius < all)
+            again_.push_back(piece);
+        else
+            outcome_.undecided.push_back(piece);
+    }
+    return true;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,53 @@
+// Which triangles of a mesh share an edge.
+#pragma once
+
+#include "algorithms/kernel/geometry.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+// An edge is a pair of vertex numbers: vertices at the same place but with different numbers are not joined. Any soup will
+// do; an edge may belong to one triangle, to two or to many. A triangle with two equal corners is listed twice at its edge.
+class Adjacency {
+public:
+    static constexpr std::string_view structure_name = "adjacency";
+    static constexpr bool structure_of_meshes_only = true;  // points have no neighbours
+    static constexpr int structure_layout = 1;
+
+    // O(n) time for bounded degrees, O(n log n) at worst; O(n) memory.
+    explicit Adjacency(const TriangleMesh& mesh);
+
+    Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
+
+    // The edge from corner k to corner k + 1 (mod 3) of a triangle.
+    Index edge(Index triangle, int k) const {
+        return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)];
+    }
+
+    // Its triangles, in ascending order.
+    std::span<const Index> triangles(Index edge) const {
+        const auto e = static_cast<std::size_t>(edge);
+        return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
+    }
+
+    // The other triangle at that edge; -1 at a border, and where there are several.
+    Index neighbour(Index triangle, int k) const {
+        const auto both = triangles(edge(triangle, k));
+        if (both.size() != 2 || both[0] == both[1]) return -1;
+        return both[0] == triangle ? both[1] : both[0];
+    }
+
+    std::size_t bytes() const;
+
+private:
+    std::vector<Index> edge_of_;       // three a triangle
+    std::vector<std::int32_t> begin_;  // of each edge in triangles_, and the end
+    std::vector<Index> triangles_;
+};
+
+}  // namespace hausbench

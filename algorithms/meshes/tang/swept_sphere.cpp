@@ -1,0 +1,159 @@
+#include "algorithms/meshes/tang/swept_sphere.h"
+
+#include "algorithms/kernel/rounding.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+// A point of the rectangle near q, and what a bound needs to know.
+struct Foot {
+    double squared;  // computed squared distance from q
+    double size;     // no less than |q - centre| + |u| + |v|, but for rounding
+};
+
+double along(const Vec3& r, const Vec3& axis) {
+    const double length = squared_length(axis);
+    return length > 0 ? std::clamp(dot(r, axis) / length, -1.0, 1.0) : 0.0;
+}
+
+double sum(const Vec3& x) { return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]); }
+
+Foot foot_of(const SweptSphere& volume, const Vec3& q) {
+    const Vec3 r = q - volume.centre;
+    const Vec3 rest = (r - along(r, volume.u) * volume.u) - along(r, volume.v) * volume.v;
+    return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
+}
+
+// Of the points of the rectangle. A difference, two products and two sums err by at most 8u(size) in each coordinate of
+// `rest`, so in length by less than 14u(size); the length itself by 4u of it, which is at most 1.01 size.
+double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
+    double most = 0;
+    for (const Vec3& point : points) {
+        const Foot foot = foot_of(volume, point);
+        most = std::max(most, distance_at_most(foot.squared, true) + 20 * unit_roundoff * foot.size);
+    }
+    return next_up(most);
+}
+
+// Of the points' moments about their mean, the largest first. The points are taken about `middle` in units of `extent`.
+std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& point : points) mean += (point - middle) / extent;
+    mean /= static_cast<double>(points.size());
+    for (const Vec3& point : points) {
+        const Vec3 r = (point - middle) / extent - mean;
+        moments += r * r.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments);
+    return {solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
+}
+
+// The box of the points along the axes, about `middle`.
+Box box_along(const std::array<Vec3, 3>& axes, std::span<const Vec3> points, const Vec3& middle) {
+    Box box;
+    for (const Vec3& point : points) {
+        const Vec3 r = point - middle;
+        box.add(Vec3(dot(r, axes[0]), dot(r, axes[1]), dot(r, axes[2])));
+    }
+    return box;
+}
+
+double volume_of(const SweptSphere& s) {
+    constexpr double pi = 3.14159265;
+    const double a = 2 * std::sqrt(squared_length(s.u)), b = 2 * std::sqrt(squared_length(s.v)), r = s.radius;
+    return (4.0 / 3) * pi * r * r * r + pi * r * r * (a + b) + 2 * a * b * r;
+}
+
+}  // namespace
+
+SweptSphere swept_sphere_around(std::span<const Vec3> points) {
+    Box box;
+    for (const Vec3& point : points) box.add(point);
+    const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
+    const double extent = (box.high - box.low).maxCoeff();
+    SweptSphere best;
+    best.centre = middle;
+    best.radius = farthest_foot(best, points);
+    if (!(extent > 0x1p-300) || points.size() < 2) return best;
+
+    const std::array<Vec3, 3> axes = principal_axes(points, middle, extent);
+    const Box along_axes = box_along(axes, points, middle);
+    const Vec3 half = 0.5 * (along_axes.high - along_axes.low), centre = 0.5 * (along_axes.low + along_axes.high);
+    SweptSphere swept;
+    swept.centre = middle + centre[0] * axes[0] + centre[1] * axes[1] + centre[2] * axes[2];
+    const auto offer = [&](double u, double v) {
+        swept.u = std::max(u, 0.0) * axes[0];
+        swept.v = std::max(v, 0.0) * axes[1];
+        swept.radius = farthest_foot(swept, points);
+        if (volume_of(swept) < volume_of(best)) best = swept;
+    };
+    offer(0, 0);  // a sphere, a sphere along a segment, and one along a rectangle
+    offer(half[0] - half[1], 0);
+    offer(half[0] - half[2], half[1] - half[2]);
+    return best;
+}
+
+// The foot is found as if u and v were orthogonal. |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, and the foot makes f + g
+// least but for rounding, so the least squared distance is at least that at the foot less 4 |u.v|. Rounding: s and t may be
+// off by 8u(size)/|u|, which costs less than 64u^2(size)^2 in f; the rest by 14u(size) in length, its squared length by
+// 40u(size)^2, and u.v by 4u(size)^2. In all less than 64u(size)^2.
+//
+// Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, that changes s by less than 2^-62, which is less than the
+// rounding error above. If |u| < 2^-505, a wrong s moves the foot by 2^-504 at most. The same holds of v and t. The squared
+// length and 4 |u.v| are off by 2^-1070, their root by 2^-535. In all less than 2^-502 in length, because sqrt(x + y) <=
+// sqrt(x) + sqrt(y); the 2^-500 that distance_at_least (rounding.h) takes off covers it.
+double distance_at_least(const SweptSphere& volume, const Vec3& q) {
+    const Foot foot = foot_of(volume, q);
+    const double squared =
+        foot.squared - 4 * std::abs(dot(volume.u, volume.v)) - 100 * unit_roundoff * (foot.size * foot.size);
+    if (!(squared > 0)) return 0;
+    return std::max(0.0, next_down(distance_at_least(squared, true) - volume.radius));
+}
+
+// The distance to a point of the rectangle is largest at a corner; let that be D. The mean of the four squared distances to
+// the corners is |r|^2 + |u|^2 + |v|^2, so |r| <= D, and |r - s u| <= D for the s of that corner in the same way. The three
+// differences err by u times their lengths, at most 3uD in all; a square, two sums and the root by 2.5u more. So D <=
+// f (1 + 5.5u) and terms of order u^2, f the computed distance. Rounding up alone covers that: distance_at_most gives
+// f (1 + 4u), rounded, then raised by one ulp twice, so at least f (1 + 5.5u); an ulp exceeds uf. The last sum is rounded,
+// then raised by one ulp, which leaves half an ulp more. Underflow: as in distance_at_most.
+double distance_at_most(const SweptSphere& volume, const Vec3& q) {
+    const Vec3 r = q - volume.centre;
+    double most = 0;
+    for (const double s : {-1.0, 1.0}) {
+        for (const double t : {-1.0, 1.0}) most = std::max(most, squared_length((r - s * volume.u) - t * volume.v));
+    }
+    return next_up(distance_at_most(most, true) + volume.radius);
+}
+
+SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
+    : TriangleBvh(mesh), volumes_(tree().nodes.size() * tree_width) {
+    std::vector<Vec3> below;
+    fill(0, below);
+}
+
+// Appends the corners below a node to `below`.
+void SweptSphereBvh::fill(std::size_t node, std::vector<Vec3>& below) {
+    const WideNode& wide = tree().nodes[node];
+    for (int c = 0; c < wide.count; ++c) {
+        const std::size_t begin = below.size();
+        if (wide.child[c] >= 0) {
+            fill(static_cast<std::size_t>(wide.child[c]), below);
+        } else {
+            for (const Index triangle : tree().leaf(static_cast<std::size_t>(~wide.child[c]))) {
+                const Triangle t = triangle_of(mesh(), triangle);
+                below.insert(below.end(), {t.a, t.b, t.c});
+            }
+        }
+        volumes_[node * tree_width + static_cast<std::size_t>(c)] =
+            swept_sphere_around(std::span(below).subspan(begin));
+    }
+}
+
+}  // namespace hausbench

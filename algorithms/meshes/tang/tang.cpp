@@ -1,0 +1,264 @@
+// Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
+// ACM Transactions on Graphics 28(3), 2009.
+//
+// Three steps. Culling on A (meshes/tang/source_culling.h): nodes of a BVH of A that cannot hold the farthest point are left out.
+// Culling on B (meshes/tang/target_culling.h): a triangle T of A that is left goes through a BVH of B, which gives T's upper bound u and
+// the list L of the triangles of B that its parts may be near. Subdivision (meshes/tang/listed_subdivision.h, meshes/tang/voronoi_cut.h): T is
+// cut until it is settled, the piece of largest upper bound first; L takes the place of B for its parts.
+//
+// From the paper: all that, swept sphere volumes, group traversal (the three corners go through B together), Voronoi subdivision, the
+// end of a piece whose corners have a nearest triangle in common: then some S in L has h(T, S) = the largest distance of a corner,
+// and u settles the piece. Ties need no care, as L holds each of the triangles that tie.
+// Ours: what the headers of the parts say; and leaves hold up to eight triangles, not four, for the vector kernels: they belong to the
+// trees of all solvers. Penetration depth is left out.
+// The paper's option for closed B, Lemma 4, is `lemma4`, off: corrected and certified (meshes/tang/enclosed_move.h).
+//
+// Certified: upper bounds are widened as kernel/rounding.h says, volumes as meshes/tang/volumes.cpp does; the lower bound as in
+// search/bounds.h. Where A was moved, its volumes are moved with it.
+// Two sides (section 6): the triangle of B that gave one of A its bound is the first to be tried with it in the second direction. So are
+// in a chain of poses, where the caller gives a State, those of the pose before: these, what was near the nodes of A, and the point
+// that was farthest (ours).
+//
+// Fields: those of guthe.cpp; triangles that were culled with a node have that node's bound.
+// Reports: "culled on A", the share of A's triangles that were settled before culling on B; "culled on B", the share of B's triangles
+// that were not measured against a triangle of A that was not culled; "depth", the largest number of subdivisions.
+//
+// Budget: subdivisions. Time O(n log n + m log m) to prepare. Memory O(n + m), and 184 bytes and its list, 4 bytes a triangle, for each
+// piece in the queue.
+#include "algorithms/meshes/tang/enclosed_move.h"
+#include "algorithms/meshes/tang/listed_subdivision.h"
+#include "algorithms/meshes/tang/source_culling.h"
+#include "algorithms/meshes/tang/target_culling.h"
+#include "algorithms/search/bounds.h"
+#include "algorithms/search/elements.h"
+#include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/stages.h"
+#include "algorithms/search/warm_start.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+struct TangChoices {
+    Cutting cutting = Cutting::voronoi;
+    bool group = true;
+    double least_part = 0.05;
+    bool lemma4 = false;
+};
+
+// One query.
+template <class Tree> class Search {
+public:
+    Search(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
+           Trace& trace, const TangChoices& choices, bool closed)
+        : a_(pair.source),
+          points_(pair.points),
+          target_(pair.target),
+          warm_start_(warm_start),
+          by_groups_(choices.group),
+          elements_(query.wanted.fields ? std::make_optional<ElementBounds>(a_.triangles.rows()) : std::nullopt),
+          stages_(query.wanted.stages),
+          bounds_(query, target_, {pair.magnitude}, counters_, trace, elements_ ? &*elements_ : nullptr),
+          on_a_(a_tree, query.source_pose, target_, pair.magnitude, bounds_, counters_,
+                warm_start ? &warm_start->near_node : nullptr),
+          on_b_(b_tree, target_, pair.magnitude, bounds_, counters_),
+          move_(b_tree, target_, pair.magnitude, counters_),
+          pieces_(on_b_, {target_, pair.magnitude, choices.cutting, choices.least_part}, bounds_, counters_,
+                  closed ? &move_ : nullptr),
+          vertices_(static_cast<std::size_t>(points_.rows())) {}
+
+    Result run() {
+        Result result = search();
+        if (warm_start_ && bounds_.farthest().source >= 0)
+            warm_start_->remember(bounds_.farthest(), posed_triangle(bounds_.farthest().source));
+        if (elements_) {
+            on_a_.settle_elements();
+            pieces_.settle_elements();
+            result.fields = bounds_.fields();
+        }
+        report(result);
+        return result;
+    }
+
+private:
+    Result search();
+    void report(Result& result) const;
+    void begin_warm();
+    std::optional<Status> cull_on_a();
+    void look_into(Index i);
+    ListedPiece whole(Index i) const;
+    Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
+    Triangle posed_triangle(Index i) const {
+        const auto v = a_.triangles.row(i);
+        return {points_.row(v[0]), points_.row(v[1]), points_.row(v[2])};
+    }
+
+    const TriangleMesh& a_;
+    const Points& points_;
+    const Target& target_;
+    WarmStart* warm_start_;
+    bool by_groups_;
+    Counters counters_;
+    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    Stages stages_;
+    SearchBounds bounds_;
+    SourceCulling<Tree> on_a_;
+    TargetCulling<Tree> on_b_;
+    EnclosedMove<Tree> move_;
+    ListedSubdivision<Tree> pieces_;
+    std::vector<MeasuredPoint> vertices_;  // of A
+    Index last_ = -1;                      // triangle of B, best for the last triangle of A
+    std::uint64_t left_ = 0;               // triangles of A that were not culled
+};
+
+template <class Tree> void Search<Tree>::report(Result& result) const {
+    result.reported = stages_.seconds();
+    const auto n = static_cast<double>(a_.triangles.rows()), m = static_cast<double>(target_.mesh().triangles.rows()),
+               left = static_cast<double>(left_);
+    result.reported["culled on A"] = 1 - left / n;
+    if (left_ > 0) result.reported["culled on B"] = 1 - static_cast<double>(on_b_.measured()) / (m * left);
+    result.reported["depth"] = static_cast<double>(pieces_.deepest());
+}
+
+// Ends with a status, or where all of A is culled or in the queue.
+template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
+    on_a_.begin(points_);
+    while (!on_a_.done()) {
+        if (bounds_.out_of_time()) return Status::time_limit;
+        if (bounds_.answered(std::max(on_a_.upper(), pieces_.upper())) == Status::above_cutoff)
+            return Status::above_cutoff;
+        const std::span<const Index> left = on_a_.step();
+        if (left.empty()) continue;
+        stages_.end("cull on A");
+        for (const Index i : left) look_into(i);
+        stages_.end("cull on B");
+    }
+    return std::nullopt;
+}
+
+template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
+    ListedPiece piece;
+    piece.source = i;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Index v = a_.triangles(i, static_cast<int>(k));
+        piece.corners[k] = vertices_[static_cast<std::size_t>(v)];
+        piece.corners[k].point = points_.row(v);
+    }
+    return piece;
+}
+
+template <class Tree> void Search<Tree>::look_into(Index i) {
+    ListedPiece piece = whole(i);
+    if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
+    if (last_ >= 0) on_b_.bound_by(piece, last_);
+    for (const MeasuredPoint& corner : piece.corners) {
+        if (corner.triangle < 0) continue;
+        if (elements_) bounds_.offer(corner, i, 0);
+        if (corner.triangle != piece.best) on_b_.bound_by(piece, corner.triangle);
+    }
+    if (piece.best >= 0 && pieces_.settle(piece)) return;
+    ++left_;
+    if (by_groups_)
+        on_b_.cull(piece);
+    else
+        on_b_.measure_corners(piece, last_);
+    for (int k = 0; k < 3; ++k)
+        vertices_[static_cast<std::size_t>(a_.triangles(i, k))] = piece.corners[static_cast<std::size_t>(k)];
+    last_ = piece.best;
+    if (warm_start_) warm_start_->partner[static_cast<std::size_t>(i)] = piece.best;
+    if (pieces_.settle(piece)) return;
+    if (by_groups_) on_b_.list(piece);
+    pieces_.push(piece);
+}
+
+template <class Tree> void Search<Tree>::begin_warm() {
+    warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
+    const WarmStart& last = *warm_start_;
+    if (last.source < 0) return;
+    const Triangle triangle = posed_triangle(last.source);
+    if (last.corner < 0) {
+        bounds_.measure(last.point_in(triangle), last.target, last.source, level_of_closest_point);
+    } else {
+        const Index v = a_.triangles(last.source, last.corner);
+        vertices_[static_cast<std::size_t>(v)] = bounds_.measure(points_.row(v), last.target, last.source, 0);
+    }
+}
+
+template <class Tree> Result Search<Tree>::search() {
+    if (warm_start_) begin_warm();
+    const std::optional<Status> stopped = cull_on_a();
+    stages_.end("cull on A");
+    if (stopped) return bounds_.result(*stopped, std::max(on_a_.upper(), pieces_.upper()));
+    const Status status = pieces_.run();
+    stages_.end("subdivide");
+    return bounds_.result(status, pieces_.upper());
+}
+
+template <class Tree> class Tang final : public MeshSolver<Tree> {
+public:
+    explicit Tang(const TangChoices& choices) : choices_(choices) {}
+
+    // However small the shapes are: culling goes by the nodes.
+    Needs needs(const Scene&, const QuerySet&) const override {
+        return {need<Tree>(Side::source), need<Tree>(Side::target)};
+    }
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        MeshSolver<Tree>::prepare(scene, prepared);
+        a_tree_ = &prepared.get<Tree>(Side::source);
+        closed_ = choices_.lemma4 && is_closed(prepared.triangles(Side::target));
+    }
+
+    std::unique_ptr<State> begin() const override { return std::make_unique<WarmStart>(); }
+
+private:
+    Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
+        return Search<Tree>(pair, *a_tree_, *this->tree(), query, static_cast<WarmStart*>(state), trace, choices_,
+                            closed_)
+            .run();
+    }
+
+    TangChoices choices_;
+    const Tree* a_tree_ = nullptr;
+    bool closed_ = false;  // B, where that is asked for
+};
+
+std::unique_ptr<Solver> make(const Options& options) {
+    const TangChoices choices{cutting_of(options), options.flag("group"), options.real("least_part"),
+                              options.flag("lemma4")};
+    if (options.text("volumes") == "boxes") return std::make_unique<Tang<TriangleBvh>>(choices);
+    return std::make_unique<Tang<SweptSphereBvh>>(choices);
+}
+
+}  // namespace
+
+SolverEntry tang_solver() {
+    SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang 2009", "tang2009");
+    info.warm = info.shares_pairs = true;
+    info.may_need = {need<SweptSphereBvh>(Side::source), need<SweptSphereBvh>(Side::target),
+                     need<TriangleBvh>(Side::source), need<TriangleBvh>(Side::target)};
+    info.parameters = {
+        {.name = "volumes",
+         .default_value = std::string("swept_spheres"),
+         .paper_value = "swept_spheres",
+         .description = "of the nodes of both BVHs",
+         .choices = {"swept_spheres", "boxes"}},
+        {.name = "group",
+         .default_value = true,
+         .paper_value = "true",
+         .description = "the three corners of a triangle of A go through the BVH of B together; off: each by itself"},
+        {.name = "lemma4",
+         .default_value = false,
+         .paper_value = "true, for closed models",
+         .description = "where B is closed: bound a piece by moving it through B"},
+    };
+    for (ParameterSpec& parameter : cutting_parameters()) info.parameters.push_back(std::move(parameter));
+    return {info, make};
+}
+
+}  // namespace hausbench

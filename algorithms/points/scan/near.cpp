@@ -1,0 +1,166 @@
+#include "algorithms/points/scan/near.h"
+
+#include "algorithms/points/scan/cells.h"
+#include "algorithms/points/scan/point_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+
+namespace hausbench {
+namespace {
+
+constexpr std::uint64_t most_a_row = 48;  // points of B that cells may make a row of A look at, on average
+
+// The points of B in cells that the closest points of undecided ones may lie in; none if that would hardly leave any out.
+std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
+                                                 ScanState& state) {
+    std::vector<std::uint8_t> flags(work.grid.cells());
+    std::size_t cells = 0;
+    for (const Undecided& one : undecided) {
+        cells += 8 + work.grid.mark_within(work.a.row(one.row).data(), one.squared, flags);
+        if (cells > static_cast<std::size_t>(work.b.rows())) return {};
+    }
+    state.counters.bound_tests += undecided.size();
+    std::vector<Index> near;
+    for (Index j = 0; j < work.b.rows(); ++j) {
+        if (flags[work.grid.cell_of(work.b.row(j).data())]) near.push_back(j);
+    }
+    return near;
+}
+
+void take(const CellFindings& found, ScanState& state) {
+    state.counters += found.counters;
+    if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
+}
+
+// Blocks of rows, each with the largest distance that was known before them and what it finds itself, so that the answer does not
+// depend on which of them are searched at the same time.
+Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
+                     std::vector<Index>& open, ScanState& state) {
+    constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two looks at the clock
+    const std::size_t count = rows ? rows->size() : static_cast<std::size_t>(work.a.rows());
+    for (std::size_t begin = 0; begin < count; begin += size * at_once) {
+        if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
+        const std::size_t end = std::min(count, begin + size * at_once), blocks = (end - begin + size - 1) / size;
+        std::vector<CellFindings> findings(blocks, CellFindings{state.farthest, {}, {}});
+        work.threads.for_each(blocks, [&](std::size_t block) {
+            const std::size_t from = begin + block * size, to = std::min(end, from + size);
+            if (rows)
+                search_cells(cells, work.grid, work.a, std::span(*rows).subspan(from, to - from), work.b,
+                             findings[block]);
+            else
+                search_cells(cells, work.grid, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b,
+                             findings[block]);
+        });
+        for (const CellFindings& found : findings) {
+            take(found, state);
+            open.insert(open.end(), found.open.begin(), found.open.end());
+        }
+    }
+    return Status::converged;
+}
+
+// `open` are the rows that it does not decide. None: cells are no help here.
+std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
+                                      const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
+    // On a surface, a cell of that size that has points has about two. Where the largest distance so far is long, a larger cell does:
+    // all points within one are near enough to each other.
+    const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(work.grid.occupied());
+    const double finer = std::sqrt(std::max(crowd / 2, 1.0));
+    const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
+    const double cells_per_length = std::min(work.grid.cells_per_length() * finer, wide_enough);
+    const PointCells cells(work.b, near, work.target_box, cells_per_length, work.threads);
+    // First a few rows: their largest distance decides most others at once.
+    const std::vector<Index> some = sample_of(work.a, rows);
+    CellFindings first{state.farthest, {}, {}};
+    search_cells(cells, work.grid, work.a, some, work.b, first);
+    take(first, state);
+    if (first.open.size() > some.size() / 4) return std::nullopt;
+    // Where cells differ much in what they hold, a tree looks at fewer points.
+    if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
+    return search_blocks(work, rows, cells, open, state);
+}
+
+// Plain early breaking.
+Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
+    const Points &a = work.a, &b = work.b;
+    const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
+    const auto those = rows ? static_cast<Index>(rows->size()) : static_cast<Index>(a.rows());
+    for (Index r = 0; r < those; ++r) {
+        const Index i = rows ? (*rows)[static_cast<std::size_t>(r)] : r;
+        if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
+        FarthestPoint nearest{std::numeric_limits<double>::infinity(), i, -1};
+        ++state.counters.closest_point_queries;
+        for (Index n = 0; n < count && nearest.squared > state.farthest.squared; ++n) {
+            const Index j = near ? (*near)[static_cast<std::size_t>(n)] : n;
+            const double squared = squared_distance(a.row(i).data(), b.row(j).data());
+            ++state.counters.point_distances;
+            if (squared < nearest.squared) nearest.squared = squared, nearest.target = j;
+        }
+        if (nearest.squared > state.farthest.squared) state.farthest = nearest;
+    }
+    return Status::converged;
+}
+
+Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
+    constexpr std::size_t chunk = 64;  // leaves between two looks at the clock
+    if (leaves.size() > chunk) search_samples(blocks, leaves, state);
+    for (std::size_t begin = 0; begin < leaves.size(); begin += chunk) {
+        if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
+        search_leaves(blocks, leaves.subspan(begin, std::min(chunk, leaves.size() - begin)), state);
+    }
+    return Status::converged;
+}
+
+// The rows of A (all if null) against the points of B that may be closest to them (likewise), with what is cheapest for so many.
+Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
+                   ScanState& state) {
+    if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
+    const auto count = static_cast<double>(near ? near->size() : static_cast<std::size_t>(work.b.rows()));
+    const auto pairs = [&] {
+        return count * static_cast<double>(rows ? rows->size() : static_cast<std::size_t>(work.a.rows()));
+    };
+    std::vector<Index> open;
+    if (work.grid.cells_per_length() > 0 && pairs() >= work.cells_from) {
+        const std::optional<Status> stopped = search_in_cells(work, rows, near, open, state);
+        if (stopped && (*stopped != Status::converged || open.empty())) return *stopped;
+        if (stopped) rows = &open;
+    }
+    if (pairs() < work.tree_from) return compare(work, rows, near, state);
+    const PointBlocks blocks(work.b, near, work.target_box);
+    return search(work, leaves_of(work.a, rows, blocks.frame), blocks, state);
+}
+
+}  // namespace
+
+Status ScanWork::stop(const ScanState& state) const {
+    if (state.counters.closest_point_queries >= query.budget) return Status::budget;
+    if (distance_at_least(std::max(state.farthest.squared, 0.0), true) > query.cutoff) return Status::above_cutoff;
+    return deadline.passed() ? Status::time_limit : Status::converged;
+}
+
+std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows) {
+    const std::size_t all = rows ? rows->size() : static_cast<std::size_t>(a.rows());
+    std::vector<Index> some(std::min<std::size_t>(all, 1024));
+    for (std::size_t i = 0; i < some.size(); ++i) {
+        const std::size_t at = part(all, i, some.size()).begin;
+        some[i] = rows ? (*rows)[at] : static_cast<Index>(at);
+    }
+    return some;
+}
+
+Status search_all(const ScanWork& work, ScanState& state) { return search_near(work, nullptr, nullptr, state); }
+
+Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state) {
+    if (undecided.empty()) return Status::converged;
+    std::vector<Index> rows;
+    for (const Undecided& one : undecided) rows.push_back(one.row);
+    std::sort(rows.begin(), rows.end());
+    const std::optional<std::vector<Index>> near = near_undecided(work, undecided, state);
+    return search_near(work, &rows, near ? &*near : nullptr, state);
+}
+
+}  // namespace hausbench

@@ -1,0 +1,68 @@
+// A coarse grid over a point set that stores, for each cell, a point in or near it: a cheap first candidate for the closest.
+//
+// One pass over the points, and three sweeps that carry the nearest occupied cell into empty ones. Candidates need not be
+// the closest points: they are points of the set, so their distances bound the closest one's from above.
+#pragma once
+
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/points/scan/near_cells.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace hausbench {
+
+class NearGrid {
+public:
+    struct Candidate {
+        double point[3];
+        Index row;
+    };
+
+    NearGrid() = default;
+
+    // `box` is that of `points`. The grid covers the part of it where most points are, so that a few outliers do not make its
+    // cells large. About an eighth as many cells as points, 2^16 at most. O(n + cells).
+    NearGrid(const Points& points, const Box& box, const Threads& threads = Threads());
+
+    // Points outside the grid belong to the cell nearest to them along each axis. Monotone in each coordinate.
+    std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
+    const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
+
+    // Of many points, three coordinates each: the squared distance of each to its candidate, as squared_distance() computes it. Returns
+    // the number of the farthest, the first of equals.
+    std::size_t squared_to_candidates(const double* points, std::size_t count, double* squared) const;
+
+    // Sets the flag of every cell that may hold a point with |x - point| <= radius along each axis; returns how many cells
+    // those are.
+    std::size_t mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const;
+
+    // Cells a length, the same along each axis; 0 where all is one cell.
+    double cells_per_length() const { return layout_.cells_per_length; }
+
+    // How many cells have points of their own, and one of each: spread over the points evenly, however dense they are.
+    std::size_t occupied() const { return occupied_; }
+    Points spread() const;
+
+    // The same of every cell that may hold a point whose squared distance, as computed, is at most that: along each axis its exact
+    // distance is at most distance_at_most() of it (kernel/rounding.h).
+    std::size_t mark_within(const double* point, double squared, std::vector<std::uint8_t>& flags) const {
+        return mark(point, distance_at_most(squared, true), flags);
+    }
+
+    std::size_t cells() const { return candidates_.size(); }
+    std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
+
+private:
+    void lay_cells(const Box& box, double most);
+    void take_last_of_each(const Points& points, const Box* inside, const Threads& threads);
+    void fill_empty_cells();
+
+    CellLayout layout_;
+    std::size_t occupied_ = 0;
+    std::vector<Candidate> candidates_;
+};
+
+}  // namespace hausbench

@@ -1,0 +1,31 @@
+// Passes of points/scan/scan.cpp over all points, in vector instructions chosen at run time; the same on every target, by any threads.
+#pragma once
+
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/counters.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/points/exact.h"
+
+#include <span>
+#include <vector>
+
+namespace hausbench {
+
+// What one pass over points tells.
+struct Extent {
+    Box box;
+    bool tiny = false;  // some coordinate is not 0 but smaller than smallest_safe_coordinate
+
+    double magnitude() const { return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()); }
+};
+Extent extent_of(const Points& points, const Threads& threads = Threads());
+
+// The nearest point of B to each of a few rows of A, by comparing with all; updates `farthest`. O(rows |B|).
+void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, const Threads& threads,
+                      FarthestPoint& farthest, Counters& counters);
+
+// The squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
+std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b,
+                                       const Threads& threads);
+
+}  // namespace hausbench

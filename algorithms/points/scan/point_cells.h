@@ -1,0 +1,78 @@
+// Points in small cubes: for sets that lie close together, where a near point is in the same cube or a neighbour.
+//
+// A table of lists, quick to build and small: fresh memory costs more than the work. Cell (x, y, z) of the grid stands at
+// (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so that points of any extent take a table of one to two entries a point. Cells far
+// apart may share an entry: the list of a cell holds all of its points, and maybe others.
+#pragma once
+
+#include "algorithms/kernel/box.h"
+#include "algorithms/kernel/parallel.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace hausbench {
+
+class PointCells {
+public:
+    using Cell = std::array<std::int32_t, 3>;
+
+    // The chosen rows of `points` (all if null), which lie in `box`, in cubes of edge 1 / cells_per_length, a positive number.
+    // O(n) time; memory: 12 bytes a point. The same lists whatever the number of threads: rows fall.
+    PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
+               const Threads& threads);
+
+    // Monotone in each coordinate, of any point.
+    Cell cell_of(const double* point) const { return {cell(point[0], 0), cell(point[1], 1), cell(point[2], 2)}; }
+
+    // Where |x - point| <= radius along each axis holds, cell_of(x) is between these.
+    //
+    // Rounding to nearest is monotone and leaves a double as it is: point - radius <= x <= point + radius, exact, implies the same
+    // of the rounded ends for every double x. So the ends need no slack.
+    struct Range {
+        Cell from, to;
+    };
+    Range range_of(const double* point, double radius) const {
+        Range range;
+        for (std::size_t k = 0; k < 3; ++k) {
+            range.from[k] = cell(point[k] - radius, k);
+            range.to[k] = cell(point[k] + radius, k);
+        }
+        return range;
+    }
+
+    // The list of a cell: row = first(cell); then row = next(row), until that is negative.
+    Index first(const Cell& cell) const { return first_[place(cell)]; }
+    Index next(Index row) const { return next_[static_cast<std::size_t>(row)]; }
+
+    // To fetch before they are needed.
+    const Index* first_at(const Cell& cell) const { return &first_[place(cell)]; }
+    const Index* next_at(Index row) const { return &next_[static_cast<std::size_t>(row)]; }
+
+    // How many entries there are along an axis: as many neighbouring cells have lists of their own.
+    std::int64_t entries(std::size_t axis) const { return std::int64_t{masks_[axis]} + 1; }
+
+private:
+    std::int32_t cell(double x, std::size_t k) const {
+        constexpr double most = 0x1p29;
+        return static_cast<std::int32_t>(std::min(std::max((x - low_[k]) * cells_per_length_, -most), most));
+    }
+    std::size_t place(const Cell& cell) const {
+        const auto part = [&](std::size_t k) {
+            return static_cast<std::size_t>(static_cast<std::uint32_t>(cell[k]) & masks_[k]);
+        };
+        return part(0) | (part(1) << shift_y_) | (part(2) << shift_z_);
+    }
+    void lay_table(std::size_t count, const Box& box);
+
+    double low_[3];
+    double cells_per_length_;
+    std::uint32_t masks_[3] = {};
+    int shift_y_ = 0, shift_z_ = 0;
+    std::vector<Index> first_;
+    std::unique_ptr<Index[]> next_;  // by row; that of a row that was not chosen is not set
+};
+
+}  // namespace hausbench

@@ -1,0 +1,139 @@
+// The framework of Zhang et al.: NOHD, EARLYBREAK or OHD, chosen by how far the boxes of A and B overlap.
+//
+// Source: Zhang et al. 2017, Algorithm 8: boxes disjoint: NOHD; alpha <= theta: EARLYBREAK, contact included; else OHD.
+// The paper defines alpha by its ends only (0 in contact, 1 at full overlap); here alpha = vol(boxA cap boxB) /
+// min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three. Nested boxes have alpha = 1
+// however large h is, so the volume of the intersection over that of the union (`iou`) is reported beside it.
+//
+// Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
+// chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
+#include "algorithms/kernel/posed_box.h"
+#include "algorithms/points/exact.h"
+#include "algorithms/points/point_solver.h"
+#include "algorithms/points/zhang2017/point_octree.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace hausbench {
+
+SolverEntry earlybreak_solver();
+SolverEntry nohd_solver();
+SolverEntry ohd_solver();
+
+namespace {
+
+enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
+constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
+constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};  // parameters of the three
+
+struct Overlap {
+    bool meet = true;
+    double alpha = -1, iou = 0;
+};
+
+// Ratios of lengths axis by axis, so that no volume under- or overflows.
+Overlap overlap_of(const Box& a, const Box& b) {
+    double of_a = 1, of_b = 1;  // the intersection as a part of either box
+    for (int k = 0; k < 3; ++k) {
+        const double common = std::min(a.high[k], b.high[k]) - std::max(a.low[k], b.low[k]);
+        if (common < 0) return {.meet = false};
+        const double length_a = a.high[k] - a.low[k], length_b = b.high[k] - b.low[k];
+        if (length_a == 0 || length_b == 0) continue;
+        of_a *= common / length_a;
+        of_b *= common / length_b;
+    }
+    const double iou = of_a > 0 && of_b > 0 ? 1 / (1 / of_a + 1 / of_b - 1) : 0;
+    return {true, std::max(of_a, of_b), iou};
+}
+
+class Adaptive final : public Solver {
+public:
+    explicit Adaptive(const Options& options) : theta_(options.real("theta")) {
+        const auto make = [](const SolverEntry& entry, const ParameterMap& given) {
+            return entry.make(Options(entry.info.name, entry.info.parameters, given));
+        };
+        solvers_[nohd] = make(nohd_solver(), {{"depth", options.integer("depth")}});
+        solvers_[earlybreak] = make(earlybreak_solver(), {{"seed", options.integer("seed")}});
+        solvers_[ohd] = make(ohd_solver(), {{"lambda", options.real("lambda")}, {"seed", options.integer("seed")}});
+    }
+
+    Needs needs(const Scene& scene, const QuerySet& queries) const override {
+        const Overlap overlap = overlap_of(box_of(points_of(scene.source)), box_of(points_of(scene.target)));
+        Needs needs;
+        for (std::size_t i = 0; i < solvers_.size(); ++i) {
+            if (!queries.moves && i != choose(overlap)) continue;
+            for (const Need& need : solvers_[i]->needs(scene, queries)) needs.push_back(need);
+        }
+        return needs;
+    }
+
+    // Just one octree: the scene stands still, and the choice is made. None: EARLYBREAK's. Both: any of the three.
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        scene_ = &scene;
+        target_box_ = box_of(points_of(scene.target));
+        const bool source = prepared.has<PointOctree>(Side::source);
+        const bool target = prepared.has<PointOctree>(Side::target);
+        ready_ = {source, source == target, target};
+        for (std::size_t i = 0; i < solvers_.size(); ++i) {
+            if (ready_[i]) solvers_[i]->prepare(scene, prepared);
+        }
+    }
+
+    std::size_t prepared_bytes() const override {
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < solvers_.size(); ++i) sum += ready_[i] ? solvers_[i]->prepared_bytes() : 0;
+        return sum;
+    }
+
+    Result solve(const Query& query, State* state, Trace& trace) const override {
+        const Points a = posed(points_of(scene_->source), query.source_pose);
+        if (out_of_range(a, points_of(scene_->target))) return {};
+        const Overlap overlap = overlap_of(box_of(a), target_box_);
+        std::size_t chosen = choose(overlap);
+        // A pose where none was announced: any that is ready is exact.
+        while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
+        Result result = solvers_[chosen]->solve(query, state, trace);
+        result.reported["chosen"] = names[chosen];
+        result.reported["alpha"] = overlap.alpha;
+        result.reported["iou"] = overlap.iou;
+        return result;
+    }
+
+private:
+    std::size_t choose(const Overlap& overlap) const {
+        if (!overlap.meet) return nohd;
+        return overlap.alpha <= theta_ ? earlybreak : ohd;
+    }
+
+    double theta_;
+    std::array<std::unique_ptr<Solver>, 3> solvers_;
+    std::array<bool, 3> ready_{};
+    const Scene* scene_ = nullptr;
+    Box target_box_;
+};
+
+}  // namespace
+
+SolverEntry adaptive_solver() {
+    SolverInfo info = point_solver_info("adaptive", "NOHD/OHD framework", "zhang2017");
+    info.certified = true;
+    info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
+    info.parameters = {{.name = "theta",
+                        .default_value = 0.33,
+                        .unit = "of the smaller box",
+                        .paper_value = "0.33",
+                        .description = "overlap of the boxes up to which EARLYBREAK is chosen",
+                        .least = 0,
+                        .most = 1}};
+    for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {
+        for (const ParameterSpec& spec : entry.info.parameters) {
+            if (std::find(handed_on.begin(), handed_on.end(), spec.name) != handed_on.end())
+                info.parameters.push_back(spec);
+        }
+    }
+    return {info, make_solver<Adaptive>};
+}
+
+}  // namespace hausbench

@@ -1,0 +1,59 @@
+// Octree over a set of points: the cells that Zhang et al. 2017 bound and cull by.
+#pragma once
+
+#include "algorithms/kernel/box.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace hausbench {
+
+// The part of `cell` on one side of its middle on each axis (bit k of `octant` set: the upper part on axis k). Points are
+// sorted into parts by comparing them with the same middle, so a part holds its points exactly, whatever the rounding.
+Box part_of(const Box& cell, int octant);
+int octant_of(const Box& cell, const Vec3& point);
+
+// Cells are cubes, the root a cube around the points; a cell is split down to single points. A cell whose points all lie in
+// one of its parts would have a single child: it is passed over, and `depth` tells by how many levels. So a tree of n
+// points has fewer than 2n nodes, and any coarser octree is a cut through it (octree_cursor.h).
+class PointOctree {
+public:
+    static constexpr std::string_view structure_name = "point octree";
+    static constexpr int structure_layout = 1;
+
+    struct Node {
+        Box cell;
+        std::int32_t depth;  // halvings of the root's cube
+        std::int32_t first_child,
+            child_count;            // 0 children: a leaf, of one point or of points that cannot be told apart
+        std::int32_t first, count;  // of the points, in the order of order()
+    };
+
+    // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
+    explicit PointOctree(const Points& points);
+    // The same with another root, a cube that holds the points. Cells at `deepest` are not split, so leaves there may have many points.
+    PointOctree(const Points& points, const Box& root_cell, int deepest = max_depth);
+    static Box root_around(const Points& points);
+
+    const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
+    const std::vector<Index>& order() const { return order_; }
+    const Points& points() const { return points_; }     // sorted by order()
+    const Box& root_cell() const { return root_cell_; }  // before any level is passed over
+
+    std::size_t bytes() const;
+
+    static constexpr int max_depth = 60;
+
+private:
+    void build(std::int32_t at, std::int32_t first, std::int32_t count, Box cell, int depth);
+
+    int deepest_;
+    Box root_cell_;
+    std::vector<Node> nodes_;
+    std::vector<Index> order_, scratch_;
+    Points points_;
+};
+
+}  // namespace hausbench

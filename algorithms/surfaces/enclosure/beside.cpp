@@ -1,0 +1,93 @@
+#include "algorithms/surfaces/enclosure/beside.h"
+
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+// Encloses f_B(y + t) for y on the piece of A: the linear part of f_A, which is 0 there, is taken away as far as it helps.
+// Empty where y + t may leave B's box.
+std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
+    Box box;
+    for (int k = 0; k < 3; ++k) {
+        box.low[k] = -(-piece.box.low[k] - t[k]);  // rounded down
+        box.high[k] = piece.box.high[k] + t[k];
+        if (box.low[k] < target.box().low[k] || box.high[k] > target.box().high[k]) return std::nullopt;
+    }
+    const LinearForm &of_a = piece.form, of_b = target.form(box, counters);
+    const double size = of_a.slope.squaredNorm();
+    const Interval share(size > 0 ? of_a.slope.dot(of_b.slope) / size : 0.0);
+    Interval sum = of_b.rest - share * of_a.rest;
+    double most = 0;
+    for (int k = 0; k < 3; ++k) {  // y = c + r u of the piece is c' + r' u' of the box that is moved
+        const Interval slope = Interval(of_b.slope[k]) / Interval(of_b.half[k]);
+        sum += slope * (Interval(of_a.middle[k]) + Interval(t[k]) - Interval(of_b.middle[k]));
+        most += magnitude(slope * Interval(of_a.half[k]) - share * Interval(of_a.slope[k]));
+    }
+    return sum + Interval(-most, most);
+}
+
+}  // namespace
+
+double apart_at_most(const Vec3& a, const Vec3& b) {
+    Interval sum(0.0);
+    for (int k = 0; k < 3; ++k) sum += CGAL::square(Interval(a[k]) - Interval(b[k]));
+    return CGAL::sqrt(sum).sup();
+}
+
+double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& counters) {
+    const auto here = moved(piece, target, Vec3::Zero(), counters);
+    return here ? within(piece, target, magnitude(*here), counters) : infinity;
+}
+
+double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters) {
+    for (int k = 0; k < 3; ++k) {
+        if (!(piece.box.low[k] >= target.box().low[k] && piece.box.high[k] <= target.box().high[k])) return infinity;
+    }
+    Vec3 gradient;
+    target.polynomial().value(piece.form.middle, gradient);
+    int axis = 0;
+    gradient.cwiseAbs().maxCoeff(&axis);
+    if (!(std::abs(gradient[axis]) > 0)) return infinity;
+    for (const double room : {1.25, 4.0}) {
+        const double t = room * most / std::abs(gradient[axis]);
+        Box wide = piece.box;
+        wide.low[axis] = -(t - wide.low[axis]);
+        wide.high[axis] += t;
+        if (!(wide.low[axis] >= target.box().low[axis] && wide.high[axis] <= target.box().high[axis])) return infinity;
+        const Interval slope = target.derivative(axis, wide, counters);
+        const double least = std::max(slope.inf(), -slope.sup());
+        if (!(least > 0)) return infinity;
+        const double needed = most / least;
+        if (needed <= t) return needed;
+    }
+    return infinity;
+}
+
+double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
+              Counters& counters) {
+    const Vec3 n = foot - p;
+    const double size = n.norm();
+    if (!(size > 0)) return infinity;
+    const auto here = moved(piece, target, Vec3::Zero(), counters);
+    if (!here || (here->inf() <= 0 && here->sup() >= 0)) return infinity;
+    const double sign = here->inf() > 0 ? 1 : -1;
+    Vec3 gradient;
+    target.polynomial().value(foot, gradient);
+    const double fall = -sign * gradient.dot(n) / size;
+    if (!(fall > 0)) return infinity;
+    double further = 0;
+    for (int tries = 0; tries < 3; ++tries) {
+        const Vec3 t = (1 + further / size) * n;
+        const double most = apart_at_most(t, Vec3::Zero());
+        if (most >= known) return infinity;
+        const auto there = moved(piece, target, t, counters);
+        if (!there) return infinity;
+        const double left = sign > 0 ? there->sup() : -there->inf();
+        if (left <= 0) return most;
+        further += 1.05 * left / fall;
+    }
+    return infinity;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,180 @@
+#include "algorithms/surfaces/enclosure/feet.h"
+
+#include "algorithms/kernel/taylor_model.h"
+#include "algorithms/surfaces/enclosure/beside.h"
+
+#include <cmath>
+
+namespace hausbench {
+namespace {
+
+constexpr int order = TaylorModel::order;
+
+using Models = std::array<TaylorModel, 3>;
+
+double squared_length(const Models& t) { return (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).at_most(); }
+
+// The piece of A as a graph over the two axes other than `axis`.
+class Graph {
+public:
+    Graph(const SurfaceTree::Node& piece, SurfaceTree& source, int axis) : piece_(piece), source_(source), axis_(axis) {
+        for (int k = 0, which = 0; k < 3; ++k) {
+            if (k != axis)
+                y_[std::size_t(k)] = TaylorModel::variable(piece.form.middle[k], piece.form.half[k], which++);
+        }
+    }
+
+    // Newton's method, not proven: the middle, then the polynomial degree by degree. False where it fails.
+    bool find(const Vec3& p) {
+        Vec3 at = piece_.form.middle, gradient;
+        at[axis_] = p[axis_];
+        for (int step = 0; step < 6; ++step) {
+            const double f = source_.polynomial().value(at, gradient);
+            at[axis_] -= f / gradient[axis_];
+        }
+        if (!(std::abs(at[axis_] - piece_.form.middle[axis_]) <= 4 * piece_.form.half[axis_])) return false;
+        TaylorModel& height = y_[std::size_t(axis_)];
+        height.c[0] = at[axis_];
+        for (int d = 1; d <= order; ++d) {
+            const TaylorModel f = ModelPowers(y_, source_.polynomial(), d).value(source_.polynomial());
+            for (std::size_t i = TaylorModel::start(d); i < TaylorModel::start(d + 1); ++i)
+                height.c[i] -= f.c[i] / gradient[axis_];
+        }
+        return true;
+    }
+
+    // Step 1 of the header: adds how far A may be from the polynomial. False where A may be no graph.
+    bool prove(Counters& counters) {
+        TaylorModel& height = y_[std::size_t(axis_)];
+        const Interval values = height.range();
+        Box wide = piece_.box;
+        wide.low[axis_] = std::min(wide.low[axis_], values.inf());
+        wide.high[axis_] = std::max(wide.high[axis_], values.sup());
+        const Interval slope = source_.derivative(axis_, wide, counters);
+        const double least = std::max(slope.inf(), -slope.sup());
+        if (!(least > 0)) return false;
+        const Interval f = ModelPowers(y_, source_.polynomial()).value(source_.polynomial()).range();
+        height.error = magnitude(f) / least;
+        return true;
+    }
+
+    const Models& points() const { return y_; }
+
+private:
+    const SurfaceTree::Node& piece_;
+    SurfaceTree& source_;
+    int axis_;
+    Models y_;
+};
+
+// From every point of the graph to about its foot on B, not proven: z - y + m grad f_B(z) = 0 and f_B(z) = 0 are solved for
+// z and m by Newton's method, in the middle of the piece and then degree by degree.
+class Feet {
+public:
+    Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
+
+    bool find(const Vec3& foot) {
+        const Vec3 y(y_[0].c[0], y_[1].c[0], y_[2].c[0]);
+        const auto middle = target_.newton(y, foot);
+        if (!middle) return false;
+        std::array<TaylorModel, 4> unknown;
+        for (std::size_t k = 0; k < 3; ++k) unknown[k].c[0] = middle->at[Eigen::Index(k)];
+        unknown[3].c[0] = middle->factor;
+        for (int d = 1; d <= order; ++d) correct(unknown, middle->inverse, d);
+        double size = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (std::size_t i = 0; i < TaylorModel::count; ++i) to_foot_[k].c[i] = unknown[k].c[i] - y_[k].c[i];
+            size = std::max(size, std::abs(to_foot_[k].c[0]));
+        }
+        for (TaylorModel& t : to_foot_) {
+            if (std::abs(t.c[0]) + t.spread() < 0x1p-36 * size) t = {};
+        }
+        return true;
+    }
+
+    const Models& to_foot() const { return to_foot_; }
+
+private:
+    void correct(std::array<TaylorModel, 4>& unknown, const Eigen::Matrix4d& inverse, int d) const {
+        const ModelPowers powers({unknown[0], unknown[1], unknown[2]}, target_.polynomial(), d);
+        std::array<TaylorModel, 4> residual;
+        for (std::size_t k = 0; k < 3; ++k)
+            residual[k] = product(unknown[3], powers.value(target_.derivative(static_cast<int>(k))), d);
+        residual[3] = powers.value(target_.polynomial());
+        for (std::size_t i = TaylorModel::start(d); i < TaylorModel::start(d + 1); ++i) {
+            Eigen::Vector4d of;
+            for (std::size_t k = 0; k < 4; ++k) {
+                of[Eigen::Index(k)] = residual[k].c[i];
+                if (k < 3) of[Eigen::Index(k)] += unknown[k].c[i] - y_[k].c[i];
+            }
+            const Eigen::Vector4d change = inverse * of;
+            for (std::size_t k = 0; k < 4; ++k) unknown[k].c[i] -= change[Eigen::Index(k)];
+        }
+    }
+
+    const Models& y_;
+    const SurfaceTree& target_;
+    Models to_foot_;
+};
+
+Models longer(const Models& t, double factor) {  // polynomials of their own: what is rounded here needs no bound
+    Models out = t;
+    for (TaylorModel& of : out) {
+        for (double& c : of.c) c *= factor;
+    }
+    return out;
+}
+
+// Whether y and y + t lie in the box for every y of the piece.
+bool stays_inside(const SurfaceTree::Node& piece, const Models& t, const Box& box) {
+    for (int k = 0; k < 3; ++k) {
+        const Interval moved = Interval(piece.box.low[k], piece.box.high[k]) + t[std::size_t(k)].range();
+        if (!(piece.box.low[k] >= box.low[k] && piece.box.high[k] <= box.high[k])) return false;
+        if (!(moved.inf() >= box.low[k] && moved.sup() <= box.high[k])) return false;  // false for NaN, too
+    }
+    return true;
+}
+
+}  // namespace
+
+double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
+                  const Vec3& foot, double known, Counters& counters) {
+    Vec3 gradient;
+    source.polynomial().value(p, gradient);
+    int axis = 0;
+    gradient.cwiseAbs().maxCoeff(&axis);
+    const Interval slope = source.derivative(axis, piece.box, counters);
+    if (slope.inf() <= 0 && slope.sup() >= 0) return infinity;
+    ++counters.polynomial_evaluations;
+    Graph graph(piece, source, axis);
+    if (!graph.find(p)) return infinity;
+    Feet feet(graph.points(), target);
+    if (!feet.find(foot)) return infinity;
+    Models t = feet.to_foot();
+    if (!(CGAL::sqrt(Interval(std::max(squared_length(t), 0.0))).inf() < known)) return infinity;
+    if (!graph.prove(counters)) return infinity;
+    const Models& y = graph.points();
+    const Polynomial& f = target.polynomial();
+    const Interval here = ModelPowers(y, f).value(f).range();
+    if (!(here.inf() > 0 || here.sup() < 0)) return within(piece, target, magnitude(here), counters);
+    const double sign = here.inf() > 0 ? 1 : -1;
+    const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
+    f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
+    const double fall = -sign * gradient.dot(way);  // of f_B, by so much of t as its length
+    if (!(fall > 0)) return infinity;
+    double further = 0;
+    for (int tries = 0; tries < 4; ++tries) {
+        if (tries > 0) t = longer(feet.to_foot(), 1 + further);
+        const Interval there = ModelPowers({y[0] + t[0], y[1] + t[1], y[2] + t[2]}, f).value(f).range();
+        const double left = sign > 0 ? there.sup() : -there.inf();
+        if (left <= 0) {
+            if (!stays_inside(piece, t, target.box())) return infinity;
+            return CGAL::sqrt(Interval(std::max(squared_length(t), 0.0))).sup();
+        }
+        further += 1.1 * left / fall;
+        if (!(further < 0.25)) return infinity;
+    }
+    return infinity;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,83 @@
+#include "algorithms/surfaces/enclosure/proven_feet.h"
+
+#include "algorithms/surfaces/enclosure/beside.h"
+
+#include <algorithm>
+#include <queue>
+
+namespace hausbench {
+namespace {
+
+constexpr int most_boxes = 20000;             // of B opened for one point
+constexpr int most_boxes_without_foot = 200;  // likewise, as long as no point of B is proven
+constexpr int boxes_without_descent = 3;
+constexpr int boxes_between_looks = 64;  // at the clock
+
+struct OpenBox {
+    double least;  // distance of what it holds of B
+    std::int32_t node;
+    bool operator<(const OpenBox& other) const {
+        return least > other.least || (least == other.least && node > other.node);
+    }
+};
+
+}  // namespace
+
+double ProvenFeet::at_most(const SurfaceTree::Node& piece, std::int32_t foot) {
+    ++counters_.box_distances;
+    const SurfacePoint& b = (*this)[foot];
+    return distance_at_most(piece, b.at) + b.error;
+}
+
+NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search) {
+    Best best;
+    for (const std::int32_t foot : known) {
+        const double d = apart_at_most(p, (*this)[foot].at) + (*this)[foot].error;
+        if (d < best.at_most) best = {d, foot};
+    }
+    if (best.foot >= 0) descend_from((*this)[best.foot].at, p, best);
+    // The lower bound would hardly grow: that no point is nearer need not be shown.
+    if (best.at_most <= search.lower + 2 * search.precision) return {best.foot, 0};
+    const double least = at_least(p, search, best);
+    return {best.foot, least};
+}
+
+// From a seed on B to a proven point that is nearer to p, if there is one.
+void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
+    const auto found = tree_.nearby(p, seed, counters_);
+    if (!found) return;
+    const double d = apart_at_most(p, found->at) + found->error;
+    if (d < best.at_most) best = {d, add(*found)};
+}
+
+// Best first over the boxes of B, until none can hold a point that is nearer than the best foot by more than the precision.
+double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best) {
+    std::priority_queue<OpenBox> queue;
+    queue.push({0, 0});
+    // Half of the precision is given away, so that whoever checks the bound needs no more boxes than we did.
+    const auto given_away = [&] { return best.at_most - 0.5 * search.precision; };
+    for (int opened = 1; !queue.empty(); ++opened) {
+        const OpenBox top = queue.top();
+        if (top.least >= best.at_most - search.precision) return std::max(std::min(top.least, given_away()), 0.0);
+        // No point of A in this cell is farther from B than the answer: its lower bound is of no interest.
+        if (best.at_most + search.cell_size <= search.lower || !tree_.may_split(top.node)) return top.least;
+        if (opened > (best.at_most == infinity ? most_boxes_without_foot : most_boxes)) return top.least;
+        if (opened % boxes_between_looks == 0 && deadline_.passed()) return top.least;
+        queue.pop();
+        if (opened > boxes_without_descent) {
+            const Vec3 seed = seed_on(tree_[top.node], p);
+            if (best.at_most == infinity || (seed - p).norm() < best.at_most - search.precision)
+                descend_from(seed, p, best);
+        }
+        tree_.split(top.node, counters_);
+        const std::int32_t first = tree_[top.node].first, count = tree_[top.node].count;
+        for (std::int32_t i = first; i < first + count; ++i) {
+            ++counters_.box_distances;
+            const double least = std::max(top.least, distance_at_least(tree_[i], p));
+            if (least < best.at_most) queue.push({least, i}), ++counters_.node_visits;
+        }
+    }
+    return best.at_most == infinity ? 0 : std::max(given_away(), 0.0);
+}
+
+}  // namespace hausbench

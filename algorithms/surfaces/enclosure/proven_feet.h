@@ -1,0 +1,60 @@
+// Proven points of B, and the search for the one nearest to a point, with a proof that no point of B is much nearer.
+//
+// All functions want UpwardRounding (kernel/interval.h).
+#pragma once
+
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/surfaces/surface_tree.h"
+
+#include <span>
+#include <vector>
+
+namespace hausbench {
+
+// What a search for the nearest point of B may leave undone.
+struct FootSearch {
+    double precision;  // the result may be so much below the distance
+    double lower;      // a point whose distance is no more than this is of no interest, and where
+    double cell_size;  // no point that stands for it can be farther by more than this, the search ends
+};
+
+struct NearestFoot {
+    std::int32_t foot = -1;  // the nearest proven point that was found; -1: none was
+    double at_least = 0;     // the distance to B
+};
+
+class ProvenFeet {
+public:
+    ProvenFeet(const SurfaceTree& target, const Deadline& deadline, Counters& counters)
+        : tree_(target), deadline_(deadline), counters_(counters) {}
+
+    SurfaceTree& tree() { return tree_; }
+    const SurfaceTree& tree() const { return tree_; }
+    bool empty() const { return feet_.empty(); }
+    const SurfacePoint& operator[](std::int32_t foot) const { return feet_[static_cast<std::size_t>(foot)]; }
+    std::int32_t add(const SurfacePoint& foot) {
+        feet_.push_back(foot);
+        return static_cast<std::int32_t>(feet_.size()) - 1;
+    }
+
+    // No point of the piece is farther from B.
+    double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
+
+    // `known` are feet to begin with, of points near p.
+    NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
+
+private:
+    struct Best {
+        double at_most = std::numeric_limits<double>::infinity();  // the distance to the foot
+        std::int32_t foot = -1;
+    };
+    void descend_from(const Vec3& seed, const Vec3& p, Best& best);
+    double at_least(const Vec3& p, const FootSearch& search, Best& best);
+
+    SurfaceTree tree_;
+    const Deadline& deadline_;
+    Counters& counters_;
+    std::vector<SurfacePoint> feet_;
+};
+
+}  // namespace hausbench

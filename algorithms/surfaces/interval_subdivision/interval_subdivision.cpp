@@ -1,0 +1,104 @@
+// Octree subdivision and interval distances, as published.
+//
+// Source: Shou, Huang, Gu, Miao, Wang: Computing the Hausdorff distance between two algebraic surfaces, Computer Science and
+// Application 3, 2013 (in Chinese; read from badly recognised text: the denominators of its surfaces are inferred from the
+// interval it prints).
+// The box is divided into 2^depth voxels an axis by an octree that keeps a cell where 0 lies in the interval of the
+// polynomial over it. The distance of two kept voxels is an interval [g, G], the least and the largest distance of their
+// points, and the answer is [max over A of min over B of g, max over A of min over B of G]. The paper's H is the larger of
+// both directions, end by end: ask for both.
+//
+// Not certified: a kept voxel need not hold a point of the surface, so either end may be wrong. Reported as the method
+// gives it, so that this can be seen; surface_enclosure.cpp is the one to trust. No witness, for the same reason.
+//
+// `pairs = all` computes every pair of voxels, as the paper does; `pruned` gives the same bits (voxel_distances.h). Budget: voxels of A (all)
+// or searches (pruned).
+//
+// Polynomials are bounded with directed rounding (voxels.h); squared distances are rounded to nearest and widened at the end
+// as kernel/rounding.h says. Time O(8^depth) at worst, O(4^depth) for the octree of a tame surface, O(16^depth) for all
+// pairs; memory O(4^depth).
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/solver.h"
+#include "algorithms/surfaces/interval_subdivision/voxel_distances.h"
+
+#include <algorithm>
+
+namespace hausbench {
+namespace {
+
+class IntervalSubdivision final : public Solver {
+public:
+    explicit IntervalSubdivision(const Options& options)
+        : depth_(static_cast<int>(options.integer("depth"))), all_(options.text("pairs") == "all") {
+        const std::string form = options.text("form");
+        form_ =
+            static_cast<Form>(std::find(std::begin(form_names), std::end(form_names), form) - std::begin(form_names));
+    }
+
+    void prepare(const Scene& scene, const Prepared&) override {
+        source_ = voxels_of(surface_of(scene.source), depth_, form_);
+        target_ = voxels_of(surface_of(scene.target), depth_, form_);
+    }
+
+    std::size_t prepared_bytes() const override { return source_.bytes() + target_.bytes(); }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        const Deadline deadline(query.time_limit);
+        VoxelWork work{query, deadline, {}, {}};
+        work.counters.polynomial_evaluations = source_.evaluations + target_.evaluations;
+        VoxelDistances squared =
+            all_ ? distances_of_all(source_, target_, work) : distances_by_search(source_, target_, work);
+        if (work.stopped) squared.largest = largest_squared_distance(source_.whole(), target_.whole());
+        Result result;
+        result.counters = work.counters;
+        result.bounds = {distance_at_least(squared.least, true), distance_at_most(squared.largest, true)};
+        trace.record(result.bounds.lower, result.bounds.upper);
+        if (const auto answer = query.answer(result.bounds.lower, result.bounds.upper)) {
+            result.status = *answer;
+        } else if (work.stopped) {
+            result.status = *work.stopped;
+        } else {
+            result.status = Status::stalled;
+            result.note = "the width of the interval depends on the voxels alone: give a larger depth";
+        }
+        return result;
+    }
+
+private:
+    int depth_;
+    Form form_ = Form::modified_affine;
+    bool all_;
+    Voxels source_, target_;
+};
+
+}  // namespace
+
+SolverEntry interval_subdivision_solver() {
+    SolverInfo info;
+    info.name = "interval_subdivision";
+    info.title = "interval subdivision";
+    info.paper = "shou2014";
+    info.source.surface = info.target.surface = true;
+    info.traces = true;
+    info.parameters = {
+        {.name = "depth",
+         .default_value = std::int64_t{6},
+         .paper_value = "6",
+         .description = "of the octree: 2^depth voxels an axis",
+         .least = 1,
+         .most = 10},
+        {.name = "form",
+         .default_value = std::string("modified_affine"),
+         .paper_value = "modified affine arithmetic",
+         .description = "how the polynomial is bounded over a cell",
+         .choices = {std::begin(form_names), std::end(form_names)}},
+        {.name = "pairs",
+         .default_value = std::string("all"),
+         .paper_value = "all",
+         .description = "pairs of voxels whose distance is computed; 'pruned' leaves out those that cannot matter",
+         .choices = {"all", "pruned"}},
+    };
+    return {info, make_solver<IntervalSubdivision>};
+}
+
+}  // namespace hausbench

@@ -1,0 +1,220 @@
+#include "algorithms/surfaces/interval_subdivision/voxel_distances.h"
+
+#include "algorithms/kernel/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace hausbench {
+namespace {
+
+// What square roots and sums of a few of them round by, as a factor, and plenty: bounds of the search alone depend on it, no result.
+constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
+
+// Squared least (g) or largest (G) distance of two boxes. Rounded to nearest; every operation is monotone.
+template <bool largest> double squared_distance(const Box& a, const Box& b) {
+    double d[3];
+    for (int k = 0; k < 3; ++k) {
+        d[k] = largest ? std::max(b.high[k] - a.low[k], a.high[k] - b.low[k])
+                       : std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0);
+    }
+    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+}
+
+// No more than squared_distance() of a and any voxel in the cell.
+template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
+    if (!largest) return squared_distance<false>(a, b.box_of(cell));
+    double d[3];
+    for (std::size_t k = 0; k < 3; ++k) {  // a voxel's upper end is no lower than the lowest voxel's, and so on
+        const auto i = Eigen::Index(k);
+        const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
+                     low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
+        d[k] = std::max(high - a.low[i], a.high[i] - low);
+    }
+    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+}
+
+// min over B of g and of G, for the voxel i of A.
+VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
+    constexpr std::size_t lanes = 4;  // minima kept apart, so that the compiler may compute them side by side
+    const std::size_t m = b.leaves.size();
+    const double *bl[3], *bh[3];
+    double al[3], ah[3];
+    for (std::size_t k = 0; k < 3; ++k) bl[k] = b.low[k].data(), bh[k] = b.high[k].data();
+    for (std::size_t k = 0; k < 3; ++k) al[k] = a.low[k][i], ah[k] = a.high[k][i];
+    double least[lanes], largest[lanes];
+    std::fill_n(least, lanes, infinity);
+    std::fill_n(largest, lanes, infinity);
+    const auto look = [&](std::size_t j, std::size_t lane) {
+        double s[3], t[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double before = al[k] - bh[k][j], after = bl[k][j] - ah[k];
+            const double apart = before > after ? before : after;
+            s[k] = apart > 0 ? apart : 0;
+            const double first = bh[k][j] - al[k], second = ah[k] - bl[k][j];
+            t[k] = first > second ? first : second;
+        }
+        const double one = (s[0] * s[0] + s[1] * s[1]) + s[2] * s[2], other = (t[0] * t[0] + t[1] * t[1]) + t[2] * t[2];
+        least[lane] = one < least[lane] ? one : least[lane];
+        largest[lane] = other < largest[lane] ? other : largest[lane];
+    };
+    std::size_t j = 0;
+    for (; j + lanes <= m; j += lanes) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) look(j + lane, lane);
+    }
+    for (; j < m; ++j) look(j, 0);
+    return {*std::min_element(least, least + lanes), *std::min_element(largest, largest + lanes)};
+}
+
+// The largest, over voxels of A, of their least squared distance to those of B.
+template <bool largest> class VoxelSearch {
+public:
+    VoxelSearch(const Voxels& a, const Voxels& b, VoxelWork& work) : a_(a), b_(b), work_(work) {
+        double magnitude = 0;
+        for (const Voxels* voxels : {&a, &b}) {
+            for (const auto& lines : voxels->grid)
+                magnitude = std::max({magnitude, std::abs(lines.front()), std::abs(lines.back())});
+        }
+        rounding_ = 64 * unit_roundoff * magnitude;
+    }
+
+    double run() {
+        if (const auto voxel = middle_voxel(0)) add(0, *voxel, -1);
+        while (!queue_.empty()) {
+            const Cell cell = queue_.top();
+            queue_.pop();
+            if (cell.bound < std::sqrt(most_) || work_.stop_after(searches_)) break;
+            split(cell);
+        }
+        return most_;
+    }
+
+private:
+    // A cell of A that may hold a voxel farther from B than all that were searched from.
+    struct Cell {
+        double bound;  // of the distances of all its voxels
+        std::uint32_t node;
+        std::uint32_t voxel;  // one of them
+        double squared;       // its squared distance
+        bool operator<(const Cell& other) const { return bound < other.bound; }
+    };
+
+    void split(const Cell& cell) {
+        const Voxels::Node &node = a_.nodes[cell.node], &voxel = a_.nodes[cell.voxel];
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            if (std::sqrt(cell.squared) * wider + farthest_shift(i, cell.voxel) < std::sqrt(most_)) continue;
+            if (holds(a_.nodes[i], voxel))
+                add(i, cell.voxel, cell.squared);
+            else if (const auto own = middle_voxel(i))
+                add(i, *own, -1);
+        }
+    }
+
+    // A cell with one of its voxels, whose squared distance is searched for if it is not known (below 0).
+    void add(std::uint32_t node, std::uint32_t voxel, double squared) {
+        const bool is_voxel = a_.nodes[node].size == 1;
+        const double farther = is_voxel ? 0 : farthest_shift(node, voxel);
+        if (squared < 0) {
+            ++searches_;
+            const double early_out = std::sqrt(most_) - farther;
+            squared = nearest(a_.box_of(a_.nodes[voxel]), early_out > 0 ? early_out * early_out * narrower : -1);
+        }
+        if (squared > most_) most_ = squared;
+        const double bound = std::sqrt(squared) * wider + farther;
+        if (is_voxel || bound < std::sqrt(most_)) return;
+        queue_.push({bound, node, voxel, squared});
+        ++work_.counters.queue_pushes;
+    }
+
+    // How far a voxel of A is from the farthest in the cell.
+    double farthest_shift(std::uint32_t node, std::uint32_t leaf) const {
+        const Voxels::Node &cell = a_.nodes[node], &voxel = a_.nodes[leaf];
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto& lines = a_.grid[k];
+            const double step = (lines.back() - lines.front()) / double(lines.size() - 1);
+            const double d = step * std::max(voxel.at[k] - cell.at[k], cell.at[k] + cell.size - 1 - voxel.at[k]);
+            sum += d * d;
+        }
+        return std::sqrt(sum) * wider + rounding_;
+    }
+
+    static bool holds(const Voxels::Node& cell, const Voxels::Node& voxel) {
+        bool inside = true;
+        for (std::size_t k = 0; k < 3; ++k)
+            inside = inside && voxel.at[k] >= cell.at[k] && voxel.at[k] < cell.at[k] + cell.size;
+        return inside;
+    }
+
+    // The kept voxel next to the middle of the cell, as the octree's order has it; cells without voxels have none.
+    std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
+        const Voxels::Node& cell = a_.nodes[node];
+        if (cell.size == 1) return node;
+        for (std::uint32_t i = 0; i < cell.count; ++i) {
+            if (const auto found = middle_voxel(cell.first + (i + cell.count / 2) % cell.count)) return found;
+        }
+        return std::nullopt;
+    }
+
+    // The least squared distance from a voxel to those of B; any value within the squared early-out radius once one is known.
+    double nearest(const Box& a, double squared_early_out) {
+        struct Entry {
+            double least;
+            std::uint32_t node;
+        };
+        Entry stack[8 * 16];
+        std::size_t size = 0;
+        stack[size++] = {0, 0};
+        double best = infinity;
+        while (size > 0 && best > squared_early_out) {
+            const Entry entry = stack[--size];
+            if (entry.least >= best) continue;
+            const Voxels::Node& node = b_.nodes[entry.node];
+            const std::size_t begin = size;
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                const Voxels::Node& child = b_.nodes[i];
+                if (child.size > 1 && child.count == 0) continue;
+                ++work_.counters.box_distances;
+                if (child.size == 1) {
+                    best = std::min(best, squared_distance<largest>(a, b_.box_of(child)));
+                } else if (const double least = at_least<largest>(a, b_, child); least < best) {
+                    stack[size++] = {least, i};
+                }
+            }
+            std::sort(stack + begin, stack + size, [](const Entry& x, const Entry& y) { return x.least > y.least; });
+        }
+        return best;
+    }
+
+    const Voxels &a_, &b_;
+    VoxelWork& work_;
+    double rounding_;  // of grid lines, a few ulps of the largest coordinate: but for it, voxels are translates
+    std::priority_queue<Cell> queue_;
+    double most_ = 0;  // squared
+    std::uint64_t searches_ = 0;
+};
+
+}  // namespace
+
+double largest_squared_distance(const Box& a, const Box& b) { return squared_distance<true>(a, b); }
+
+VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work) {
+    VoxelDistances most;
+    for (std::size_t i = 0; i < a.leaves.size(); ++i) {
+        if (work.stop_after(i)) break;
+        const VoxelDistances nearest = nearest_of_all(a, i, b);
+        work.counters.box_distances += b.leaves.size();
+        most.least = std::max(most.least, nearest.least);
+        most.largest = std::max(most.largest, nearest.largest);
+    }
+    return most;
+}
+
+VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work) {
+    const double least = VoxelSearch<false>(a, b, work).run();
+    return {least, VoxelSearch<true>(a, b, work).run()};
+}
+
+}  // namespace hausbench

@@ -1,0 +1,33 @@
+// The library of algorithms as a shared library with one function in C, for a host that is not ours, such as Python.
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+
+#include <vector>
+
+using namespace hausbench;
+
+// How many solvers bounded the distance between two sets of points, or of triangles with three corners each; -1: one threw.
+extern "C" int bound_by_all_solvers(const double* a, const double* b, int points) {
+    try {
+        PointSet source{Points(points, 3)}, target{Points(points, 3)};
+        for (int i = 0; i < 3 * points; ++i) source.points(i / 3, i % 3) = a[i], target.points(i / 3, i % 3) = b[i];
+        TriangleMesh mesh{source.points, Triangles(points / 3, 3)}, other{target.points, Triangles(points / 3, 3)};
+        for (int i = 0; i < points; ++i) mesh.triangles(i / 3, i % 3) = other.triangles(i / 3, i % 3) = i;
+        int bounded = 0;
+        for (const SolverEntry& entry : solvers()) {
+            if (entry.info.source.surface || !refusal(entry.info, ShapeKind::mesh, ShapeKind::mesh).empty()) continue;
+            ParameterMap given;
+            if (entry.info.name == "sampling") given["step"] = 0.05;
+            Query query;
+            query.tolerance.value = 1e-3;
+            query.threads = 2;
+            const Session session(entry, Options(entry.info.name, entry.info.parameters, given), Scene{mesh, other},
+                                  {});
+            Trace untraced;
+            bounded += session.solve(query, untraced).bounds.upper > 0;
+        }
+        return bounded;
+    } catch (const std::exception&) {
+        return -1;
+    }
+}

@@ -1,0 +1,43 @@
+// A solver whose solve() is not re-entrant: it counts in a member, without a lock. `make tsan` expects the thread sanitizer to report
+// it, so that a sanitizer that sees nothing is noticed. Not part of any other build's tests.
+#include "algorithms/session/session.h"
+
+#include <iostream>
+#include <thread>
+
+using namespace hausbench;
+
+namespace {
+
+class Racing final : public Solver {
+public:
+    void prepare(const Scene&, const Prepared&) override {}
+    Result solve(const Query&, State*, Trace&) const override {
+        for (int i = 0; i < 1000; ++i) counted_ = counted_ + 1;
+        return {};
+    }
+
+private:
+    mutable std::uint64_t counted_ = 0;
+};
+
+}  // namespace
+
+int main() {
+    SolverEntry entry;
+    entry.info.name = "racing";
+    entry.info.source.points = entry.info.target.points = true;
+    entry.make = [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Racing>(); };
+    const PointSet point{Points::Zero(1, 3)};
+    const Session session(entry, Options("racing", {}, {}), {point, point}, {});
+    const auto ask = [&] {
+        Query query;
+        query.tolerance.value = 1;
+        Trace trace;
+        for (int i = 0; i < 100; ++i) (void)session.solve(query, trace);
+    };
+    std::thread first(ask), second(ask);
+    first.join();
+    second.join();
+    std::cout << "asked from two threads\n";
+}

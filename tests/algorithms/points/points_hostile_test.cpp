@@ -1,0 +1,69 @@
+// The work of scan on the point sets of experiments/points/points_hostile.toml, 20,000 points each, against its work on a tame
+// pair of that size: counted, so it is the same on every machine.
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/catalogue.h"
+#include "datasets/shape_file.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+namespace hausbench {
+namespace {
+
+Result answer(const std::string& solver, const Scene& scene, const ParameterMap& given = {}) {
+    const SolverEntry& entry = find_solver(solver);
+    const Session session(entry, Options(solver, entry.info.parameters, given), scene, {});
+    Query query;
+    query.tolerance.value = 1e-9;
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+// Distances, and boxes: a node is eight of them, a bound test of a leaf sixteen.
+double work(const Counters& counters) {
+    return static_cast<double>(counters.point_distances + 8 * counters.node_visits + 16 * counters.bound_tests);
+}
+
+class Hostile : public testing::Test {
+protected:
+    Points points(const std::string& name) const {
+        const auto found = catalogue_.resolve(name);
+        return points_of(read_shape(std::get<ResolvedModel>(found).shape_file).shape);
+    }
+
+    Scene scene(const std::string& source, const std::string& target) const {
+        return {PointSet{points(source)}, PointSet{points(target)}};
+    }
+
+    TemporaryFolder folder_;
+    const Catalogue catalogue_{HAUSBENCH_SOURCE "/datasets/manifest.toml", folder_.path(), ""};
+};
+
+TEST_F(Hostile, WorkIsAFewTimesThatOfATamePair) {
+    catalogue_.make_folders();
+    // By the tree, which hostile sets need: with cells a tame pair takes a fraction of that.
+    const double tame = work(answer("scan", scene("hostile_cloud_noise_20k", "hostile_cloud_b_20k"),
+                                    {{"cells_from", std::int64_t{1000000000000000000}}})
+                                 .counters);
+    const toml::table experiment = toml::parse_file(HAUSBENCH_SOURCE "/experiments/points/points_hostile.toml");
+    int scenes = 0;
+    for (const toml::node& node : *experiment["scene"].as_array()) {
+        const toml::table& table = *node.as_table();
+        const std::string name = *table["name"].value<std::string>();
+        if (!name.ends_with("_20K")) continue;
+        const Result result =
+            answer("scan", scene(*table["source"].value<std::string>(), *table["target"].value<std::string>()));
+        EXPECT_EQ(to_string(result.status), to_string(Status::converged)) << name;
+        EXPECT_LE(work(result.counters), 2 * tame) << name;
+        std::cout << fmt::format("{}: {:.2f} times the work\n", name, work(result.counters) / tame);
+        ++scenes;
+    }
+    EXPECT_EQ(scenes, 26);
+}
+
+}  // namespace
+}  // namespace hausbench

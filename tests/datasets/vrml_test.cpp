@@ -1,0 +1,316 @@
+// VRML 2.0: where nodes put the vertices, which faces are read, and every way in which a file can be bad.
+#include "algorithms/error.h"
+#include "datasets/load.h"
+#include "tests/support/temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+
+namespace hausbench {
+namespace {
+
+const std::string head = "#VRML V2.0 utf8\n";
+const std::string points = "coord Coordinate { point [ 0 0 0, 1 0 0, 0 2 0, 0 0 3 ] }";
+
+std::string shape(const std::string& fields) { return "Shape { geometry IndexedFaceSet { " + fields + " } }\n"; }
+const std::string triangle = shape(points + " coordIndex [ 0 1 2 -1 ]");
+
+std::string transform(const std::string& fields, const std::string& children) {
+    return "Transform { " + fields + " children [ " + children + " ] }\n";
+}
+
+std::string repeated(const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) all += text;
+    return all;
+}
+
+class Vrml : public ::testing::Test {
+protected:
+    LoadedShape load(const std::string& text, const std::string& name = "a.wrl") const {
+        const std::filesystem::path file = folder_.path() / name;
+        std::ofstream(file, std::ios::binary) << text;
+        return load_file(file);
+    }
+    // Corners of the triangles, in order.
+    std::vector<Vec3> corners(const std::string& scene) const {
+        const LoadedShape loaded = load(head + scene);
+        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
+        std::vector<Vec3> all;
+        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
+        return all;
+    }
+    // `triangle` with these fields of a Transform around it: where (0, 0, 0), (1, 0, 0) and (0, 2, 0) go.
+    void expect_at(const std::string& fields, const std::vector<Vec3>& where, double off = 0) const {
+        const auto found = corners(transform(fields, triangle));
+        ASSERT_EQ(found.size(), 3u);
+        for (std::size_t i = 0; i < 3; ++i)
+            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
+                << fields << ", corner " << i << ": " << found[i].transpose();
+    }
+    void refused(const std::string& text, const std::vector<std::string>& parts) const {
+        try {
+            load(text);
+            FAIL() << text.substr(0, 200) << " was read";
+        } catch (const InputError& error) {
+            const std::string message = error.what();
+            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+            for (const std::string& part : parts)
+                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+        }
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Vrml, VerticesAreReadToTheLastBit) {
+    const auto found = corners(
+        "# a comment { [ \"\nShape{appearance Appearance{material DEF M-1 Material{diffuseColor .1 .2 .3}}\rgeometry "
+        "IndexedFaceSet{"
+        "solid FALSE,coord Coordinate{point[0.1,1e-17,+.5 # x\n0.30000000000000004 -2.7182818284590451 "
+        "1.7976931348623157e300,3 4 5.]}"
+        "coordIndex[0,1 2]creaseAngle .5}}");
+    ASSERT_EQ(found.size(), 3u);
+    EXPECT_EQ(found[0], Vec3(0.1, 1e-17, 0.5));
+    EXPECT_EQ(found[1], Vec3(0.1 + 0.2, -2.718281828459045, 1.7976931348623157e300));
+    EXPECT_EQ(found[2], Vec3(3, 4, 5));
+}
+
+TEST_F(Vrml, TheReportSaysWhatWasThere) {
+    const LoadedShape loaded =
+        load(head + triangle + shape(points + " coordIndex [ 0 1 2 3 -1 0 1 -1 1 2 3 -1 ]"), "a.vrml");
+    EXPECT_EQ(loaded.report.format, "vrml");
+    EXPECT_EQ(loaded.report.precision, "float64");
+    EXPECT_FALSE(loaded.report.float32);
+    EXPECT_EQ(loaded.report.objects, 2);
+    EXPECT_EQ(loaded.report.polygons, 1);
+    EXPECT_FALSE(loaded.report.unreferenced);
+    const auto& mesh = std::get<TriangleMesh>(loaded.shape);
+    EXPECT_EQ(mesh.triangles.rows(), 4);  // a face of two corners is none
+    EXPECT_EQ(mesh.vertices.rows(), 4);   // those of both shapes are equal
+}
+
+TEST_F(Vrml, PolygonsAreCutByTheirShape) {
+    // An arrowhead with a notch at its second corner, which the fan from the first would cover.
+    const auto notched =
+        corners(shape("coord Coordinate { point [ 0 3 0, 0.5 0 0, 0 -3 0, 4 0 0 ] } coordIndex [ 0 1 2 3 -1 ]"));
+    ASSERT_EQ(notched.size(), 6u);
+    double area = 0;
+    for (std::size_t i = 0; i < 6; i += 3)
+        area += (notched[i + 1] - notched[i]).cross(notched[i + 2] - notched[i]).norm() / 2;
+    EXPECT_DOUBLE_EQ(area, 12 - 1.5);
+}
+
+TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
+    expect_at("", {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
+    expect_at("translation 0.1 -2 3", {{0.1, -2, 3}, {1.1, -2, 3}, {0.1, 0, 3}});
+    expect_at("scale 2 3 4", {{0, 0, 0}, {2, 0, 0}, {0, 6, 0}});
+    expect_at("rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
+    expect_at("rotation 0 0 5 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);  // any length
+    expect_at("rotation 0 0 2e-162 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
+    expect_at("rotation 0 0 1e-300 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
+    expect_at("rotation 1 0 0 1.5707963267948966", {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, 2e-16);
+    expect_at("rotation 0 1 0 1.5707963267948966", {{0, 0, 0}, {0, 0, -1}, {0, 2, 0}}, 2e-16);
+    expect_at("rotation 1 1 1 2.0943951023931953", {{0, 0, 0}, {0, 1, 0}, {0, 0, 2}}, 1e-15);  // x to y to z
+    expect_at("rotation 0 0 0 0", {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
+    expect_at("scale 2 1 1 rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 2, 0}, {-2, 0, 0}},
+              4e-16);  // the scale first
+    expect_at("rotation 0 0 1 1.5707963267948966 translation 1 0 0", {{1, 0, 0}, {1, 1, 0}, {-1, 0, 0}}, 2e-16);
+    expect_at("center 1 0 0 rotation 0 0 1 1.5707963267948966", {{1, -1, 0}, {1, 0, 0}, {-1, -1, 0}}, 4e-16);
+    expect_at("center 1 0 0 scale 3 1 1 translation 0 0 7", {{-2, 0, 7}, {1, 0, 7}, {-2, 2, 7}});
+    // Along the diagonal of x and y by 3: (1, 0) is half along it and half across.
+    expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831", {{0, 0, 0}, {2, 1, 0}, {2, 4, 0}}, 2e-15);
+    // The orientation does not move the rotation: it is undone after the scale.
+    expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831 rotation 0 0 1 1.5707963267948966",
+              {{0, 0, 0}, {-1, 2, 0}, {-4, 2, 0}}, 2e-15);
+}
+
+TEST_F(Vrml, AnglesOfAnySizeTurnAsTheCosineSays) {
+    for (const double angle :
+         {1e-9, 0.3, 0.785, 0.786, 1.0, 2.0, 2.4, 3.0, 3.2, 4.712389, 5.0, 6.2, 7.0, 100.0, -0.3, -2.0, -4.0, -6.2})
+        expect_at(fmt::format("rotation 0 0 1 {}", angle),
+                  {{0, 0, 0}, {std::cos(angle), std::sin(angle), 0}, {-2 * std::sin(angle), 2 * std::cos(angle), 0}},
+                  angle == 100 ? 1e-14 : 2e-15);
+}
+
+TEST_F(Vrml, TransformsActFromTheInnerToTheOuter) {
+    const auto found = corners(
+        transform("translation 10 0 0",
+                  transform("scale 2 2 2", "Group { children " + transform("translation 0 0 1", triangle) + "}")));
+    EXPECT_EQ(found, (std::vector<Vec3>{{10, 0, 2}, {12, 0, 2}, {10, 4, 2}}));
+}
+
+TEST_F(Vrml, UseRepeatsWhatDefNamed) {
+    const auto found = corners("DEF T " + triangle + transform("translation 5 0 0", "USE T") +
+                               transform("translation 0 0 7", "USE T USE T"));
+    ASSERT_EQ(found.size(), 12u);
+    EXPECT_EQ(found[4], Vec3(6, 0, 0));
+    EXPECT_EQ(found[6], Vec3(0, 0, 7));
+    // Vertices of a node that is not read itself, and the last of two nodes of a name.
+    const auto shared = corners(
+        "Shape { geometry IndexedLineSet { coord DEF C Coordinate { point [ 9 9 9 ] } } }"
+        "Shape { geometry PointSet { coord DEF C Coordinate { point [ 1 2 3 4 5 6 7 8 10 ] } } }" +
+        shape("coord USE C coordIndex [ 2 1 0 ]"));
+    EXPECT_EQ(shared, (std::vector<Vec3>{{7, 8, 10}, {4, 5, 6}, {1, 2, 3}}));
+}
+
+TEST_F(Vrml, WhatIsSeenOfASwitchAndALodIsRead) {
+    const auto chosen = [&](const std::string& which) {
+        return corners(triangle + "Switch { " + which + " choice [ Group {} " +
+                       transform("translation 1 1 1", triangle) + " ] }")
+                   .size() /
+               3;
+    };
+    EXPECT_EQ(chosen("whichChoice 0"), 1u);
+    EXPECT_EQ(chosen("whichChoice 1"), 2u);
+    EXPECT_EQ(chosen("whichChoice 2"), 1u);
+    EXPECT_EQ(chosen("whichChoice -1"), 1u);
+    EXPECT_EQ(chosen(""), 1u);
+    EXPECT_EQ(corners("LOD { level [ " + triangle + triangle + " ] range [ 7 ] }").size(), 3u);
+    for (const char* group : {"Anchor", "Billboard", "Collision"})
+        EXPECT_EQ(corners(fmt::format("{} {{ children [ {} ] }}", group, triangle)).size(), 3u) << group;
+}
+
+TEST_F(Vrml, FacesThatAreSeenFromBehindAreTurned) {
+    const std::vector<Vec3> front = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}}, back = {{0, 2, 0}, {1, 0, 0}, {0, 0, 0}};
+    EXPECT_EQ(corners(shape(points + " ccw TRUE coordIndex [ 0 1 2 ]")), front);
+    EXPECT_EQ(corners(shape(points + " ccw FALSE coordIndex [ 0 1 2 ]")), back);
+    EXPECT_EQ(corners(transform("scale 1 1 -1", triangle)), back);
+    EXPECT_EQ(corners(transform("scale 1 1 -1", shape(points + " ccw FALSE coordIndex [ 0 1 2 ]"))), front);
+}
+
+TEST_F(Vrml, AllElseIsSkipped) {
+    const std::string script =
+        "DEF S Script { url \"javascript: function f() { } \\\" [\" field SFNode n USE nobody field MFString s [ \"}\" "
+        "] eventIn SFTime t }\n";
+    EXPECT_EQ(
+        corners("WorldInfo { title \"a } # b\" info [ \"[\", \"{\" ] }\nNavigationInfo { type [ \"EXAMINE\", \"ANY\" ] "
+                "headlight FALSE }\n" +
+                script +
+                "ROUTE S.a TO T.b\nDEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 1 1 1 ] } Shape { "
+                "geometry NULL }\n" +
+                "Group { children [ PointLight { color 1 1 1 } " + triangle + " ROUTE S.a TO T.b ] ROUTE S.a TO T.b }")
+            .size(),
+        3u);
+}
+
+TEST_F(Vrml, GzippedFilesAreRead) {
+    for (const char* name : {"a.wrl.gz", "a.wrz"}) {
+        const std::filesystem::path file = folder_.path() / name;
+        const gzFile out = gzopen(file.c_str(), "wb");
+        const std::string text = "\xef\xbb\xbf" + head + triangle;
+        gzwrite(out, text.data(), static_cast<unsigned>(text.size()));
+        gzclose(out);
+        EXPECT_EQ(std::get<TriangleMesh>(load_file(file).shape).triangles.rows(), 1) << name;
+        EXPECT_TRUE(names_a_file(name));
+    }
+}
+
+TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
+    refused("#VRML V1.0 ascii\nSeparator { }\n", {"line 1", "VRML 1.0", "convert"});
+    refused("#X3D V3.0 utf8\n", {"line 1", "no VRML file"});
+    refused("Shape {}", {"line 1", "#VRML V2.0"});
+    for (const char* kind : {"Box", "Sphere", "Cylinder", "Cone", "Extrusion", "ElevationGrid", "Text"})
+        refused(head + triangle + fmt::format("\nShape {{ geometry\n {} {{ size 1 1 1 }} }}", kind),
+                {"line 5", kind, "convert"});
+    refused(head + "PROTO Bolt [ field SFInt32 n 0 ] { Group {} }\n", {"line 2", "PROTO", "convert"});
+    refused(head + "Group { EXTERNPROTO Bolt [ ] \"a.wrl\" }\n", {"line 2", "EXTERNPROTO"});
+    refused(head + triangle + "Group {\n children Inline { url \"b.wrl\" } }", {"line 4", "Inline"});
+    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // it is not seen
+    refused(head, {"holds no IndexedFaceSet"});
+    refused(head + shape(points), {"holds no IndexedFaceSet with a face"});
+    refused(head + shape("coordIndex [ 0 1 2 ]"), {"holds no IndexedFaceSet with a face"});
+    refused(head + shape(points + " coordIndex [ 0 1 -1 2 3 -1 ]"), {"three corners"});
+}
+
+TEST_F(Vrml, MistakesAreToldWithTheirLine) {
+    refused(head +
+                "\nShape { geometry IndexedFaceSet { coord Coordinate {\npoint [ 0 0 0,\n1 x 0, 0 1 0 ] } coordIndex [ "
+                "0 1 2 ] } }",
+            {"line 5", "'x' is no number"});
+    for (const char* bad : {"nan", "inf", "-inf", "1e999"})
+        refused(
+            head + shape(fmt::format("coord Coordinate {{ point [ 0 0 0 1 0 {} 0 1 0 ] }} coordIndex [ 0 1 2 ]", bad)),
+            {"line 2", bad, "finite"});
+    refused(head + transform("scale 1e300 1 1", transform("scale 1e300 1 1", triangle)), {"not finite"});
+    refused(head + transform("scale 1 nan 1", triangle), {"line 2", "'scale'"});
+    refused(head + transform("rotation 0 0 1 1e999", triangle), {"line 2", "1e999"});
+    refused(head + transform("rotation 0 0 0 1", triangle), {"line 2", "'rotation' has no axis"});
+    refused(head + transform("translation 1 2", triangle), {"line 2", "'translation' has 2 numbers, not 3"});
+    refused(head + shape("coord Coordinate { point [ 0 0 0 1 ] } coordIndex [ 0 0 0 ]"),
+            {"line 2", "'point' has 4 numbers"});
+    // Of the next shape there are enough vertices.
+    refused(head + shape(points + " coordIndex [ 0 1\n4 -1 ]") + triangle,
+            {"line 3", "'4' names none of the 4 vertices"});
+    for (const char* bad : {"-2", "1.5", "x", "99999999999999999999"})
+        refused(head + shape(points + fmt::format(" coordIndex [ 0 1 {} -1 ]", bad)),
+                {"line 2", bad, "counted from 0"});
+    refused(head + shape("coord Color { } coordIndex [ 0 1 2 ]"), {"line 2", "not a Color"});
+    refused(head + "Group { children [ USE T ] }\nDEF T " + triangle, {"line 2", "'T'", "no DEF"});
+    refused(head + "DEF T Group { children [ USE T ] }\n", {"line 2", "'T'"});
+    refused(head + "Group { children [ Group { } }\n", {"line 2", "'}'"});
+    refused(head + "Group { children [ [ ] ] }\n", {"line 2", "'['"});
+    refused(head + "Group { 7 }\n", {"line 2", "'7'", "name of a field"});
+    refused(head + "DEF T 7 }\n", {"line 2", "'}'", "'{'"});
+    refused(head + "Shape\n", {"line 2", "'Shape' is no node"});
+    refused(head + triangle + "}\n", {"line 3", "'}'"});
+    refused(head + triangle + std::string(1, '\0') + "garbage", {"zero byte"});
+    refused(head + "WorldInfo {\n title \"never ends\\\" }\n", {"line 3", "does not end"});
+}
+
+TEST_F(Vrml, TruncatedFilesAreRefused) {
+    const std::string whole =
+        head + "Group { children [ DEF T " + triangle.substr(0, triangle.size() - 1) + " USE T ] }";
+    EXPECT_EQ(std::get<TriangleMesh>(load(whole).shape).triangles.rows(), 2);
+    for (std::size_t size = head.size() + 1; size < whole.size(); ++size) refused(whole.substr(0, size), {"line 2"});
+}
+
+TEST_F(Vrml, LinesAreCountedThroughTextsAndEveryKindOfEnd) {
+    refused(head + "WorldInfo { title \"two\nlines\" }\r\n# comment\r# another\n\n\rGroup { 7 }", {"line 8"});
+}
+
+TEST_F(Vrml, DeepNestingIsRefusedAndNoCrash) {
+    const auto nested = [](int depth) {
+        return repeated("Group { children [ ", depth) + triangle + repeated("] } ", depth);
+    };
+    EXPECT_EQ(corners(nested(200)).size(), 3u);
+    refused(head + nested(300), {"line 2", "nested deeper than 256"});
+    refused(head + repeated("Group { children [ ", 1'000'000), {"nested deeper than 256"});
+    std::string chain = "DEF T0 " + triangle;  // each USE is one node deeper
+    for (int i = 1; i < 100'000; ++i) chain += fmt::format("DEF T{} Group {{ children USE T{} }}\n", i, i - 1);
+    refused(head + chain, {"nested deeper than 256", "USE"});
+}
+
+TEST_F(Vrml, RepetitionThatNoMemoryHoldsIsRefused) {
+    std::string doubled = "DEF T0 " + triangle;
+    for (int i = 1; i < 60; ++i)
+        doubled += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
+    refused(head + doubled, {"USE repeats"});
+    std::string empty = "DEF T0 Group {}";  // no vertex either
+    for (int i = 1; i < 60; ++i)
+        empty += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
+    refused(head + empty, {"USE repeats"});
+    const std::string many =
+        shape("coord Coordinate { point [ " + repeated("0 0 0,", 3000) + " ] } coordIndex [ 0 1 2 ]");
+    refused(head + "DEF T " + many + repeated("USE T ", 3000), {"USE repeats"});
+}
+
+// 2^12 and 2^17 triangles of 3 vertices and 4 words each; the file has 2 KB at most.
+TEST_F(Vrml, ASmallFileMayRepeatSome) {
+    const auto doubled = [](int times) {
+        std::string text = "DEF T0 " + triangle;
+        for (int i = 1; i <= times; ++i)
+            text += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
+        return text;
+    };
+    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is drawn where it is defined, too
+    refused(head + doubled(17), {"USE repeats", "200 nodes, points and corners for each byte"});
+}
+
+}  // namespace
+}  // namespace hausbench

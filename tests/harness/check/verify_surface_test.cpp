@@ -1,0 +1,91 @@
+// The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and nothing is left open.
+#include "harness/check/verify_surface.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "tests/support/scenes.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+const AlgebraicSurface ball = surface_in_cube("x^2 + y^2 + z^2 - 1"), large = surface_in_cube("x^2 + y^2 + z^2 - 9/4");
+const AlgebraicSurface cone_1 = surface_in_cube("x^2/4 + y^2/4 - z^2/9"),
+                       cone_2 = surface_in_cube("x^2/16 + y^2/4 - z^2/9");
+
+Verdict check(const AlgebraicSurface& a, const AlgebraicSurface& b, double lower, const Vec3& p) {
+    double shown = 0;
+    return check_surface_lower(a, b, lower, p, shown);
+}
+
+TEST(SurfaceCheck, TellsRightFromWrong) {
+    const Vec3 p(0, 0, 1);
+    EXPECT_EQ(check(ball, large, 0.4999, p), Verdict::holds);
+    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);
+    EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
+    EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
+    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);   // 0.2 from the source
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // not in its box
+    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // no change of sign
+    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                     // but 0 at p itself
+    EXPECT_EQ(check(squared, large, 0.1, Vec3(0, 0, 0.7)), Verdict::unsound);
+}
+
+// A witness a little beside the surface costs that little, and no more.
+TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
+    const double beside = 3e-5;
+    const Vec3 p(0, 0, 1 - beside);
+    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, less beside
+    EXPECT_NE(check(ball, large, 0.5 + 0.5 * beside, p), Verdict::holds);
+}
+
+// Of a coarse mesh, whose vertices are far from the surface: what is left is shown all the same.
+TEST(SurfaceCheck, AWitnessFarFromTheSurfaceShowsWhatIsLeft) {
+    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - what the axes lose
+    EXPECT_NE(check(ball, large, 0.5 + 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);
+}
+
+// The apex of a cone is crossed along no axis.
+TEST(SurfaceCheck, TheApexOfACone) {
+    EXPECT_EQ(check(cone_1, large, 1.4999, Vec3::Zero()), Verdict::holds);
+    EXPECT_EQ(check(cone_1, large, 1.4999, Vec3(0, 0, 1e-6)), Verdict::holds);
+    EXPECT_EQ(check(cone_1, large, 1.51, Vec3::Zero()), Verdict::unsound);
+    EXPECT_NE(check(cone_1, large, 1.29, Vec3(0, 0, 0.2)), Verdict::holds);  // 1.3 away, but 0.11 from the cone
+}
+
+// Where the target is clipped, its nearest point lies on a side of the box.
+TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
+    const AlgebraicSurface ellipsoid = surface_in_cube("x^2/2.25 + y^2 + z^2 - 1"),
+                           torus = surface_in_cube("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");
+    const AlgebraicSurface plane = surface_in_cube("z"), crossing = surface_in_cube("x*y"),
+                           slanted = surface_in_cube("z - x/4");
+    const SolverEntry& entry = find_solver("surface_enclosure");
+    for (const auto& [a, b] : {std::pair{cone_1, cone_2},
+                               {cone_2, cone_1},
+                               {ellipsoid, ball},
+                               {torus, ball},
+                               {cone_1, plane},
+                               {crossing, plane},
+                               {plane, slanted}}) {
+        const Session session(entry, Options(entry.info.name, entry.info.parameters, {}), {a, b}, {});
+        for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10}) {
+            Query query;
+            query.tolerance = {Tolerance::Of::absolute, tolerance};
+            query.time_limit = 0.25;
+            Trace trace;
+            const Result result = session.solve(query, trace);
+            const std::string where =
+                a.polynomial + " to " + b.polynomial + " at " + std::to_string(-std::log10(tolerance));
+            EXPECT_EQ(to_string(check(a, b, result.bounds.lower, result.witness.source_point)), "holds") << where;
+            // A bound above the distance never holds.
+            EXPECT_NE(check(a, b, result.bounds.upper * (1 + 1e-12) + 1e-12, result.witness.source_point),
+                      Verdict::holds)
+                << where;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace hausbench

@@ -1,0 +1,109 @@
+// What a plan knows of its cases: its lookups, which must not look at all poses for each of them, and which wrong answers are
+// expected.
+#include "harness/plan/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace hausbench {
+namespace {
+
+struct Counting {
+    std::size_t* count;
+    template <class T> bool operator()(const T& a, const T& b) const {
+        ++*count;
+        return a < b;
+    }
+};
+
+constexpr std::size_t poses = 20'000;
+constexpr std::size_t depth = 2 * std::bit_width(poses) + 4;  // of a red-black tree, and a comparison or two
+
+TEST(Lookup, RowsReadOffARowCostNothingOfTheOthers) {
+    std::size_t count = 0;
+    RowsReadOff<Counting> readers{Counting{&count}};
+    for (std::size_t p = 0; p < poses; ++p) {
+        readers.add(3 * p, 3 * p + 1);
+        readers.add(3 * p, 3 * p + 2);
+    }
+    for (std::size_t p = 0; p < poses; p += 999) {
+        count = 0;
+        EXPECT_EQ(readers.of(3 * p), (std::vector<std::size_t>{3 * p + 1, 3 * p + 2}));
+        EXPECT_TRUE(readers.of(3 * p + 1).empty());
+        EXPECT_GT(count, 0u);
+        EXPECT_LE(count, 2 * depth);
+    }
+}
+
+TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
+    std::size_t count = 0;
+    NearestByWork<std::size_t, Counting> known{Counting{&count}};
+    EXPECT_TRUE(known.empty());
+    for (std::size_t p = 0; p < poses; ++p) known.add(100, p);  // the poses of one scene
+    for (std::size_t i = 1; i <= 10; ++i) known.add(1000.0 * double(i), poses + i);
+    const auto nearest = [&](double work) {
+        count = 0;
+        const std::size_t found = known.nearest(work);
+        EXPECT_LE(count, 2 * depth);
+        return found;
+    };
+    EXPECT_EQ(nearest(100), 0u);  // the first of equal ones
+    EXPECT_EQ(nearest(1), 0u);
+    EXPECT_EQ(nearest(315), 0u);  // sqrt(100 * 1000) = 316.2
+    EXPECT_EQ(nearest(318), poses + 1);
+    EXPECT_EQ(nearest(1400), poses + 1);  // sqrt(1000 * 2000) = 1414.2
+    EXPECT_EQ(nearest(1430), poses + 2);
+    EXPECT_EQ(nearest(1e9), poses + 10);
+    EXPECT_EQ(nearest(5000), poses + 5);
+}
+
+TEST(Plan, MarksAreTheGapsReadOffARowTheLargestFirst) {
+    Plan plan;
+    for (const double tolerance : {1e-3, 1e-2, 1e-1, 1e-3, 1e-2}) {
+        Case asked;
+        asked.tolerance = tolerance;
+        asked.tolerance_of = "absolute";
+        plan.cases.push_back(asked);
+    }
+    plan.read_off(1, {0, false});
+    plan.read_off(2, {0, false});
+    plan.read_off(4, {3, true});  // an exact solver: no trace is wanted
+    EXPECT_EQ(plan.marks(0), (std::vector<double>{1e-1, 1e-2}));
+    EXPECT_TRUE(plan.marks(1).empty());
+    EXPECT_TRUE(plan.marks(3).empty());
+    EXPECT_EQ(plan.traced.size(), 3u);
+}
+
+TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames) {
+    Experiment experiment;
+    Case asked;
+    asked.solver = "ohd_as_printed", asked.label = "printed", asked.certified = 0;
+    EXPECT_TRUE(unsound_expected(asked, experiment));
+    asked.solver = "ohd", asked.label = "ours";
+    EXPECT_FALSE(unsound_expected(asked, experiment));
+    experiment.expected_unsound = {"theirs", "ours"};
+    EXPECT_TRUE(unsound_expected(asked, experiment));
+    asked.label = "ohd";
+    EXPECT_FALSE(unsound_expected(asked, experiment));
+    // What a solver promises to hold is never expected not to.
+    asked.label = "ours", asked.certified = 1;
+    EXPECT_FALSE(unsound_expected(asked, experiment));
+}
+
+// The length of an axis says nothing, be it so small or so large that its square is no double.
+TEST(Motions, AnAxisMayHaveAnyLength) {
+    const Shape shape = PointSet{Points::Random(9, 3)};
+    const std::vector<Pose> poses = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);
+    for (const int exponent : {-1060, -537, -530, 530, 1000}) {
+        const std::vector<Pose> others = poses_of(Rotation{std::ldexp(1.0, exponent) * Vec3(0.5, -1, 2), 90, 3}, shape);
+        ASSERT_EQ(others.size(), poses.size());
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            EXPECT_EQ(others[i].rotation, poses[i].rotation) << exponent;
+            EXPECT_EQ(others[i].translation, poses[i].translation) << exponent;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace hausbench
