@@ -63,7 +63,9 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
         # The exact case and u1 are the two least where each settles less than every other.
         more = [name for name, count in zip(NAMES[2:], counts[2:]) if count <= max(counts[:2])]
         least = all_of(claims.of("sacht2024", "least_used", pair.scene), len(more), 3, 3, f"other bounds: {said}")
-        found += [used, least]
+        # u2 and u3 are the two most where each settles more than every other.
+        less = [name for name, count in zip(NAMES[2:4], counts[2:4]) if count <= max(*counts[:2], counts[4])]
+        found += [used, least, all_of(claims.of("sacht2024", "u2_u3", pair.scene), len(less), 2, 2, f"bounds: {said}")]
     return found
 
 

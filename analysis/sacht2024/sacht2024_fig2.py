@@ -17,7 +17,7 @@ from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
-from analysis.shared.verdicts import UNTESTED, Verdict
+from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 FAST, SLOW = "sacht", "zheng"
 PAPER = 16.0  # times as fast, on average
@@ -32,6 +32,7 @@ class Pair:
     triangles: int
     cells: dict[str, Cell]  # of both solvers
     limit: float
+    distance: float  # h over the diagonal of A
 
     def seconds(self, solver: str) -> float:
         return self.cells[solver].time.value
@@ -71,7 +72,7 @@ class Pairs:
             first = rows[FAST][0]
             self.pairs.append(Pair(scene, int(cases.source_elements[first]),
                                    {solver: Cell(results, of) for solver, of in rows.items()},
-                                   float(cases.case_seconds_limit[first])))
+                                   float(cases.case_seconds_limit[first]), results.share(first)))
 
     def ratios(self, what: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
         known = (pair.ratio(what) for pair in (self.pairs if pairs is None else pairs))
@@ -87,7 +88,7 @@ class Pairs:
 
 
 def verdicts(found: Pairs) -> list[Verdict]:
-    """Each in time and in counted work."""
+    """The means in time and in counted work."""
     def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
         claim = claims.of("sacht2024", name)
         return in_time_and_work(lambda measure: Verdict(claim, UNTESTED, f"times {why}") if why and not measure else
@@ -102,7 +103,15 @@ def verdicts(found: Pairs) -> list[Verdict]:
         means("tens", geometric_mean, TENS, "geometric mean"),
         wins_more(claims.of("sacht2024", "ends_on_more"), {"Sacht": done[FAST]}, {"Zheng": done[SLOW]},
                   "ends on"),
+        nearer_more(found),
     ]
+
+
+def nearer_more(found: Pairs) -> Verdict:
+    """Correlates how near a pair is with the subdivisions of Sacht per triangle of A, over the pairs that it ends on."""
+    known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
+    return rising(claims.of("sacht2024", "nearer_more"), [-pair.distance for pair in known],
+                  [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known])
 
 
 def make(results: Results) -> Report:

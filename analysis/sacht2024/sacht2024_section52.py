@@ -14,9 +14,10 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 PIECES: Final = "too many pieces"
+STRAY: Final = "unreferenced vertex"
 # What the published program does, as the paper tells, or as it was seen where that is said.
 THEIRS: Final = {
-    "unreferenced vertex": "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
+    STRAY: "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
     "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
     "far from the origin": "not in the paper; the program was seen to give an interval of width 0 that misses h",
     "nearly the same": "more than three minutes at 1e-8 (mesh 104606, Fig. 15)",
@@ -61,7 +62,12 @@ def verdicts(results: Results) -> list[Verdict]:
         rows = certified(results, scene)
         bad = [row for row in rows if problem(results, row)]
         found.append(all_of(claims.of("hausbench", "bounds_hold", scene), len(bad), len(rows), len(rows), "rows"))
-    return [*found, reached(results)]
+    return [*found, reached(results), *[without_problem(results, name, rows) for name, rows in (("enclose", results.rows(solver="sacht")),
+                                                                                               ("stray_vertex", results.rows(solver="sacht", scene=STRAY)))]]
+
+
+def without_problem(results: Results, name: str, rows: list[int]) -> Verdict:
+    return all_of(claims.of("sacht2024", name), sum(bool(problem(results, row)) for row in rows), len(rows), len(rows), "rows")
 
 
 def reached(results: Results) -> Verdict:

@@ -8,12 +8,16 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.verdicts import Verdict, all_of
+
+
+PRINTED_TO = 1e-10  # how far a number may be from one of ten digits: the paper cuts digits off and does not round
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,7 @@ def make(results: Results) -> Report:
         records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
                         "paper_lower": paper["lower"], "paper_upper": paper["upper"],
                         "paper_seconds": float("nan") if doubtful else paper["seconds"]})
+    table.verdicts = [printed_interval(paper, all_pairs)]
     table.notes = [
         f"Both directions together. The exact H of these surfaces is sqrt 43/3 - 4/3 = {exact:.10f}, attained "
         "where the box clips the second surface.",
@@ -88,6 +93,14 @@ def make(results: Results) -> Report:
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
     return Report(lambda: draw(methods, found, paper, exact), table, records)
+
+
+def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
+    """Compares the interval of all pairs, its midpoint and its half-width with the printed numbers."""
+    known = here if here and here.status == "ok" else None
+    found = {"lower": known.lower, "upper": known.upper, "midpoint": (known.lower + known.upper) / 2, "error": (known.upper - known.lower) / 2} if known else {}
+    unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in found.items())
+    return all_of(claims.of("shou2014", "printed_interval"), unlike, len(found), len(found), "numbers")
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:

@@ -9,13 +9,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.drawable import as_formula
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import median
+from analysis.shared.verdicts import Verdict, all_of
 
 VOXELS = 32  # an axis, in pictures
 
@@ -89,6 +90,14 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
     return [f"[{low:.6f}, {high:.6f}]{said}", tables.number(median(results.total_seconds(row)).value)]
 
 
+def holds_distance(results: Results) -> Verdict:
+    """Looks at every interval of the published method; a row without one is not looked at."""
+    cases, rows = results.cases, results.rows(solver="interval_subdivision")
+    known = [row for row in rows if np.isfinite([cases.lower[row], cases.upper[row], cases.exact[row]]).all()]
+    unlike = sum(not holds(results, row, float(cases.exact[row])) for row in known)
+    return all_of(claims.of("shou2014", "holds_distance"), unlike, len(known), len(rows), "intervals")
+
+
 def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
@@ -118,6 +127,7 @@ def make(results: Results) -> Report:
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
         table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
+    table.verdicts = [holds_distance(results)]
     table.notes = [
         "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. "
         "'stalled': the bounds hold, but cannot close. 'checked': the witnesses of the certified lower bounds, by "

@@ -24,6 +24,7 @@ PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
 COUNTED: Final = {**CUTS, **MEASURES}
 CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # what the plain algorithm is measured against
+IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # the one of more subdivisions, and the one of fewer
 
 
 class Variants:
@@ -60,7 +61,9 @@ def verdicts(variants: Variants) -> list[Verdict]:
         claim = claims.of("tang2009", name)
         return in_time_and_work(lambda what: on_average(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]), COUNTED)
 
-    return [*[judge(label, name) for label, name in CLAIMS], sensitive(variants)]
+    counted = [on_average(claims.of("tang2009", name), [variants.ratio(scene, more, fewer, "subdivisions") for scene in variants.scenes])
+               for more, fewer, name in IN_SUBDIVISIONS]
+    return [*[judge(label, name) for label, name in CLAIMS], *counted, sensitive(variants)]
 
 
 def sensitive(variants: Variants) -> Verdict:

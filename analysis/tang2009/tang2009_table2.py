@@ -16,14 +16,16 @@ from analysis.shared.verdicts import Verdict
 from analysis.tang2009 import tang_motion
 from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
+REAL_TIME: Final = 1 / 30  # seconds: what passes for real-time
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
 HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", "culled on A, %", "culled on B, %", "deepest",
                  "queries, median")
 
 
 def verdicts(found: list[Motion]) -> list[Verdict]:
-    return [*tang_motion.culling(found, "tang"), tang_motion.fraction_of_a_second(found, "tang"), tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"),
-            *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM]]
+    return [*tang_motion.culling(found, "tang"), tang_motion.faster_than(found, "tang", "fraction", 1.0), tang_motion.faster_than(found, "tang", "greatest", 1.0, slowest=True),
+            tang_motion.faster_than(found, "tang", "real_time", REAL_TIME), tang_motion.within_tolerance(found, "tang"), tang_motion.subdivided(found, "tang"),
+            tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"), *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM]]
 
 
 def cells(run: Run) -> list[str]:

@@ -81,6 +81,12 @@ def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quo
     assert ("Tang 2009" in rows["pair"][0]) == (tang is not None)
 
 
+@pytest.mark.parametrize("tang,outcome", [(None, ": not tested ("), (6.0, " it holds ("), (0.5, " it does not hold ("), (TIE, ": not separated (")])
+def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome: str) -> None:
+    """Tang over Sacht is `tang`: on the derived pairs too, as kang takes as long as sacht."""
+    assert claim(make(synthetic_sacht.table2(kang=1.0, tang=tang))[2], "Sacht takes less time than Tang on average").startswith(outcome)
+
+
 @pytest.mark.parametrize("sacht,kang,outcome", [(1.0, 3.0, " it holds ("), (8.0, 1.0, " it does not hold ("), (2.0, 2.0, ": not separated (")])
 def test_table3_compares_the_pairs_far_apart(make: Make, sacht: float, kang: float, outcome: str) -> None:
     _, _, text = make(synthetic_sacht.table3(sacht=sacht, kang=kang))
@@ -184,6 +190,15 @@ def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], foun
     outcome = " it holds (not so for 0 of 2 rows)" if not wrong else " it does not hold (not so for 1 of 2 rows)"
     assert claim(text, "unreferenced vertex: the bounds").startswith(outcome)
     assert claim(text, "Sacht ends at 1e-5 and not at 1e-8") == " it holds (1e-05: ok, 1e-08: budget spent)."
+    for part, rows_of_sacht in (("Sacht's bounds hold", 3), ("that no triangle uses, Sacht", 1)):
+        assert claim(text, part).startswith(f" it holds (not so for 0 of {rows_of_sacht} rows)" if not wrong else f" it does not hold (not so for 1 of {rows_of_sacht} rows)")
+
+
+def test_section52_without_rows_of_sacht(make: Make) -> None:
+    file = ResultFile("sacht2024_section52")
+    file.case("kang", "unreferenced vertex", [0.1], tolerance=1e-8, lower=0.25, upper=0.25, exact=0.25)
+    _, _, text = make(file)
+    assert claim(text, "Sacht's bounds hold").startswith(": not tested") and claim(text, "that no triangle uses, Sacht").startswith(": not tested")
 
 
 @pytest.mark.parametrize("kept,outcome", [((), ": not tested (no such rows)"), (("ok", "ok"), " it does not hold (1e-05: ok, 1e-08: ok)")])
@@ -229,6 +244,11 @@ def test_fig11_counts_the_last_bounds(last: tuple[int, ...], used: str, least: s
     shown = sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))
     lines = [verdict.line() for verdict in sacht2024_fig11.verdicts([shown])]
     assert used in lines[0] and least in lines[1]
+
+
+@pytest.mark.parametrize("last,outcome", [((0, 1, 2, 2, 3, 3, 4), "it holds (not so for 0 of 2"), ((0, 1, 2, 3, 3, 4), "it does not hold (not so for 1 of 2"), ((4, 4, 2, 3), "it does not hold (not so for 2 of 2")])
+def test_fig11_looks_at_u2_and_u3(last: tuple[int, ...], outcome: str) -> None:
+    assert outcome in sacht2024_fig11.verdicts([sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))])[2].line()
 
 
 @pytest.mark.parametrize("height,away,last,outcome", [
