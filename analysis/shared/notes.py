@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from typing import Final
 
@@ -17,11 +18,13 @@ APART: Final = "their times do not compare with any"  # analysis/winners.py look
 def unchecked_line(results: Results) -> str:
     """For a table or figure: whose lower bounds the harness could not check; empty where it checked all that there are."""
     cases, found = results.cases, dict[str, list[str]]()
+    titles = {str(label): style.title(solver, label) for solver, label in zip(cases.solver, cases.label)}
     for case in range(len(cases)):
         if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
-            found.setdefault(results.check_of(case), []).append(cases.label[case])
+            found.setdefault(results.check_of(case), []).append(str(cases.label[case]))
+
     def counted(labels: list[str]) -> str:
-        return ", ".join(f"{label} (in {count} of {int((cases.label == label).sum())} rows)" if count < (cases.label == label).sum() else label
+        return ", ".join(f"{titles[label]} (in {count} of {int((cases.label == label).sum())} rows)" if count < (cases.label == label).sum() else titles[label]
                          for label, count in sorted(Counter(labels).items()))
 
     return "; ".join(f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items()))
@@ -51,6 +54,12 @@ def measured_on(results: Results) -> str:
         if (count := len(set(column))) > 1:
             line += f"; rows of {count} {what}s are mixed, and the times of two {what}s do not compare"
     return line
+
+
+def stand_in(note: str) -> str:
+    """Returns the shapes that stand in for the paper's by the note of a scene: 'an orange sampled twice'; empty if the note names none."""
+    found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
+    return found[1] if found else ""
 
 
 def scene_notes(results: Results) -> list[str]:

@@ -17,20 +17,23 @@ from analysis.shared import claims, sizes, style, tables
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.panels import add_letters
+from analysis.shared.printable import printable
 from analysis.shared.results import Results
 
 
 FORMATS: Final = ("pdf", "png")
 NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
+CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt is the caption of a figure
 
 
 @dataclass(frozen=True)
 class Report:
     draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: there is none
-    table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
+    table: tables.Table | None = None  # without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
     clock: str = ""  # a sentence on the clock of the table's times, if they are not those of the rows; or NO_TIMES
+    caption: str = ""  # of the figure: what each panel and mark shows; default: the caption of the table
 
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
         """The table with what every table has: notes on its clock and on rows that were run beside others, and verdicts only on claims that
@@ -43,8 +46,8 @@ class Report:
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named;
-        the stem of the results, if no other is given.
+        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named,
+        with the caption of the figure as <stem>.txt if it has one of its own; the stem of the results, if no other is given.
         """
         stem = stem or results.stem
         beside = side_by_side_line(results)
@@ -56,7 +59,19 @@ class Report:
         if table.verdicts:
             found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
             paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
-        return paths + save_figures(self.draw(), out, stem, table.caption, footnote, formats) if self.draw else paths
+        if not self.draw:
+            return paths
+        return [*paths, *save_figures(self.draw(), out, stem, self.caption or table.caption, footnote, formats), *self._save_caption(out, stem)]
+
+    def _save_caption(self, out: Path, stem: str) -> list[Path]:
+        """Writes the caption for analysis.document, or deletes an old one."""
+        path = out / "figures" / f"{stem}{CAPTION}"
+        if not self.caption:
+            path.unlink(missing_ok=True)
+            return []
+        path.parent.mkdir(parents=True, exist_ok=True)
+        tables.write_whole(path, printable(self.caption) + "\n")
+        return [path]
 
 
 def save_png(figure: Any, path: Path) -> Path:

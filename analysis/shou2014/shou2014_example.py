@@ -61,7 +61,7 @@ def make(results: Results) -> Report:
     doubtful = "seconds" in paper.get("doubtful", [])
     all_pairs = next((one for (label, _), one in found.items() if label == "all pairs"), None)
     table = tables.Table(
-        "Hausdorff distance H of two elliptic cones in [-2, 2]^3, the example of Shou et al. 2014: 64 voxels an axis, "
+        "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels an axis, "
         "and this project's enclosure.",
         ["method", "lower", "upper", "midpoint", "half-width", "subdivision, s", "distances, s", "box distances",
          "fewer than all pairs", "polynomial bounds"])
@@ -123,14 +123,15 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
          exact: float) -> Any:
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.9 + 0.28 * (len(methods) + 1)))
     names = ["paper"]
-    ax.plot([paper["lower"], paper["upper"]], [0, 0], color=style.GREY, linewidth=3, solid_capstyle="butt")
+    ax.use_sticky_edges = False
+    ax.barh(0, paper["upper"] - paper["lower"], 0.17, left=paper["lower"], facecolor="white", edgecolor="black", linewidth=0.8, zorder=2)  # open: printed
     for row, (solver, label, tolerance) in enumerate(methods, start=1):
         looks, one = style.look(solver, label), found[label, tolerance]
         ax.plot([one.lower, one.upper], [row, row], color=looks.colour, linewidth=3, solid_capstyle="butt")
         ax.plot([(one.lower + one.upper) / 2], [row], **style.filled_marker(looks))
         names.append(title_of(solver, label, tolerance))
     ax.axvline(exact, color="black", linewidth=0.7, linestyle=(0, (3, 2)), zorder=0)
-    as_formula(ax.annotate(r"$\sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
+    as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
                 va="center", fontsize=7))
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.9)

@@ -13,6 +13,7 @@ from analysis.shared.notes import machine_line, total_title
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.sizes import tests_claims
 from analysis.shared.verdicts import Verdict, all_of
 
 COLUMNS = ("naive", "inc", "earlybreak", "adaptive")  # the paper's four
@@ -122,4 +123,7 @@ def make(results: Results) -> Report:
                     "counts of solvers with seeds are medians.",
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
-    return Report(lambda: beside_paper.draw(grid, papers), table, records)
+    beside = "open, printed in the paper" if tests_claims(results) else "the paper's times are not shown, because these pairs are smaller"
+    caption = (f"{total_title(results)}, in seconds, to compute the directed distances of Table 3 of Zhang et al. 2017. Filled: measured here, with the interval of the "
+               f"median as a bar; {beside}. Below a pair's name: the shapes that stand in for the paper's.")
+    return Report(lambda: beside_paper.draw(grid, papers), table, records, caption=caption)

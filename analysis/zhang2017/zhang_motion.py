@@ -264,13 +264,22 @@ def make(caption: str, results: Results) -> Report:
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
     table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
-                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). The band in the "
-                   "figure is the interval of a pose. On top: B in black, A at five of its poses, the first in violet. Counted work is exact, or one number a seed: one seed (n = 1) separates nothing. "
+                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number a "
+                   "seed: one seed (n = 1) separates nothing. "
                    "Times, and the poses of the peak (by counted work), are of the first seed. α: overlap of the boxes, as a fraction of the smaller one.",
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
-                   "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
+                   "times. " + (" ".join(reused) or "What this saved was not recorded."),
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(motions, labels, reused, clock), table, records)
+    return Report(lambda: draw(motions, labels, reused, clock), table, records, caption=figure_caption(caption, motions, clock))
+
+
+def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
+    """Returns what each row of panels shows."""
+    notes = {motion.scene: str(motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]) for motion in motions}
+    shapes = "; ".join(f"{scene}: {note}" for scene, note in notes.items() if note)
+    return (f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "
+            "median over the rounds, and its band the interval of the median (markers: every fourth pose). Bottom: the distance. The background shows how much the "
+            f"boxes of A and B overlap: α is the overlap as a fraction of the smaller box.{f' Models: {shapes}.' if shapes else ''}")
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
@@ -310,5 +319,5 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
                                                      linewidth=0.4, label=title) for regime, title in REGIMES]
     style.legend_above(figure, entries, columns=4)
     if reused:
-        figure.supxlabel("Structures: built once and used for all poses (ledger of the result).", fontsize=7)
+        figure.supxlabel("Structures are built once and used for all poses; the times do not include that.", fontsize=7)
     return figure

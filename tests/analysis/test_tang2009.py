@@ -412,6 +412,24 @@ def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     assert len(records) == 5 and "two stand in" in text
 
 
+@pytest.mark.parametrize(("scene", "note", "shapes", "second"), [
+    ("Puma1/Puma2", "a dinosaur and a horse stand in", ["stand-in: dinosaur", "stand-in: horse"], "(stand-ins: dinosaur, horse)"),
+    ("Dog/Lion", "a bison and a dragon of 47,794 triangles stand in", ["stand-in: bison", "stand-in: dragon"], "(stand-ins: bison, dragon)"),
+    ("Bunny1/Bunny2", "Bunny2 by its count; Bunny1 is Bunny2 simplified", ["Bunny2 simplified", ""], "(Bunny1: Bunny2 simplified)"),
+    ("bear, half", "not in the paper: a bear and the same", ["", ""], "(not in the paper)"), ("bear, half", "", ["", ""], "")])
+def test_titles_name_what_stands_in(tmp_path: Path, scene: str, note: str, shapes: list[str], second: str) -> None:
+    file = ResultFile("tang2009_fig9")
+    file.case("tang", scene, [0.1], lower=1.0, upper=1.0, scene_note=note, source_elements=4, target_elements=5)
+    results = load.load(file.write(tmp_path))
+    assert tang_pictures.stand_ins(results, 0) == shapes
+    assert tang_pictures.short_title(results, 0) == f"{scene}, 4 / 5" + (f"\n{second}" if second else "")
+
+
+def test_near_points_are_one_part() -> None:
+    points = np.array([[0.0, 0, 0], [0.9, 0, 0], [1.8, 0, 0], [3.0, 0, 0], [3.5, 0, 0]])
+    assert list(tang_pictures.connected(points, 1.0)) == [0, 0, 0, 1, 1] and list(tang_pictures.connected(points, 0.1)) == [0, 1, 2, 3, 4]
+
+
 def test_points_inside() -> None:
     points = np.array([[0.1, 0.1, 0.1], [0.4, 0.4, 0.4], [-0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [5, 5, 5]])
     assert list(tang_pictures.inside(TETRAHEDRON, points)) == [True, False, False, True, False]
