@@ -76,6 +76,7 @@ def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any)
             ax.step(1000 * trace.seconds[keep], trace.upper[keep] / diagonal, where="post", color=looks.colour)
         elif first:
             end, middle = 1000 * min(first.values()), 0.5 * (results.cases.lower[case] + results.cases.upper[case]) / diagonal
+            top = max(top, 1.1 * middle * diagonal)
             ax.errorbar([end], [middle], yerr=[0.5 * results.gap(case) / diagonal], color=looks.colour, marker=looks.marker,
                         capsize=3, linestyle="none", label=f"{looks.title}: its answers" if looks.title not in titled else None)
             titled.add(looks.title)
