@@ -22,7 +22,9 @@ def make(results: Results) -> Report:
     with_fields = [case for case in answered if "distance" in results.fields_of(case)]
     if not with_fields:
         raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
-    return Report(lambda: draw(results, with_fields[0], answered))
+    caption = ("Left: a coarse mesh, coloured by how far each place of it is from a fine one. Right: the interval of h(A, B) over time, and the answers of CGAL at several "
+               "tolerances, with their intervals.")
+    return Report(lambda: draw(results, with_fields[0], answered), caption=caption)
 
 
 def draw(results: Results, shown: int, answered: list[int]) -> Any:

@@ -168,7 +168,9 @@ def make(results: Results) -> Report:
         f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, of these pairs: it says how sure the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
-    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
+    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A. "
+               "Right of the frame: no answer, and why.")
+    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status), caption=caption)
 
 
 def best_lower(cells: Sequence[Cell]) -> float:

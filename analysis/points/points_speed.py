@@ -92,7 +92,8 @@ def make(results: Results) -> Report:
         + " SciPy: by its own clock, without starting Python and reading files, and beside it ours counts by wall time; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
-    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()))
+    caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
+    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()), caption=caption)
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:

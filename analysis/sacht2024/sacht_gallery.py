@@ -32,5 +32,6 @@ def draw(ax: Any, results: Results, pairs: dict[str, tuple[Mesh, Mesh]], upright
         eye = mesh_picture.view_of(str(results.cases.source[results.rows(scene=scene)[0]]))
         x = PITCH * k * (1 if upright else 2)
         placed += [(a, eye, x, PITCH if upright else 0.0), (b, eye, x if upright else x + PITCH, 0.0)]
-        ax.text(x if upright else x + PITCH / 2, -0.6, "\n".join(textwrap.wrap(name(scene), 15 if upright else 60)), fontsize=5.5, ha="center", va="top")
+        lines = [line for part in name(scene).splitlines() for line in textwrap.wrap(part, 16 if upright else 60)]
+        ax.text(x if upright else x + PITCH / 2, -0.6, "\n".join(lines), fontsize=5.5, ha="center", va="top")
     mesh_picture.thumbnails(ax, placed)

@@ -14,6 +14,7 @@ from analysis.shared.notes import machine_line, scene_notes, total_title
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.sizes import tests_claims
 from analysis.shared.verdicts import Verdict, above_one
 
 PRINTED: Final = ("kang", "zheng", "sacht")  # whose times the paper prints
@@ -89,7 +90,10 @@ def make(spec: Spec, results: Results) -> Report:
                    f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
                    f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: of another machine, and of its authors' programs.",
                    f"Here: {machine_line(results)}.", "A dash: not part of the experiment, or not in the paper."]
-    return Report(lambda: beside_paper.draw(pairs, pairs.papers, lambda _, scene: named(scene, "\n")), table, records(pairs))
+    beside = " Open: as printed in the paper, on another machine." if tests_claims(results) else ""
+    caption = (f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
+               f"interval.{beside}")
+    return Report(lambda: beside_paper.draw(pairs, pairs.papers, lambda _, scene: named(scene, "\n")), table, records(pairs), caption=caption)
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:

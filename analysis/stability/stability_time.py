@@ -35,7 +35,8 @@ def make(results: Results) -> Report:
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
     return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records,
-                  clock="Times are wall time.")
+                  clock="Times are wall time.",
+                  caption="Time to solve (upper frames) and counted work (lower frames) of each solver against severity, on the families where one grows the most.")
 
 
 def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
