@@ -21,7 +21,7 @@ import numpy as np
 
 from analysis.shared import style, tables
 from analysis.shared.load import load
-from analysis.shared.report import save_figure
+from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
 # Title in the table, colour and hatch of the bar. The key is the column `what` of the ledger, or else `kind`.
@@ -33,6 +33,8 @@ KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer
                 "not_built": ("solvers that this build does not have", "#0072B2", "++"),
                 "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
                 "reference": ("nothing: time spent on reference answers", "#000000", "")}
+CAPTION: Final = ("Time in solvers of each experiment, s, and the time that was saved by what was not measured again or not built. In brackets: the entries of its ledger; "
+                  "an entry whose saving was not measured adds nothing.")
 LEAST: Final = 1.0  # seconds: shorter bars are not drawn
 COSTS: Final = ("reference",)  # kinds with a negative saving; they count as time in solvers
 EVERYTHING: Final = ".everything.h5"
@@ -175,7 +177,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "entries_not_measured": stem.unknown[key],
                                      "seconds_saved": stem.saved[key] if stem.unknown[key] < stem.entries[key] else float("nan")}
                                     for stem in stems for key in stem.entries]
-    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", found.caption)]:
+    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", CAPTION), *save_caption(CAPTION, out, "ledger")]:
         print(path)
     print(line(stems))
     return 0

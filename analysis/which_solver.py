@@ -30,6 +30,7 @@ STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers"
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
 FINEST: Final = 0.0  # stands for the finest tolerance asked of a solver: most solvers of point sets ignore it
 OF: Final = "diagonal"
+CAPTION: Final = "The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best."
 HIGHEST: Final = 7.8  # inches, of the figure: a page has room for it and its caption
 
 
@@ -108,7 +109,7 @@ def table(cells: Sequence[Cell], machine: str) -> tables.Table:
     rows = [[DOMAINS[one.domain], one.scene, one.sizes, "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
              style.title(one.solver, one.label), tables.ratio(one.ratio) if one.ratio else tables.NOTHING, str(one.rivals),
              "yes" if one.separated else "no", one.stem] for one in cells]
-    return tables.Table("The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best.",
+    return tables.Table(CAPTION,
                         ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
                         ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; of several seeds the first, and no "
                          "solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; of point sets, the finest that was asked, which most of "
