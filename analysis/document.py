@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis import forest
+from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
 from analysis.shared.report import CAPTION
@@ -33,7 +33,7 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
-OF_ALL: Final = {"claims": forest.CAPTION, "ledger": "What was left out, and the time that this saved"}  # pictures of all stems
+OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # pictures of all stems
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 

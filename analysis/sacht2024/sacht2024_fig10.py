@@ -191,5 +191,7 @@ def draw(found: Orders) -> Any:
     entries = [patch((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),
                patch((0, 0), 1, 1, color=WITHOUT_U3, label="wins, one without u3"),
                patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
-    style.legend_above(figure, entries, columns=3)
+    if drawn[:len(DRAWN)] == list(DRAWN):
+        entries.append(plt.Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="between the paper's worst, middle and best"))
+    style.legend_above(figure, entries, columns=4)
     return figure

@@ -8,6 +8,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Patch
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
@@ -223,7 +224,8 @@ def draw(found: Pairs) -> Any:
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
             entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
                                       markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean, 95 %"),
+    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"),
+                Patch(facecolor="#D55E00", alpha=0.15, linewidth=0, label="its interval of 95 %"),
                 plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
-    style.legend_above(figure, entries, columns=len(entries))
+    style.legend_above(figure, entries, columns=3)
     return figure

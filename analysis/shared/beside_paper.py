@@ -5,7 +5,7 @@ interval of the median.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -23,8 +23,8 @@ def row_title(grid: Grid, scene: str) -> str:
     return "\n".join([style.scene_title(scene), *textwrap.wrap(f"(stand-in: {shapes})" if shapes else "", 22)])
 
 
-def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
-    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes."""
+def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
+    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes. `title` names a scene."""
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
         papers = {}
@@ -56,7 +56,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
                 ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
                         transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
     ax.set_ylim(len(scenes) * pitch - 1, -1)
-    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], [row_title(grid, scene) for scene in scenes])
+    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], [title(grid, scene) for scene in scenes])
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{total_word(grid.results)} (s)")

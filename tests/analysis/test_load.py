@@ -207,6 +207,7 @@ def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
     results = load.load(file.write(tmp_path))
     assert notes.unchecked_line(results) == "Lower bounds not checked (no witness): CGAL, peer"
     assert notes.machine_line(results).endswith(". Lower bounds not checked (no witness): CGAL, peer")
+    assert notes.unchecked_line(results, [0, 2]) == "Lower bounds not checked (no witness): peer" and notes.unchecked_line(results, [0]) == ""
     assert notes.machine_line(results).startswith(notes.measured_on(results) + ". ")
     assert [results.check_of(case) for case in range(2)] == ["holds", "not checked (no witness)"]
 

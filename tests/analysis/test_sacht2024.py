@@ -10,12 +10,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import synthetic_sacht
+from matplotlib.colors import to_rgb
 from stem_runner import TETRAHEDRON, Make, stem_runner
 from synthetic import ResultFile
 from synthetic_sacht import TIE, Ratio, Tie, size_of
 
 from analysis.__main__ import main
 from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
+from analysis.sacht2024.sacht_pairs import named
 from analysis.shared import mesh_picture
 from analysis.shared.shapes import Mesh
 from analysis.shared.statistics import exact
@@ -52,7 +54,7 @@ def test_table2_compares_the_pairs_near_zero(make: Make, kang: Ratio, outcome: s
 
 def test_table2_cells(make: Make) -> None:
     records, rows, text = make(synthetic_sacht.table2())
-    header, crown = rows["pair"][0], rows["crown"][0]
+    header, crown = rows["pair"][0], rows["elephant (for Crown)"][0]
     assert crown[:3] == ["here", "5,000 / 9,000", "0.400"]
     assert crown[header.index("Sacht 2024")] == "12.5 [10.0, 15.0]"  # 10 ms to 15 ms, six rounds
     assert crown[header.index("Zheng 2022 / Sacht 2024")] == "3.00 [3.00, 3.00]" and crown[header.index("CGAL / Sacht 2024")].startswith("8.00")
@@ -214,7 +216,7 @@ def test_section52_looks_at_the_budget(make: Make, kept: tuple[str, ...], outcom
 def test_table1_puts_the_numbers_beside_the_papers(make: Make, tetrahedra: None) -> None:
     records, rows, text = make(synthetic_sacht.table1())
     header = rows["pair"][0]
-    crown = dict(zip(header, rows["crown"][0]))
+    crown = dict(zip(header, rows["elephant (for Crown)"][0]))
     assert crown["A is"] == "closed" and crown["paper: \\|A\\|"] == "19,826" and crown["h(A, B), %"] == "0.400" and crown["H(A, B), %"] == "0.500"
     assert rows["hand, noisy"][0][header.index("paper: \\|B\\|")] == "—" and "crown: stands in." in text
     assert next(r for r in records if r["scene"] == "bust")["paper_source_elements"] == "510712"
@@ -223,7 +225,7 @@ def test_table1_puts_the_numbers_beside_the_papers(make: Make, tetrahedra: None)
 def test_table1_without_the_models(make: Make, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HAUSBENCH_PROGRAM", str(tmp_path / "not there"))
     _, rows, _ = make(synthetic_sacht.table1())
-    assert rows["crown"][0][2:4] == ["—", "—"]
+    assert rows["elephant (for Crown)"][0][2:4] == ["—", "—"]
 
 
 def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
@@ -259,6 +261,16 @@ def test_fig11_looks_at_thin_triangles_that_disappear(height: float, away: float
     shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]] * len(last)))
     far = np.array([1.0, 1.0, away]) if math.isfinite(away) else np.empty(0)
     assert sacht2024_fig11.thin(sacht2024_fig11.Shown("x", 0, np.array(last), far), shape).outcome == outcome
+
+
+def test_fig11_colours_differ_in_grey_also_where_they_are_shaded() -> None:
+    grey = sorted(float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114))) for colour in sacht2024_fig11.COLOURS)
+    assert all((1 - sacht2024_fig11.SHADE) * lighter > darker + 0.03 for darker, lighter in zip(grey, grey[1:]))
+
+
+def test_stand_ins_are_named() -> None:
+    assert named("crown") == "elephant (for Crown)" and named("ramesses_bust", "\n") == "dragon, Snowden\n(for Ramesses, Bust)"
+    assert named("hand, noisy") == "hand, noisy"
 
 
 def test_fig11_prints_shares(make: Make, tetrahedra: None) -> None:
