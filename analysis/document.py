@@ -17,22 +17,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis import forest
+from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
+from analysis.shared.report import CAPTION
 from analysis.shared.stems import ANALYSIS, drawn_with
 from analysis.shared.tex import tex_escape
 
 # Without adjustbox: nothing is shrunk, so LaTeX reports each table that is too wide.
 PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \usepackage[textwidth=7.16in,textheight=9.2in]{geometry}
-\usepackage{textcomp,graphicx,booktabs,array,longtable,rotating,pdflscape}
+\usepackage{textcomp,graphicx,booktabs,array,longtable,rotating,pdflscape,placeins,needspace}
 \newenvironment{adjustbox}[1]{}{}
 \setcounter{topnumber}{9}\setcounter{totalnumber}{9}\renewcommand{\topfraction}{1}\renewcommand{\textfraction}{0}\renewcommand{\floatpagefraction}{0.6}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
-OF_ALL: Final = {"claims": forest.CAPTION, "ledger": "What was left out, and the time that this saved"}  # pictures of all stems
+OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # pictures of all stems
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 
@@ -54,7 +55,9 @@ def stems_of(paper: str) -> list[str]:
 
 
 def _caption(folder: Path, stem: str) -> str:
-    """For the figure of a stem: the caption of its table, or the title of its experiment."""
+    """Returns the caption of the figure of a stem: its own, or the caption of its table, or the title of its experiment."""
+    if (own := folder / "figures" / f"{stem}{CAPTION}").exists():
+        return own.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
     if table.exists():
         return table.read_text(encoding="utf-8").partition("\n")[0].strip("*")
@@ -72,7 +75,7 @@ def _stem(folder: Path, stem: str, out: Path) -> list[str]:
         lines += [r"\begin{figure}[!htbp]\centering", rf"\includegraphics{{{os.path.relpath(figure, out)}}}", rf"\caption{{{caption}}}", r"\end{figure}"]
     if (table := folder / "tables" / f"{stem}.tex").exists():
         lines += [rf"\input{{{os.path.relpath(table, out)}}}"]
-    return [r"\clearpage", rf"\subsection*{{{tex_escape(stem)}}}", *lines] if lines else []
+    return [r"\FloatBarrier\Needspace{0.4\textheight}", rf"\subsection*{{{tex_escape(stem)}}}", *lines] if lines else []
 
 
 def document(paper: str, folder: Path, out: Path) -> str:

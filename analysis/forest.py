@@ -17,11 +17,11 @@ CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values abov
                   "A triangle: beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
 ROW: Final = 0.116  # inches
-HIGHEST: Final = 8.4  # inches, which leaves room for a caption: rows are nearer to each other where there are more
+HIGHEST: Final = 7.7  # inches, which leaves room for a heading and a caption: rows are nearer to each other where there are more
 SECOND: Final = 0.08  # inches more for a name of two lines
 WORK: Final = "distances, bounds and nodes"
 WIDTH: Final = 96  # letters of a line; a longer claim takes two
-FOOT: Final = 0.85  # inches: axis label, directions, note
+FOOT: Final = 0.7  # inches: axis label, directions, note
 PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
 
 Bar = tuple[float, float, float]  # value (NaN: a range of several ratios), lower end, upper end (NaN: unknown)
@@ -75,8 +75,7 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
     entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work, or memory", **_marker(False)),
                plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
     ax.legend(handles=entries, loc="lower right", bbox_to_anchor=(1, 1), ncol=3, frameon=False)
-    note = f"{CAPTION} {measured}".removeprefix("Measured / claimed, for each claim about a ratio. ")
-    figure.text(0.5, 0.06 / figure.get_figheight(), "\n".join(textwrap.wrap(note, 185)), ha="center", va="bottom", fontsize=6, color=style.GREY)
+    figure.text(0.5, 0.06 / figure.get_figheight(), "\n".join(textwrap.wrap(measured, 185)), ha="center", va="bottom", fontsize=6, color=style.GREY)
     figure.get_layout_engine().set(rect=(0, (FOOT - 0.4) / figure.get_figheight(), 1, 1 - (FOOT - 0.4) / figure.get_figheight()))
     return figure
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from analysis.shared import style, tables
 from analysis.shared.load import load
-from analysis.shared.report import save_figure
+from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
 # Title in the table, colour and hatch of the bar. The key is the column `what` of the ledger, or else `kind`.
@@ -33,6 +33,9 @@ KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer
                 "not_built": ("solvers that this build does not have", "#0072B2", "++"),
                 "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
                 "reference": ("nothing: time spent on reference answers", "#000000", "")}
+CAPTION: Final = ("Time in solvers of each experiment, s, and the time that was saved by what was not measured again or not built. In brackets: the entries of its ledger; "
+                  "an entry whose saving was not measured adds nothing.")
+LEAST: Final = 1.0  # seconds: shorter bars are not drawn
 COSTS: Final = ("reference",)  # kinds with a negative saving; they count as time in solvers
 EVERYTHING: Final = ".everything.h5"
 
@@ -140,7 +143,8 @@ def line(stems: Sequence[Stem]) -> str:
 
 
 def draw(stems: Sequence[Stem]) -> Any:
-    """Draws one bar per stem: time in solvers, then time saved by kind."""
+    """Draws one bar per stem of LEAST seconds and more: time in solvers, then time saved by kind."""
+    short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [stem for stem in stems if stem.run + stem.seconds_saved >= LEAST]
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])
     ax.barh(places, left, color="#333333", height=0.7, label="time in solvers")
@@ -151,7 +155,8 @@ def draw(stems: Sequence[Stem]) -> Any:
         ax.barh(places, saved, left=left, color=colour, hatch=hatch, height=0.7, edgecolor="white", linewidth=0.3, label=f"saved: {title}")
         left = left + saved
     ax.set_yticks(places, [f"{stem.name} ({sum(stem.entries.values()):,})" for stem in stems], fontsize=6)
-    ax.set(xlabel="s in solvers, and s saved (in brackets: entries of the ledger)", ylim=(len(stems) - 0.4, -0.6))
+    left_out = f"; {short} experiments of less than {LEAST:g} s are not shown" if short else ""
+    ax.set(xlabel=f"s in solvers, and s saved (in brackets: entries of the ledger){left_out}", ylim=(len(stems) - 0.4, -0.6))
     ax.tick_params(axis="y", length=0)
     ax.legend(loc="lower right", fontsize=6.5)
     return figure
@@ -172,7 +177,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     records: list[tables.Record] = [{"stem": stem.name, "seconds_in_solvers": stem.run, "kind": key, "entries": stem.entries[key], "entries_not_measured": stem.unknown[key],
                                      "seconds_saved": stem.saved[key] if stem.unknown[key] < stem.entries[key] else float("nan")}
                                     for stem in stems for key in stem.entries]
-    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", found.caption)]:
+    for path in [*tables.save(found, records, out, "ledger"), *save_figure(draw(stems), out, "ledger", CAPTION), *save_caption(CAPTION, out, "ledger")]:
         print(path)
     print(line(stems))
     return 0

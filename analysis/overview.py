@@ -22,7 +22,9 @@ def make(results: Results) -> Report:
     with_fields = [case for case in answered if "distance" in results.fields_of(case)]
     if not with_fields:
         raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
-    return Report(lambda: draw(results, with_fields[0], answered))
+    caption = ("Left: a coarse mesh, coloured by how far each place of it is from a fine one. Right: the interval of h(A, B) over time, and the answers of CGAL at several "
+               "tolerances, with their intervals.")
+    return Report(lambda: draw(results, with_fields[0], answered), caption=caption)
 
 
 def draw(results: Results, shown: int, answered: list[int]) -> Any:
@@ -76,6 +78,7 @@ def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any)
             ax.step(1000 * trace.seconds[keep], trace.upper[keep] / diagonal, where="post", color=looks.colour)
         elif first:
             end, middle = 1000 * min(first.values()), 0.5 * (results.cases.lower[case] + results.cases.upper[case]) / diagonal
+            top = max(top, 1.1 * middle * diagonal)
             ax.errorbar([end], [middle], yerr=[0.5 * results.gap(case) / diagonal], color=looks.colour, marker=looks.marker,
                         capsize=3, linestyle="none", label=f"{looks.title}: its answers" if looks.title not in titled else None)
             titled.add(looks.title)

@@ -54,24 +54,28 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 
 
 def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
-    """In the order of the paper's file of claims. A claim without any verdict has a line, too."""
+    """In the order of the paper's file of claims. A claim without any verdict has a line, too. Raises ValueError for a verdict on a claim marked untested."""
     tested = {_key(one): Line(claims.entries(paper)[str(one["id"])], one) for one in now
               if one["paper"] == paper and one["outcome"] != UNTESTED and one["id"] in claims.entries(paper)}
     before = {_key(one): Line(claims.entries(paper)[str(one["id"])], one, True) for one in kept
               if one["paper"] == paper and one["id"] in claims.entries(paper)}
     found = list((before | tested).values())
+    if wrong := next((line.entry.id for line in found if line.entry.untested), ""):
+        raise ValueError(f"{paper}/{wrong} is marked untested and has a verdict: remove `untested` from analysis/claims/{paper}.toml, or the verdict")
     return [line for entry in claims.entries(paper).values() for line in ([line for line in found if line.entry.id == entry.id] or [Line(entry)])]
 
 
 def why(line: Line) -> str:
-    """Explains a verdict that does not hold: the reason from the claims file, and whether counted work agrees."""
+    """Explains a verdict that does not hold: the reason from the claims file, and whether counted work agrees with the paper. Only without such a reason does
+    counted work rule out the machine. For a claim without a verdict, says why.
+    """
     if line.verdict is None:
-        return "no verdict yet"
+        return line.entry.untested or "no verdict yet"
     counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
     said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
     if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:
         said.append("The counted work agrees with the paper: a unit of work takes another time here.")
-    elif line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
+    elif not said and line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
         said.append("The counted work says the same, so it is not this machine.")
     return " ".join(said)
 
@@ -89,7 +93,8 @@ def cells(lines: Sequence[Line]) -> list[list[str]]:
         quoted = entry.quote
         sentence = "" if same or not entry.quote else f"“{entry.quote}” "
         measured = str(line.verdict["evidence"]) if line.verdict else ""
-        rows.append([entry.section, f"{sentence}{line.name} ({entry.judged_as})", line.outcome + (" (kept)" if line.kept else ""),
+        judged_as = f" ({entry.judged_as})" if entry.judged_as else ""
+        rows.append([entry.section, f"{sentence}{line.name}{judged_as}", line.outcome + (" (kept)" if line.kept else ""),
                      ". ".join(filter(None, [measured.rstrip("."), why(line)])), _counted(line),
                      str(line.verdict["stem"]) if line.verdict else ", ".join(entry.stems)])
     return rows
@@ -126,7 +131,7 @@ def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     if stems:
         parts += ["| stem | what it measures |", "| --- | --- |", *[row([f"`{stem}`", title]) for stem, title in stems],
                   *[row([figures, f"nothing is measured: {what}"]) for figures, what in SKETCHES.get(paper, ())], ""]
-    marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`"] for cells in cells(lines)]
+    marked = [[*cells[:2], f"**{cells[2]}**", *cells[3:5], f"`{cells[5]}`" if cells[5] else ""] for cells in cells(lines)]
     return "\n".join([*parts, row(HEADER), "| --- " * len(HEADER) + "|", *map(row, marked)]) + "\n"
 
 
@@ -135,7 +140,7 @@ def latex(paper: str, lines: Sequence[Line], measured: str = "") -> str:
     widths = (0.09, 0.29, 0.1, 0.24, 0.28)
     columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
     head = " & ".join(HEADER[:5]) + r" \\"
-    rows = [" & ".join(map(tex_escape, [*row[:4], f"{row[4]} [{row[5]}]" if row[4] else f"[{row[5]}]"])) + r" \\ \addlinespace" for row in cells(lines)]
+    rows = [" & ".join(map(tex_escape, [*row[:4], " ".join(filter(None, [row[4], f"[{row[5]}]" if row[5] else ""]))])) + r" \\ \addlinespace" for row in cells(lines)]
     return "\n".join([r"% needs \usepackage{booktabs,longtable,array}", rf"{{\footnotesize {tex_escape(measured)}", rf"\begin{{longtable}}{{@{{}}{columns}@{{}}}}",
                       rf"\caption{{{tex_escape(TITLES.get(paper, paper))}: {count(lines)}.}}\label{{tab:{paper}_claims}}\\", r"\toprule", head,
                       r"\midrule\endfirsthead", r"\toprule", head, r"\midrule\endhead", r"\bottomrule\endfoot", *rows, r"\end{longtable}}", ""])

@@ -8,6 +8,7 @@ It reads the results in STEMS that are there. A solver takes part in a cell if i
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers"
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
 FINEST: Final = 0.0  # stands for the finest tolerance asked of a solver: most solvers of point sets ignore it
 OF: Final = "diagonal"
+CAPTION: Final = "The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best."
+HIGHEST: Final = 7.8  # inches, of the figure: a page has room for it and its caption
 
 
 @dataclass(frozen=True)
@@ -45,9 +48,12 @@ class Cell:
     separated: bool  # from every rival
 
     @property
+    def title(self) -> str:
+        return style.title(self.solver, self.label).removesuffix(" (ours)")
+
+    @property
     def text(self) -> str:
-        title = style.title(self.solver, self.label).removesuffix(" (ours)")
-        return title if self.ratio is None or not self.ratio.n else f"{title} {tables.number(self.ratio.value, 2)}×"
+        return self.title if self.ratio is None or not self.ratio.n else f"{self.title} {tables.number(self.ratio.value, 2)}×"
 
 
 def cells_of(results: Results) -> list[Cell]:
@@ -103,44 +109,85 @@ def table(cells: Sequence[Cell], machine: str) -> tables.Table:
     rows = [[DOMAINS[one.domain], one.scene, one.sizes, "finest" if one.tolerance == FINEST else f"{one.tolerance:g}",
              style.title(one.solver, one.label), tables.ratio(one.ratio) if one.ratio else tables.NOTHING, str(one.rivals),
              "yes" if one.separated else "no", one.stem] for one in cells]
-    return tables.Table("The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best.",
+    return tables.Table(CAPTION,
                         ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
                         ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; of several seeds the first, and no "
                          "solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; of point sets, the finest that was asked, which most of "
                          "their solvers ignore. Tolerances that were read off the trace of a finer run have no times, and no row. Of a motion the first pose.", f"Measured on {machine}."], left=5)
 
 
+@dataclass
+class Row:
+    """A row of the picture: one scene, or several that differ in their size alone and have one tolerance and one winner."""
+
+    family: str  # of the name of the scene, without its size
+    sizes: list[str]  # empty strings for names without one
+    cells: dict[float, list[Cell]]  # by tolerance
+
+    @property
+    def title(self) -> str:
+        return style.scene_title(self.family) + " ".join(["", *filter(None, [" to ".join(dict.fromkeys([self.sizes[0], self.sizes[-1]]))])])
+
+
+def rows_of(cells: Sequence[Cell]) -> list[Row]:
+    """Returns the rows of the cells of a domain, in their order."""
+    scenes: dict[tuple[str, str], list[Cell]] = {}
+    for one in cells:
+        scenes.setdefault((one.stem, one.scene), []).append(one)
+    rows: list[Row] = []
+    before: object = None
+    for (stem, scene), own in scenes.items():
+        found = re.fullmatch(r"(.+)[ _](\d[\dekKM.]*)", scene)
+        family, size = (found[1], found[2]) if found else (scene, "")
+        key = (stem, family, own[0].tolerance, own[0].label) if size and len(own) == 1 else None
+        if key and key == before:
+            rows[-1].sizes.append(size)
+            rows[-1].cells[own[0].tolerance] += own
+        else:
+            rows.append(Row(family, [size], {one.tolerance: [one] for one in own}))
+        before = key
+    return rows
+
+
+def text_of(cells: Sequence[Cell]) -> str:
+    """Returns the winner and how far it is ahead: 'cover 2.2–3.3×'."""
+    ratios = sorted(one.ratio.value for one in cells if one.ratio is not None and one.ratio.n)
+    if len(cells) == 1 or len(ratios) < len(cells):
+        return cells[0].text if len(cells) == 1 else cells[0].title
+    ends = dict.fromkeys([tables.number(ratios[0], 2), tables.number(ratios[-1], 2)])
+    return f"{cells[0].title} {'–'.join(ends)}×"
+
+
 def draw(cells: Sequence[Cell]) -> Any:
     """Draws point sets on the left, meshes and surfaces on the right: a row a scene, a column a tolerance."""
     there = [domain for domain in DOMAINS if any(one.domain == domain for one in cells)]
-    blocks = {domain: list(dict.fromkeys((one.stem, one.scene) for one in cells if one.domain == domain)) for domain in there}
+    blocks = {domain: rows_of([one for one in cells if one.domain == domain]) for domain in there}
     right = [domain for domain in there if domain != "points"]
     tall = max(len(blocks.get("points", ())), sum(len(blocks[domain]) + 2 for domain in right))
-    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 0.175 * tall + 0.9))
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, min(HIGHEST, 0.175 * tall + 0.9)))
     grid = figure.add_gridspec(1, 2, width_ratios=(0.7, 2.2)) if right and "points" in there else figure.add_gridspec(1, 1)
     if "points" in there:
-        draw_block(figure.add_subplot(grid[0]), "points", blocks["points"], cells)
+        draw_block(figure.add_subplot(grid[0]), "points", blocks["points"])
     if right:
         below = grid[-1].subgridspec(len(right), 1, height_ratios=[len(blocks[domain]) + 1 for domain in right])
         for place, domain in zip(below, right):
-            draw_block(figure.add_subplot(place), domain, blocks[domain], cells)
+            draw_block(figure.add_subplot(place), domain, blocks[domain])
     return figure
 
 
-def draw_block(ax: Any, domain: str, scenes: Sequence[tuple[str, str]], cells: Sequence[Cell]) -> None:
-    own = [one for one in cells if one.domain == domain]
-    tolerances = sorted({one.tolerance for one in own}, reverse=True)
-    for one in own:
-        x, y = tolerances.index(one.tolerance), scenes.index((one.stem, one.scene))
-        colour = style.look(one.solver, one.label).colour
-        ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
-        ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor="none", edgecolor=colour if not one.separated else "white", linewidth=0.5,
-                                   hatch="" if one.separated else "////"))
-        ax.text(x + 0.5, y + 0.52, one.text, ha="center", va="center", fontsize=5.5,
-                bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
-    ax.set(xlim=(0, len(tolerances)), ylim=(len(scenes), 0), title=DOMAINS[domain])
+def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
+    tolerances = sorted({tolerance for row in rows for tolerance in row.cells}, reverse=True)
+    for y, row in enumerate(rows):
+        for tolerance, own in row.cells.items():
+            x, colour, separated = tolerances.index(tolerance), style.look(own[0].solver, own[0].label).colour, all(one.separated for one in own)
+            ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
+            ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor="none", edgecolor="white" if separated else colour, linewidth=0.5,
+                                       hatch="" if separated else "////"))
+            ax.text(x + 0.5, y + 0.52, text_of(own), ha="center", va="center", fontsize=5.5,
+                    bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
+    ax.set(xlim=(0, len(tolerances)), ylim=(len(rows), 0), title=DOMAINS[domain])
     ax.set_xticks(np.arange(len(tolerances)) + 0.5, ["finest" if t == FINEST else f"{t:g}" for t in tolerances], fontsize=6)
-    ax.set_yticks(np.arange(len(scenes)) + 0.5, [style.scene_title(scene) for _, scene in scenes], fontsize=5.5)
+    ax.set_yticks(np.arange(len(rows)) + 0.5, [row.title for row in rows], fontsize=5.5)
     ax.tick_params(length=0)
     ax.grid(False)
     ax.set_xlabel("tolerance / diagonal of A")
@@ -167,7 +214,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
          "rivals": one.rivals, "next_best": one.ratio.value if one.ratio else float("nan"), "low": one.ratio.low if one.ratio else float("nan"),
          "high": one.ratio.high if one.ratio else float("nan"), "separated": int(one.separated)} for one in cells]
     footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate nothing). "
-                "No number: no other reached the tolerance, or none is ahead.")
+                "No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is hatched if one is.")
     for path in [*tables.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
         print(path)
     return 0

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from analysis.points.points_speed import TITLES
 from analysis.shared import style, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.notes import APART
@@ -87,7 +86,7 @@ class Race:
 
 def race(section: Section, mark: str, column: int) -> Race:
     titles = {i: title for i, title in enumerate(section.header)
-              if title in {look.title for look in style.LOOKS.values()} | set(TITLES.values())}
+              if title in {look.title for look in style.LOOKS.values()} | set(style.PROGRAMS.values())}
     rows = [row for row in section.rows if len(row) > column and row[column] == mark]
     found = Race(len(rows))
     for row in rows:

@@ -168,7 +168,9 @@ def make(results: Results) -> Report:
         f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, of these pairs: it says how sure the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
-    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status))
+    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A. "
+               "Right of the frame: no answer, and why.")
+    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status), caption=caption)
 
 
 def best_lower(cells: Sequence[Cell]) -> float:
@@ -177,16 +179,21 @@ def best_lower(cells: Sequence[Cell]) -> float:
 
 
 def draw(grid: Grid) -> Any:
-    """One line a pair, one mark a solver; those that did not end stand right of the frame, with the letter why."""
+    """Draws a band for each pair, and in it a mark and its interval for each solver, below one another; those that did not end stand right of the frame, with the
+    letter why.
+    """
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
-    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.19 * len(scenes)))
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.3 * len(scenes))))
     for i, scene in enumerate(scenes):
-        ax.axhline(i, color="#EEEEEE", linewidth=0.5, zorder=0)
+        if i % 2:
+            ax.axhspan(i - 0.5, i + 0.5, color="#F5F5F5", linewidth=0, zorder=0)
         failed = 0
-        for solver, label in labels:
+        for k, (solver, label) in enumerate(labels):
             cell, looks = cells.get((scene, label)), style.look(solver, label)
             if cell and cell.time.n:
-                ax.plot(cell.time.value, i, **style.filled_marker(looks))
+                y = i + 0.8 * ((k + 0.5) / len(labels) - 0.5)
+                style.interval(ax, cell.time, y, color=looks.colour, linewidth=1.0)
+                ax.plot(cell.time.value, y, **style.filled_marker(looks))
             elif cell:
                 at = 1.03 + 0.09 * failed
                 failed += 1
@@ -199,6 +206,8 @@ def draw(grid: Grid) -> Any:
     ax.set_xlim(min(known) / 2, max(known) * 2)
     ax.set_ylim(len(scenes) - 0.5, -0.5)
     ax.set_yticks(range(len(scenes)), scenes)
+    ax.grid(False, axis="y")
+    ax.tick_params(axis="y", length=0)
     ax.set_xlabel("time to prepare and solve (s)")
     style.legend_above(figure, style.handles(labels, lines=False))
     return figure

@@ -6,18 +6,17 @@ import math
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.colors import ListedColormap
+from matplotlib.patches import Rectangle
 
 from analysis.shared import claims, style, tables
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, never_chosen
+from analysis.stability.stability_outcomes import STOPS, Outcome
 
-# From best to worst: what the cell says, and its colour.
-OUTCOMES: Final = (("converged", "#7FBF7B"), ("stopped", "#D9F0D3"), ("no bounds", "#DDDDDD"), ("wrong", "#D6604D"))
-CONVERGED, STOPPED, NO_BOUNDS, WRONG = (name for name, _ in OUTCOMES)
+# The words of outcomes, from best to worst.
+CONVERGED, STOPPED, NO_BOUNDS, WRONG = ("converged", "stopped", "no bounds", "wrong")
 SLACK: Final = 1e-12  # of the diagonal of A: models' coordinates are rounded, `exact` is not
 
 
@@ -81,7 +80,7 @@ def make(results: Results) -> Report:
                     "has converged and has not. CGAL returns no interval: its answer and the tolerance make one.",
                     f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
                     f"{machine_line(results)}."]
-    return Report(lambda: draw(results, scenes, labels, rows), table, records, style.letters_key(results.cases.status), clock=NO_TIMES)
+    return Report(lambda: draw(results, scenes, labels, rows), table, records, clock=NO_TIMES)
 
 
 def distance(results: Results, row: int) -> str:
@@ -93,30 +92,44 @@ def distance(results: Results, row: int) -> str:
     return texts[0] if texts[0] == texts[1] else f"{texts[0]} to {texts[1]}"
 
 
+def mark(results: Results, row: int) -> tuple[Outcome, str]:
+    """Returns the colour of a cell, as in the pictures of the stability suite, and its letter."""
+    found, status = outcome(results, row), str(results.cases.status[row])
+    if found == CONVERGED:
+        return Outcome.TIGHT, ""
+    if found == STOPPED:
+        return (Outcome.STOPPED, STOPS[status][0]) if status in STOPS else (Outcome.LOOSE, Outcome.LOOSE.letter)
+    if found == WRONG:
+        return Outcome.WRONG, Outcome.WRONG.letter
+    kind = {"timeout": Outcome.HUNG, "signal": Outcome.CRASHED, "out_of_memory": Outcome.CRASHED, "skipped": Outcome.NOT_RUN,
+            "not_built": Outcome.NOT_RUN}.get(status, Outcome.REFUSED)
+    return kind, kind.letter
+
+
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], rows: dict[tuple[str, str], int]) -> Any:
-    """A square a solver and pair, coloured by how it ended, with the time where it converged."""
-    names = [name for name, _ in OUTCOMES]
-    codes = np.full((len(scenes), len(labels)), np.nan)
+    """Draws a cell for each solver and pair, coloured by how it ended, with a letter where it did not converge."""
+    marks = {(i, j): mark(results, rows[scene, label]) for i, scene in enumerate(scenes) for j, (_, label) in enumerate(labels) if (scene, label) in rows}
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN if len(labels) <= 6 else style.DOUBLE_COLUMN, 1.5 + 0.17 * len(scenes)))
-    for i, scene in enumerate(scenes):
-        for j, (_, label) in enumerate(labels):
-            row = rows.get((scene, label))
-            if row is None:
-                continue
-            codes[i, j] = names.index(outcome(results, row))
-            status = results.cases.status[row]
-            letter = style.status_letter(status) if status != "ok" else "" if codes[i, j] == 0 else "!"
-            ax.text(j, i, letter, ha="center", va="center", fontsize=6, color="#222222")
-    ax.imshow(codes, cmap=ListedColormap([colour for _, colour in OUTCOMES]), vmin=-0.5, vmax=len(OUTCOMES) - 0.5, aspect="auto")
+    for (i, j), (kind, letter) in marks.items():
+        ax.add_patch(Rectangle((j - 0.5, i - 0.5), 1, 1, facecolor=kind.colour, linewidth=0))
+        ax.text(j, i, letter, ha="center", va="center", fontsize=6, fontweight="bold", color=kind.ink)
+    ax.set(xlim=(-0.5, len(labels) - 0.5), ylim=(len(scenes) - 0.5, -0.5))
     ax.set_xticks(range(len(labels)), [style.title(*pair) for pair in labels], rotation=40, ha="right", rotation_mode="anchor")
     ax.set_yticks(range(len(scenes)), scenes)
-    ax.set_xticks(np.arange(0.5, len(labels)), minor=True)
-    ax.set_yticks(np.arange(0.5, len(scenes)), minor=True)
+    ax.set_xticks([k + 0.5 for k in range(len(labels) - 1)], minor=True)
+    ax.set_yticks([k + 0.5 for k in range(len(scenes) - 1)], minor=True)
     ax.grid(False)
     ax.grid(which="minor", color="white", linewidth=1)
+    ax.set_axisbelow(False)
     ax.tick_params(which="both", length=0)
     for spine in ax.spines.values():
         spine.set_visible(False)
-    words = {CONVERGED: "converged", STOPPED: "stopped, bounds hold", NO_BOUNDS: "no bounds", WRONG: "wrong"}
-    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, color=colour, label=words[name]) for name, colour in OUTCOMES], columns=2)
+    words = {Outcome.TIGHT: CONVERGED, Outcome.LOOSE: "ended early, bounds hold", Outcome.HUNG: "stopped at its time limit, no bounds",
+             Outcome.CRASHED: "crashed, no bounds", Outcome.REFUSED: "refused, no bounds"}
+    stops = dict(STOPS.values())
+    shown = sorted(set(marks.values()), key=lambda pair: (pair[0].badness, pair[1]))
+    entries = [Rectangle((0, 0), 1, 1, facecolor=kind.colour, edgecolor="#BBBBBB", linewidth=0.4,
+                         label=f"{letter}  {f'{stops[letter]}, bounds hold' if kind == Outcome.STOPPED else words.get(kind, kind.words)}".strip())
+               for kind, letter in shown]
+    style.legend_above(figure, entries, columns=3)
     return figure

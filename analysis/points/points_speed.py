@@ -17,7 +17,6 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
 
 OURS = "scan"
-TITLES = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}
 
 
 class Cell:
@@ -39,10 +38,6 @@ class Cell:
         return tables.estimate(self.time, 1000)
 
 
-def title_of(solver: str, label: str) -> str:
-    return TITLES.get(label, style.title(solver, label))
-
-
 def ratio(other: Cell, ours: Cell) -> Estimate:
     """How many times as long the other takes; paired by round where both have rounds. A program that reports its own time reports wall time."""
     if lacking := apart([one.origin._replace(clock="wall") if other.reported else one.origin for one in (other, ours)]):
@@ -58,7 +53,7 @@ def make(results: Results) -> Report:
     labels = style.order(zip(cases.solver, cases.label))
     cells = {(scene, label): Cell(results, rows[0]) for scene in scenes for _, label in labels
              if (rows := results.rows(scene=scene, label=label))}
-    titles = [title_of(*pair) for pair in labels]
+    titles = [style.title(*pair) for pair in labels]
     table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, and below it the "
                          "peak memory, MiB.", ["workload", "", *titles, "best other / ours"], left=2)
     records: list[tables.Record] = []
@@ -97,20 +92,26 @@ def make(results: Results) -> Report:
         + " SciPy: by its own clock, without starting Python and reading files, and beside it ours counts by wall time; its memory is "
         "that of the whole process, Python included.",
         f"{machine_line(results)}."]
-    return Report(lambda: draw(scenes, labels, cells), table, records)
+    caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
+    return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()), caption=caption)
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
-    """One line a workload, one mark a solver; those that did not end are right of the frame, with the letter why."""
-    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.1 + 0.2 * len(scenes)))
-    looks = {label: style.Look(title_of(solver, label), look.colour, look.marker) for solver, label in labels
-             for look in [style.look(solver, label)]}
+    """Draws a band for each workload, and in it a mark and its interval for each solver, below one another; those that did not end are right of the frame, with the
+    letter why.
+    """
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.27 * len(scenes))))
+    looks = {label: style.look(solver, label) for solver, label in labels}
     for i, scene in enumerate(scenes):
+        if i % 2:
+            ax.axhspan(i - 0.5, i + 0.5, color="#F5F5F5", linewidth=0, zorder=0)
         failed = 0
-        for _, label in labels:
+        for k, (_, label) in enumerate(labels):
             cell = cells.get((scene, label))
             if cell and cell.time.n:
-                ax.plot(cell.time.value, i, **style.filled_marker(looks[label]))
+                y = i + 0.8 * ((k + 0.5) / len(labels) - 0.5)
+                style.interval(ax, cell.time, y, color=looks[label].colour, linewidth=1.0)
+                ax.plot(cell.time.value, y, **style.filled_marker(looks[label]))
             elif cell:
                 at = 1.03 + 0.09 * failed
                 failed += 1
@@ -122,6 +123,8 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     ax.set_xlim(min(known) / 2, max(known) * 4)
     ax.set_ylim(len(scenes) - 0.5, -0.5)
     ax.set_yticks(range(len(scenes)), map(style.scene_title, scenes))
+    ax.grid(False, axis="y")
+    ax.tick_params(axis="y", length=0)
     ax.set_xlabel("time to prepare and solve (s)")
     style.legend_above(figure, [plt.Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
                                 for _, label in labels], columns=2)

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import PowerNorm
 
 from analysis.shared import mesh_picture, shapes, style, tables
 from analysis.shared.columns import Floats
@@ -16,6 +17,7 @@ from analysis.shared.shapes import Drawn, Mesh
 
 MARK: Final = "#D55E00"
 PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
+REMESHED: Final = "remeshed by CGAL (for TetWild)"
 
 
 def make(results: Results) -> Report:
@@ -47,28 +49,30 @@ def draw(results: Results, case: int) -> Any:
     a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
     pair = np.stack([cases.witness_source[case], cases.witness_target[case]])
     figure, axes = plt.subplots(2, 2, figsize=(style.DOUBLE_COLUMN, 5.6))
-    for ax, shown, title in ((axes[0][0], a, f"A: {len(a.triangles):,} triangles"), (axes[0][1], b, f"B: {len(b.triangles):,} triangles")):
+    for ax, shown, title in ((axes[0][0], a, f"A: {source}, {len(a.triangles):,} triangles"),
+                             (axes[0][1], b, f"B: {REMESHED}, {len(b.triangles):,} triangles")):
         mesh_picture.draw(ax, shown, eye, edges=0.15, both_sides=not shown.closed)
         ax.set_title(title)
     draw_distances(axes[1][0], figure, shapes.drawn(results, case), float(cases.source_diagonal[case]), eye, pair)
-    draw_near(axes[1][1], a, b, mesh_picture.across(eye, pair[1] - pair[0]), pair)
+    draw_near(axes[1][1], a, b, mesh_picture.across(eye, pair[1] - pair[0]), pair, float(cases.source_diagonal[case]))
     return figure
 
 
 def draw_distances(ax: Any, figure: Any, a: Drawn, diagonal: float, eye: mesh_picture.View, pair: Floats) -> None:
-    scale = plt.Normalize(0, 100 * float(a.distances.max()) / diagonal)
+    scale = PowerNorm(0.5, 0, 100 * float(a.distances.max()) / diagonal)
     mesh_picture.draw(ax, a, eye, plt.get_cmap("viridis")(scale(100 * a.colours / diagonal)), both_sides=not a.closed)
     at = eye.seen(pair[0])
-    ax.plot(*at[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor=MARK, markeredgewidth=1.4)
+    mesh_picture.ring(ax, at, MARK)
     ax.annotate("h(A, B)", at[:2], xytext=(-30, 26), textcoords="offset points", color=MARK,
-                arrowprops={"arrowstyle": "-", "color": MARK, "linewidth": 0.8, "shrinkB": 5})
+                arrowprops={"arrowstyle": "-", "color": MARK, "linewidth": 0.8, "shrinkB": 5}, zorder=7,
+                bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "linewidth": 0})
     ax.set_title("A: distance to B")
     figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02).set_label(
-        "% of the diagonal")
+        "% of the diagonal\n(square-root scale)")
 
 
-def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -> None:
-    """A cut through both meshes in the plane of the picture, which holds the witness."""
+def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats, diagonal: float) -> None:
+    """Draws a cut through both meshes in the plane of the picture, which holds the witness, with a scale bar in percent of the diagonal."""
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
     for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", style.DASHED, "B")):
@@ -79,8 +83,19 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats) -
     ax.plot(*ends[:, :2].T, color=MARK, linewidth=1.6, marker="o", markersize=4, label="h(A, B): the witness", zorder=5)
     middle = ends[:, :2].mean(axis=0)
     ax.set(xlim=(middle[0] - room, middle[0] + room), ylim=(middle[1] - room, middle[1] + room), aspect="equal", xticks=[], yticks=[])
-    ax.legend(loc="best", fontsize=7)
+    draw_scale(ax, middle, room, diagonal)
+    ax.legend(loc="upper left", fontsize=7)
     ax.set_title("cut through A and B at the witness")
+
+
+def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
+    """Draws a bar of 1, 2 or 5 times a power of ten percent of the diagonal, at the lower left of a frame that reaches `room` in all directions."""
+    percent = 100 * 0.5 * room / diagonal
+    power = 10.0 ** np.floor(np.log10(percent))
+    percent = max(times * power for times in (1, 2, 5) if times * power <= percent)
+    left, below = middle - 0.9 * room
+    ax.plot([left, left + percent / 100 * diagonal], [below, below], color="black", linewidth=2, solid_capstyle="butt")
+    ax.annotate(f"{percent:g} % of the diagonal", (left, below), xytext=(0, 4), textcoords="offset points", fontsize=7)
 
 
 def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:

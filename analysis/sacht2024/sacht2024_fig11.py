@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import to_rgba
+from matplotlib.colors import PowerNorm, to_rgba
 from matplotlib.patches import Patch
 
 from analysis.shared import claims, mesh_picture, shapes, style, tables
@@ -15,12 +15,13 @@ from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
-from analysis.shared.shapes import Mesh
+from analysis.shared.shapes import Drawn, Mesh
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_of
 
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
 THIN: Final = 0.1
-COLOURS: Final = ("#FFFFFF", "#332288", "#0072B2", "#56B4E9", "#F0E442")  # each of another lightness
+COLOURS: Final = ("#FFFFFF", "#332288", "#0072B2", "#56B4E9", "#D55E00")  # of another lightness each, also when shaded by SHADE
+SHADE: Final = 0.15
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,9 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
         # The exact case and u1 are the two least where each settles less than every other.
         more = [name for name, count in zip(NAMES[2:], counts[2:]) if count <= max(counts[:2])]
         least = all_of(claims.of("sacht2024", "least_used", pair.scene), len(more), 3, 3, f"other bounds: {said}")
-        found += [used, least]
+        # u2 and u3 are the two most where each settles more than every other.
+        less = [name for name, count in zip(NAMES[2:4], counts[2:4]) if count <= max(*counts[:2], counts[4])]
+        found += [used, least, all_of(claims.of("sacht2024", "u2_u3", pair.scene), len(less), 2, 2, f"bounds: {said}")]
     return found
 
 
@@ -106,6 +109,14 @@ def make(results: Results) -> Report:
     return Report(lambda: draw(results, pairs), table, records, clock=NO_TIMES)
 
 
+def square_root_scale(shown: Drawn, unit: float) -> PowerNorm:
+    """Returns a scale of distances times `unit` that ends where 99 % of the surface lies below: a few places far away would leave the rest in one colour."""
+    sides, order = shown.corners[shown.triangles], np.argsort(shown.colours)
+    area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)[order].cumsum()
+    end = unit * float(shown.colours[order][np.searchsorted(area, 0.99 * area[-1])])
+    return PowerNorm(0.5, 0, end if end > 0 else 1.0)
+
+
 def draw(results: Results, pairs: list[Shown]) -> Any:
     """A coloured by bounds, then by how far each place of it is from B, and B beside them."""
     figure, axes = plt.subplots(len(pairs), 3, figsize=(style.DOUBLE_COLUMN, 0.5 + 2.2 * len(pairs)), squeeze=False)
@@ -113,17 +124,18 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
     for (left, middle, right), pair in zip(axes, pairs):
         source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
         eye, a = mesh_picture.view_of(source), shapes.mesh(results, source)
-        mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed)
+        mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed, shade=SHADE)
         far, diagonal = shapes.drawn(results, pair.case), float(results.cases.source_diagonal[pair.case])
-        scale = plt.Normalize(0, 100 * float(far.distances.max()) / diagonal)
+        scale = square_root_scale(far, 100 / diagonal)
         mesh_picture.draw(middle, far, eye, plt.get_cmap("viridis")(scale(100 * far.colours / diagonal)), both_sides=not a.closed)
         middle.set_title("A: distance to B")
-        figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=middle, shrink=0.7, pad=0.01).set_label("% of the diagonal")
+        figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=middle, shrink=0.7, pad=0.01, extend="max").set_label(
+            f"% of the diagonal, square-root scale;\nthe largest: {tables.number(100 * float(far.distances.max()) / diagonal)}")
         b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
         witness = eye.seen(results.cases.witness_source[pair.case])
         for ax in (left, middle):
-            ax.plot(*witness[:2], "o", markersize=9, markerfacecolor="none", markeredgecolor="black", markeredgewidth=1.2)
+            mesh_picture.ring(ax, witness)
         left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles")
         right.set_title(f"B: {results.cases.target_elements[pair.case]:,} triangles")
     entries = [*[Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=name) for name, colour in zip(NAMES, COLOURS)],

@@ -7,7 +7,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.colors import PowerNorm
 
-from analysis.sacht2024.sacht_pairs import percent
+from analysis.sacht2024.sacht_pairs import named, percent
 from analysis.shared import mesh_picture, shapes, style, tables
 from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import NO_TIMES, Report
@@ -49,7 +49,7 @@ def draw(results: Results, shown: list[int]) -> Any:
             mesh_picture.draw(ax, shape, eye, colours, edges=0.1 if side == "B" and len(shape.triangles) <= EDGES else 0.0,
                               both_sides=not (shape.closed and shape.manifold))
             elements = cases.source_elements[row] if side == "A" else cases.target_elements[row]
-            ax.set_title(f"for {scene.capitalize()}, {side}:\n{elements:,} triangles")
+            ax.set_title(f"{side}: {named(scene)}\n{elements:,} triangles")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=list(axes[0]), shrink=0.8, pad=0.01)
-    bar.set_label("distance to B,\n% of the diagonal")
+    bar.set_label("distance to B, % of the\ndiagonal (square-root scale)")
     return figure

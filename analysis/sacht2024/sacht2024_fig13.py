@@ -214,7 +214,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     scales.log_ticks(ax.yaxis)
     powers = [f"$10^{{-{k}}}$" for k in range(1, 9)]
     if any(label in paper for _, label in labels):
-        ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper"])
+        ax.set_xticks([*TOLERANCES, TOLERANCES[-1] / 10], [*powers, "paper,\n1e-8"])
         ax.axvline(TOLERANCES[-1] / 3.2, color=style.GREY, linewidth=0.5, linestyle=(0, (2, 2)))
     else:
         ax.set_xticks(TOLERANCES, powers)

@@ -8,6 +8,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
+from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
 from analysis.sacht2024.sacht_pairs import percent
 from analysis.shared import claims, scales, style, tables
@@ -21,7 +22,9 @@ from analysis.shared.verdicts import Verdict, most_of
 SLOW, FAST = "zheng", "sacht"  # whose ratio it is
 THOUSANDS: Final = ("square, cut the other way", 1000.0)  # the scene that was built for it, before it was timed
 TWENTIETH: Final = ("cube, finer", 20.0)
-PAPER: Final = ((7224.0, "paper (a)"), (6024.0, "paper (b)"), (1 / 20, "paper (c)"))
+PAPER: Final = ((7224.0, "paper's (a)"), (6024.0, "paper's (b)"), (1 / 20, "paper's (c)"))
+STANDS_IN: Final = {THOUSANDS[0]: "for paper's a, b", TWENTIETH[0]: "for paper's c"}
+GALLERY: Final = 1.75  # inches
 MILLISECOND: Final = 1e-3
 
 
@@ -98,14 +101,23 @@ def make(results: Results) -> Report:
                    "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a "
                    "twentieth as fast on a third, on which both take less than a millisecond, as in most of the cases when it is slower; MacBook Air M2, 8 GB.",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(found, clock_word(results)), table, records)
+    caption = ("Pairs that were built so that the two solvers differ much, and how many times as long Zheng takes as Sacht on them, with intervals (Fig. 14 of Sacht and "
+               "Jacobson 2024). Dotted: what the paper prints of its pairs (a) to (c).")
+    return Report(lambda: draw(results, found, clock_word(results)), table, records, caption=caption)
 
 
-def draw(found: list[Outlier], clock: str) -> Any:
-    """The ratio of each pair, a marker for each tolerance; arrows where it is at least so much; the paper's as lines."""
+def draw(results: Results, found: list[Outlier], clock: str) -> Any:
+    """Draws the pairs, and below them the ratio of each, a marker for each tolerance; arrows where it is at least so much; the paper's as lines."""
     scenes = list(dict.fromkeys(x.scene for x in found))
     tolerances = sorted({x.tolerance for x in found}, reverse=True)
-    figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.9 + 0.33 * len(scenes)))
+    pairs, high = sacht_gallery.meshes_of(results, scenes), 0.9 + 0.33 * len(scenes)
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, high + (GALLERY if pairs else 0.0)))
+    grid = figure.add_gridspec(2 if pairs else 1, 1, height_ratios=[GALLERY, high] if pairs else [1])
+    if pairs:
+        above = figure.add_subplot(grid[0])
+        above.set_title("the pairs: A above, B below it")
+        sacht_gallery.draw(above, results, pairs, name=lambda scene: "\n".join(filter(None, [scene, STANDS_IN.get(scene)])))
+    ax = figure.add_subplot(grid[-1])
     colours = plt.get_cmap("viridis")(np.linspace(0.75, 0.1, len(tolerances)))
     for x in found:
         k = tolerances.index(x.tolerance)

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 
+from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Row, above, ratio_of, row_of, time_ratio
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import in_time_and_work
@@ -19,6 +20,8 @@ COARSE, FINE = 1e-6, 1e-8
 PAPER_SECONDS: Final = 180.0  # what the paper's program takes longer than, at FINE
 PAPER_LOWER: Final = 8.7054e-8  # l / dA of its pair
 PAPER_UPPER: Final = 1.087053e-6  # u / dA at COARSE
+GALLERY: Final = 1.5  # inches
+STANDS_IN: Final = "for model 104606 of Thingi10K and its half"
 Rows = dict[tuple[str, str, float], int]
 
 
@@ -81,12 +84,23 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
-    """A frame for each pair, a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
+    """Draws each pair, and below it a frame with a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
     leads on from where a solver was stopped: how far, nobody knows.
     """
-    scenes = results.scenes
-    figure, axes = plt.subplots(1, len(scenes), figsize=(style.DOUBLE_COLUMN, 0.9 + 0.28 * len(labels)), sharey=True, squeeze=False)
-    for ax, scene in zip(axes[0], scenes):
+    scenes, high = results.scenes, 0.9 + 0.28 * len(labels)
+    pairs = sacht_gallery.meshes_of(results, scenes)
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, high + (GALLERY if pairs else 0.0)))
+    grid = figure.add_gridspec(2 if pairs else 1, len(scenes), height_ratios=[GALLERY, high] if pairs else [1])
+    for k, scene in enumerate(scenes):
+        if scene in pairs:
+            above = figure.add_subplot(grid[0, k])
+            above.set_title(f"{scene}: A, B")
+            sacht_gallery.draw(above, results, {scene: pairs[scene]}, False, lambda _: STANDS_IN)
+    axes = list[Any]()
+    for k in range(len(scenes)):
+        axes.append(figure.add_subplot(grid[-1, k], sharey=axes[0] if axes else None))
+        axes[-1].tick_params(labelleft=k == 0)
+    for ax, scene in zip(axes, scenes):
         for y, (solver, label) in enumerate(labels):
             looks = style.look(solver, label)
             for k, t in enumerate(tolerances):
@@ -113,8 +127,8 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
         scales.log_ticks(ax.xaxis)
         ax.set_xlabel(f"{clock} (ms)")
         ax.tick_params(axis="y", length=0)
-    axes[0][0].set_yticks(range(len(labels)), [style.title(*label) for label in labels])
-    axes[0][0].set_ylim(len(labels) - 0.5, -0.5)
+    axes[0].set_yticks(range(len(labels)), [style.title(*label) for label in labels])
+    axes[0].set_ylim(len(labels) - 0.5, -0.5)
     grey = style.Look("", style.GREY, "o")
     style.legend_above(figure, [plt.Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
                                                                                else style.open_marker(grey))) for t in tolerances])

@@ -8,6 +8,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Patch
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
@@ -17,7 +18,7 @@ from analysis.shared.over_pairs import arithmetic_mean, geometric_mean, mean_at_
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate
-from analysis.shared.verdicts import UNTESTED, Verdict
+from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 FAST, SLOW = "sacht", "zheng"
 PAPER = 16.0  # times as fast, on average
@@ -32,6 +33,7 @@ class Pair:
     triangles: int
     cells: dict[str, Cell]  # of both solvers
     limit: float
+    distance: float  # h over the diagonal of A
 
     def seconds(self, solver: str) -> float:
         return self.cells[solver].time.value
@@ -71,7 +73,7 @@ class Pairs:
             first = rows[FAST][0]
             self.pairs.append(Pair(scene, int(cases.source_elements[first]),
                                    {solver: Cell(results, of) for solver, of in rows.items()},
-                                   float(cases.case_seconds_limit[first])))
+                                   float(cases.case_seconds_limit[first]), results.share(first)))
 
     def ratios(self, what: str = "", pairs: Sequence[Pair] | None = None) -> list[float]:
         known = (pair.ratio(what) for pair in (self.pairs if pairs is None else pairs))
@@ -87,7 +89,7 @@ class Pairs:
 
 
 def verdicts(found: Pairs) -> list[Verdict]:
-    """Each in time and in counted work."""
+    """The means in time and in counted work."""
     def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
         claim = claims.of("sacht2024", name)
         return in_time_and_work(lambda measure: Verdict(claim, UNTESTED, f"times {why}") if why and not measure else
@@ -102,7 +104,15 @@ def verdicts(found: Pairs) -> list[Verdict]:
         means("tens", geometric_mean, TENS, "geometric mean"),
         wins_more(claims.of("sacht2024", "ends_on_more"), {"Sacht": done[FAST]}, {"Zheng": done[SLOW]},
                   "ends on"),
+        nearer_more(found),
     ]
+
+
+def nearer_more(found: Pairs) -> Verdict:
+    """Correlates how near a pair is with the subdivisions of Sacht per triangle of A, over the pairs that it ends on."""
+    known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
+    return rising(claims.of("sacht2024", "nearer_more"), [-pair.distance for pair in known],
+                  [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known])
 
 
 def make(results: Results) -> Report:
@@ -214,7 +224,8 @@ def draw(found: Pairs) -> Any:
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
             entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
                                       markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean, 95 %"),
+    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"),
+                Patch(facecolor="#D55E00", alpha=0.15, linewidth=0, label="its interval of 95 %"),
                 plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
-    style.legend_above(figure, entries, columns=len(entries))
+    style.legend_above(figure, entries, columns=3)
     return figure

@@ -14,9 +14,11 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 PIECES: Final = "too many pieces"
+STRAY: Final = "unreferenced vertex"
+TOLERANCE: Final = 1e-8  # of all rows but those that say otherwise
 # What the published program does, as the paper tells, or as it was seen where that is said.
 THEIRS: Final = {
-    "unreferenced vertex": "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
+    STRAY: "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
     "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
     "far from the origin": "not in the paper; the program was seen to give an interval of width 0 that misses h",
     "nearly the same": "more than three minutes at 1e-8 (mesh 104606, Fig. 15)",
@@ -61,7 +63,12 @@ def verdicts(results: Results) -> list[Verdict]:
         rows = certified(results, scene)
         bad = [row for row in rows if problem(results, row)]
         found.append(all_of(claims.of("hausbench", "bounds_hold", scene), len(bad), len(rows), len(rows), "rows"))
-    return [*found, reached(results)]
+    return [*found, reached(results), *[without_problem(results, name, rows) for name, rows in (("enclose", results.rows(solver="sacht")),
+                                                                                               ("stray_vertex", results.rows(solver="sacht", scene=STRAY)))]]
+
+
+def without_problem(results: Results, name: str, rows: list[int]) -> Verdict:
+    return all_of(claims.of("sacht2024", name), sum(bool(problem(results, row)) for row in rows), len(rows), len(rows), "rows")
 
 
 def reached(results: Results) -> Verdict:
@@ -100,15 +107,16 @@ def make(results: Results) -> Report:
          "lower": cases.lower[row], "upper": cases.upper[row], "diagonal": cases.source_diagonal[row], "exact": cases.exact[row],
          "problem": problem(results, row), "lower_check": results.check_of(row),
          "subdivisions": int(cases.counters["subdivisions"][row])} for row in range(len(cases))]
-    return Report(lambda: draw(results, scenes, labels), table, records, clock=NO_TIMES)
+    key = "CGAL returns no interval: its mark is its tolerance, or 0 where each face of A is a face of B" if "cgal" in cases.solver else ""
+    return Report(lambda: draw(results, scenes, labels), table, records, key, clock=NO_TIMES)
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
-    """The gap of each solver: filled where it ends within its tolerance, open where it was stopped, a cross where it fails."""
+    """Draws the gap of each solver: filled where it ends within its tolerance, open where it was stopped, a cross where it fails."""
     cases = results.cases
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
     gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]
-    axis = scales.LogAxis(ax, [*gaps, 1e-8])
+    axis = scales.LogAxis(ax, [*gaps, TOLERANCE])
     for k, (solver, label) in enumerate(labels):
         looks = style.look(solver, label)
         for row in results.rows(label=label):
@@ -119,9 +127,12 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
                 continue
             y = float(axis.place(results.gap(int(row)) / float(cases.source_diagonal[row])))
             ax.plot(x, y, **(style.filled_marker(looks) if cases.status[row] == "ok" else style.open_marker(looks)))
+            if float(cases.tolerance[row]) != TOLERANCE:
+                ax.annotate(f"at {cases.tolerance[row]:g}", (x, y), xytext=(5, 0), textcoords="offset points", fontsize=6, color="#333333", va="center")
             if problem(results, int(row)):
                 ax.plot(x, y, "x", color="black", markersize=8)
-    ax.axhline(1e-8, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    ax.axhline(TOLERANCE, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
+    ax.text(1.005, TOLERANCE, f"tolerance\n{TOLERANCE:g}", transform=ax.get_yaxis_transform(), fontsize=6.5, color=style.GREY, va="center")
     ax.set_xlim(-0.5, len(scenes) - 0.5)
     ax.set_xticks(range(len(scenes)), [scene.replace(" ", "\n", 1) for scene in scenes])
     ax.tick_params(axis="x", length=0)

@@ -6,7 +6,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 
-from analysis.sacht2024.sacht_pairs import percent
+from analysis.sacht2024.sacht_pairs import named, percent
 from analysis.shared import shapes, style, tables
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line, scene_notes
@@ -44,7 +44,7 @@ def make(results: Results) -> Report:
         sizes = [int(column[row]) for column in (cases.source_elements, cases.target_elements)]
         counted = [int(paper[key]) if key in paper else -1 for key in ("source_elements", "target_elements")]
         distances = [share(results, scene, quantity) for quantity in ("directed", "symmetric")]
-        table.rows.append([scene, *models, *shapes, *[f"{n:,}" for n in sizes],
+        table.rows.append([named(scene), *models, *shapes, *[f"{n:,}" for n in sizes],
                            *[f"{n:,}" if n >= 0 else tables.NOTHING for n in counted],
                            tables.number(float(cases.source_diagonal[row])), *map(percent, distances)])
         records.append({"scene": scene, "source": models[0], "target": models[1], "source_is": shapes[0], "target_is": shapes[1],
@@ -55,7 +55,9 @@ def make(results: Results) -> Report:
                    "diagonals nor distances.",
                    "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
                    *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
-    return Report(lambda: draw(results, papers), table, records, clock=NO_TIMES)
+    caption = ("How far apart the near-zero pairs are (Table 1 of Sacht and Jacobson 2024), stand-ins for the models of the paper and derived pairs: in percent of the diagonal of "
+               "A, against the number of triangles. The paper prints no distances.")
+    return Report(lambda: draw(results, papers), table, records, clock=NO_TIMES, caption=caption)
 
 
 def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
@@ -71,11 +73,12 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
             if value > 0:
                 ax.plot(x, 100 * value, **(fill(looks) | ({"markersize": 7.5} if quantity == "symmetric" else {})))
         if (least := share(results, scene, "directed")) > 0:
-            ax.annotate(scene, (x, 100 * least), xytext=(4, -6), textcoords="offset points", fontsize=6)
+            ax.annotate(named(scene), (x, 100 * least), xytext=(4, -6), textcoords="offset points", fontsize=6)
     ax.axhline(0.1, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
     ax.set(xscale="log", yscale="log", xlabel="triangles, |A| + |B|", ylabel="distance, % of the diagonal of A")
     ax.margins(x=0.25, y=0.15)
     entries = [style.filled_entry("stands in", style.look("sacht")), style.filled_entry("derived", style.look("zheng")),
-               style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)")]
+               style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)"),
+               plt.Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="0.1 %")]
     style.legend_above(figure, entries, columns=2)
     return figure

@@ -22,7 +22,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
     found += [pairs.less(claims.of("sacht2024", "fastest_near", rival=rival), label, "sacht", groups["near zero"])
               for rival, label in (("Kang", "kang"), ("Zheng", "zheng"))]
     return [*found, pairs.average(claims.of("sacht2024", "zheng_tang"), "tang", "zheng"),
-            pairs.average(claims.of("sacht2024", "zheng_tang_438"), "tang", "zheng", PAPER)]
+            pairs.average(claims.of("sacht2024", "zheng_tang_438"), "tang", "zheng", PAPER), pairs.average(claims.of("sacht2024", "sacht_tang"), "tang", "sacht")]
 
 
 SPEC = sacht_pairs.Spec(

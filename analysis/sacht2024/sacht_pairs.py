@@ -14,12 +14,22 @@ from analysis.shared.notes import machine_line, scene_notes, total_title
 from analysis.shared.over_pairs import on_average
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.sizes import tests_claims
 from analysis.shared.verdicts import Verdict, above_one
 
 PRINTED: Final = ("kang", "zheng", "sacht")  # whose times the paper prints
 RATIOS: Final = (("zheng", "kang"), ("kang", "sacht"), ("zheng", "sacht"), ("cgal", "sacht"))
 SECOND: Final = {"ms": 1e-3}
 Ratio = tuple[str, str]  # of the first label's time, or work, to the second's
+STANDS_IN: Final = {"crown": "elephant", "monster": "bunny", "bust": "Snowden", "ramesses": "dragon"}  # for the paper's models
+
+
+def named(scene: str, between: str = " ") -> str:
+    """Returns the title of a scene, with the models that stand in for the paper's: 'elephant (for Crown)'."""
+    models = scene.split("_")
+    if not set(models) <= STANDS_IN.keys():
+        return style.scene_title(scene)
+    return f"{', '.join(STANDS_IN[model] for model in models)}{between}(for {', '.join(map(str.capitalize, models))})"
 
 
 class Pairs(Grid):
@@ -80,13 +90,16 @@ def make(spec: Spec, results: Results) -> Report:
                    f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
                    f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: of another machine, and of its authors' programs.",
                    f"Here: {machine_line(results)}.", "A dash: not part of the experiment, or not in the paper."]
-    return Report(lambda: beside_paper.draw(pairs, pairs.papers), table, records(pairs))
+    beside = " Open: as printed in the paper, on another machine." if tests_claims(results) else ""
+    caption = (f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "
+               f"interval.{beside}")
+    return Report(lambda: beside_paper.draw(pairs, pairs.papers, lambda _, scene: named(scene, "\n")), table, records(pairs), caption=caption)
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:
     """Times, counted work, and what the paper prints."""
     paper = pairs.papers.get(scene, {})
-    rows = [[style.scene_title(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
+    rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
              *pairs.texts(scene, scale), *[tables.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]
     for what, names in MEASURES.items():
         rows.append(["", what, "", "", *[count_text(cell, names) for cell in pairs.row(scene)],

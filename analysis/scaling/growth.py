@@ -23,6 +23,7 @@ LEAST_BYTES: Final = 2**20  # below it pages and what loading left free decide
 FIXED: Final = 10.0  # a cost that is not so many times that of the smallest size has a fixed part, which would flatten the line
 LEAST_SIZES: Final = 3  # two sizes make a line that nothing can contradict
 ANSWERS: Final = "ok"
+PREPARE: Final[dict[str, Any]] = {"linestyle": (0, (2.5, 2)), "linewidth": 0.5}
 
 
 @dataclass(frozen=True)
@@ -226,7 +227,7 @@ def tick(axes: Iterable[Any]) -> None:
 
 
 def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
-    """Above, solving (lines) and preparing (dots); below, peak memory an element."""
+    """Draws solving (filled) and preparing (small and open) above, and the peak memory of an element below."""
     figure, axes = plt.subplots(2, max(1, len(by_regime)), figsize=(style.DOUBLE_COLUMN, 4.4), sharex=True, sharey="row", squeeze=False)
     for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
         lost = []
@@ -238,8 +239,8 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
             above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
             above.plot(one.sizes, one.solve, **style.filled_marker(looks))
             # CGAL builds soups and manifolds differently: no line joins the two.
-            prepare = {"marker": ".", "markersize": 2.0, "linestyle": "none"} if one.solver == "cgal" else {"linestyle": style.DOTTED, "linewidth": 0.9}
-            above.plot(one.sizes, one.prepare, color=looks.colour, **prepare)
+            prepare = style.open_marker(looks) | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5} | ({} if one.solver == "cgal" else PREPARE)
+            above.plot(one.sizes, one.prepare, **prepare)
             told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]
             if told:
                 below.plot(*np.array(told).T, color=looks.colour, linestyle=looks.line, linewidth=0.7)
@@ -247,10 +248,12 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
         style.margin_marks(above, lost, 120)
         above.set(title=regime)
         below.set(xlabel=f"{what}s, |A| + |B|")
-    axes[0][0].set_ylabel("time (s): solve; dotted: prepare")
+    axes[0][0].set_ylabel("time (s)")
     axes[1][0].set_ylabel(f"peak memory, bytes a {what}")
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
-    prepared = plt.Line2D([], [], color=style.GREY, linestyle=style.DOTTED, linewidth=0.9, label="prepare")
-    style.legend_above(figure, [*style.handles(labels), prepared], columns=4)
+    grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}
+    of_time = [plt.Line2D([], [], label="filled: solve", **grey),
+               plt.Line2D([], [], label="small and open: prepare", **(style.open_marker(style.NEUTRAL) | {"markersize": 0.6 * style.NEUTRAL.size} | PREPARE))]
+    style.legend_above(figure, [*style.handles(labels), *of_time], columns=4)
     return figure

@@ -157,7 +157,9 @@ def make(results: Results) -> Report:
         "A process numbers points with 32 bits: 2.1G in each set at most.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
     table.notes = [note for note in table.notes if note]
-    return Report(lambda: draw([one for one in found if one.label == DRAWN], memory), table, records)
+    drawn = [one for one in found if one.label == DRAWN]
+    known = any(cost(one).known or memory_of(one).known for one in drawn)  # else there is no line to draw
+    return Report((lambda: draw(drawn, memory)) if known else None, table, records)
 
 
 def draw(found: list[Curve], memory: float) -> Any:
@@ -182,6 +184,8 @@ def draw(found: list[Curve], memory: float) -> Any:
     for ax in axes:
         if has_marks(ax):
             ax.axvline(2 * EACH, color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
+            ax.annotate(f"{short(EACH)} points in each", (2 * EACH, 0.02), xycoords=("data", "axes fraction"), xytext=(-2, 0), textcoords="offset points",
+                        fontsize=6.5, color=style.GREY, rotation=90, ha="right", va="bottom")
         ax.set(xlabel="points, |A| + |B|")
     if math.isfinite(memory) and has_marks(axes[1]):
         axes[1].axhline(memory, color=style.GREY, linewidth=0.8, linestyle=style.DASHED)

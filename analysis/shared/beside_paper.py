@@ -4,7 +4,8 @@ interval of the median.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -12,12 +13,18 @@ import numpy as np
 
 from analysis.shared import style
 from analysis.shared.cells import Grid
-from analysis.shared.notes import total_word
+from analysis.shared.notes import stand_in, total_word
 from analysis.shared.sizes import tests_claims
 
 
-def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
-    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes."""
+def row_title(grid: Grid, scene: str) -> str:
+    """Returns the scene, and below it the shapes that stand in for the paper's, in short lines."""
+    shapes = stand_in(str(grid.results.cases.scene_note[grid.first(scene)]))
+    return "\n".join([style.scene_title(scene), *textwrap.wrap(f"(stand-in: {shapes})" if shapes else "", 22)])
+
+
+def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
+    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes. `title` names a scene."""
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
         papers = {}
@@ -49,7 +56,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]]) -> Any:
                 ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
                         transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
     ax.set_ylim(len(scenes) * pitch - 1, -1)
-    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], map(style.scene_title, scenes))
+    ax.set_yticks([i * pitch + (len(present) - 1) / 2 for i in range(len(scenes))], [title(grid, scene) for scene in scenes])
     ax.tick_params(axis="y", length=0)
     ax.grid(False, axis="y")
     ax.set_xlabel(f"{total_word(grid.results)} (s)")

@@ -2,8 +2,9 @@
 
 A table in such a file is one claim: `claim` (the words that tables print, perhaps with {blanks}), `stem` (or a list of them) that judges it,
 `judged_as` (average, every pair, most, never, ...), and the sentence of the paper, `quote`, with its `section`. Claims of our own are in
-hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, where that is known. A claim
-with blanks has `in_general`: the same words without blanks, for a page on which it has no verdict.
+hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, if that is known. A claim
+with blanks has `in_general`: the same words without blanks, for a page on which it has no verdict. `untested` gives the reason why no script judges the sentence;
+such a claim needs neither `stem` nor `judged_as`, and must not get a verdict.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from analysis.shared.verdicts import Ratio, Verdict
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
 STATED: Final = "experiment"  # in place of a paper, for claims that an experiment states itself
-KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general"})
+KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general", "untested"})
 SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
 Record = dict[str, object]
 
@@ -40,8 +41,9 @@ class Entry:
     quote: str
     judged_as: str
     counts: bool  # its ratio is of counted work, not of time
-    differs: str  # why it does not hold here, where that is known
+    differs: str  # why it does not hold here, if that is known
     in_general: str = ""  # its words without blanks, if it has blanks
+    untested: str = ""  # why no script judges it
 
 
 class Claim(str):
@@ -60,16 +62,18 @@ def entries(paper: str) -> dict[str, Entry]:
 
 
 def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
-    needed = {"claim", "stem", "judged_as"} | (set() if path.stem == OWN else {"quote", "section"})
+    needed = {"claim"} | (set() if table.get("untested") else {"stem", "judged_as"}) | (set() if path.stem == OWN else {"quote", "section"})
     if missing := sorted(needed - table.keys()):
         raise ValueError(f"{path}: claim '{name}' has no '{missing[0]}': add it")
     if unknown := sorted(table.keys() - KEYS):
         raise ValueError(f"{path}: claim '{name}' has the unknown key '{unknown[0]}': remove it")
     if "{" in str(table["claim"]) and "in_general" not in table:
         raise ValueError(f"{path}: claim '{name}' has blanks and no 'in_general': add the claim in words without blanks")
-    stems = table["stem"] if isinstance(table["stem"], list) else [table["stem"]]
+    stem = table.get("stem", [])
+    stems = stem if isinstance(stem, list) else [stem]
     return Entry(path.stem, name, tuple(map(str, stems)), str(table["claim"]), str(table.get("section", "")), str(table.get("quote", "")),
-                 str(table["judged_as"]), bool(table.get("counts", False)), str(table.get("differs", "")), str(table.get("in_general", "")))
+                 str(table.get("judged_as", "")), bool(table.get("counts", False)), str(table.get("differs", "")), str(table.get("in_general", "")),
+                 str(table.get("untested", "")))
 
 
 def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
@@ -82,10 +86,14 @@ def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
 
 
 def record(verdict: Verdict, stem: str, profile: str) -> Record:
-    """One verdict as it stands in a file. Raises TypeError if its claim was typed and not taken from a claims file."""
+    """One verdict as it stands in a file. Raises TypeError if its claim was typed and not taken from a claims file, and ValueError if the file does not
+    name the stem, or says that no script judges the claim.
+    """
     claim = verdict.claim
     if not isinstance(claim, Claim):
         raise TypeError(f"'{claim}' is not a claim of analysis/claims: take it from there with claims.of()")
+    if claim.entry.untested:
+        raise ValueError(f"{stem} judges the claim {claim.entry.paper}/{claim.entry.id}, which is marked untested: remove `untested`")
     if stem not in claim.entry.stems:
         raise ValueError(f"{stem} judges the claim {claim.entry.paper}/{claim.entry.id}: add it to its `stem`")
     return {"paper": claim.entry.paper, "id": claim.entry.id, "stem": stem, "claim": claim.removeprefix(f"{claim.place}: "), "place": claim.place,

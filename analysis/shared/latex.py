@@ -85,14 +85,15 @@ def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
     """Returns a table of several pages as a longtable, which cannot float."""
     lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
     for number, block in enumerate(chosen.blocks):
+        lines += [r"\addtocounter{table}{-1}"] * (number > 0)  # every longtable counts as a table
         lines += _longtable(table, block, "" if number else caption)
-    # Upright, on the page of what follows: sideways they would often be alone on a page.
-    return [*lines, "}", *[r"\end{landscape}"] * chosen.sideways, *[rf"\noindent{{\footnotesize {_sentences(notes)}\par}}"] * bool(notes)]
+    # Upright, on the page of what follows: sideways they would often be alone on a page. In a box, so that no page ends within them.
+    return [*lines, "}", *[r"\end{landscape}"] * chosen.sideways, *[rf"\noindent\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"] * bool(notes)]
 
 
 def _list(heading: str, items: Iterable[str]) -> list[str]:
-    """A heading, which no page ends with, and a list."""
-    return [r"\begingroup\footnotesize\csname @beginparpenalty\endcsname=10000\relax", rf"\par\medskip\noindent\textbf{{{heading}}}",
+    """Returns a heading, which no page ends with, and a list, of which each item is on one page."""
+    return [r"\begingroup\footnotesize\interlinepenalty=10000\csname @beginparpenalty\endcsname=10000\relax", rf"\par\medskip\noindent\textbf{{{heading}}}",
             r"\begin{itemize}\setlength{\itemsep}{0pt}\setlength{\parskip}{0pt}\setlength{\parsep}{0pt}", *[rf"\item {item}" for item in items], r"\end{itemize}\endgroup"]
 
 

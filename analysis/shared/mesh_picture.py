@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -31,8 +32,8 @@ def view(eye: tuple[float, float, float], up: tuple[float, float, float] = (0.0,
     return View(np.stack([right, np.cross(towards, right), towards]))
 
 
-def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False) -> None:
-    """Triangles in their colours (n x 4; grey, if not given), darker where they are turned away from the eye. `edges` is the width of
+def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False, shade: float = 0.4) -> None:
+    """Draws triangles in their colours (n x 4; grey, if not given), darker by up to `shade` where they are turned away from the eye. `edges` is the width of
     their outlines; 0: none. What faces away is left out, unless both sides are asked for: a surface with holes shows its inside.
     """
     corners = of.seen(shown.corners)
@@ -40,10 +41,10 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: f
     normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
     facing = np.ones(len(sides), dtype=bool) if both_sides else normal[:, 2] > 0
     order = np.flatnonzero(facing)[np.argsort(sides[facing, :, 2].mean(axis=1))]
-    light = 0.6 + 0.4 * np.abs(normal[order, 2]) / np.maximum(np.linalg.norm(normal[order], axis=1), 1e-300)
+    light = 1 - shade + shade * np.abs(normal[order, 2]) / np.maximum(np.linalg.norm(normal[order], axis=1), 1e-300)
     painted = np.array((np.tile(GREY, (len(sides), 1)) if colours is None else colours)[order])
     painted[:, :3] *= light[:, None]
-    ax.add_collection(PolyCollection(sides[order][:, :, :2], facecolors=painted, rasterized=True, linewidths=edges or 0.1,
+    ax.add_collection(PolyCollection(sides[order][:, :, :2], facecolors=painted, rasterized=True, linewidths=edges or (0.3 if (painted[:, 3] == 1).all() else 0.1),
                                      edgecolors="#333333" if edges else painted))
     frame(ax, corners)
 
@@ -54,6 +55,23 @@ def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
     room = margin * float((high - low)[:2].max())
     ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal", xticks=[], yticks=[])
     ax.spines[:].set_visible(False)
+
+
+def ring(ax: Any, at: Floats, colour: str = "black", size: float = 9.0) -> None:
+    """Draws a ring with a white edge, which shows on dark and on light surfaces."""
+    for edge, width in (("white", 3.2), (colour, 1.4)):
+        ax.plot([at[0]], [at[1]], "o", markersize=size, markerfacecolor="none", markeredgecolor=edge, markeredgewidth=width, zorder=6)
+
+
+def thumbnails(ax: Any, placed: Sequence[tuple[Mesh, View, float, float]], most: int = 2000) -> None:
+    """Draws meshes in one frame, each scaled to a box of size 1 whose middle is at its place (x, y). A mesh of more than `most` triangles has no edges."""
+    middles = np.array([[x, y] for _, _, x, y in placed])
+    for shown, of, x, y in placed:
+        seen = of.seen(shown.corners)
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        moved = (seen - 0.5 * (low + high)) / max(float((high - low)[:2].max()), 1e-300) + np.array([x, y, 0.0])
+        draw(ax, Mesh(moved @ of.axes, shown.triangles), of, edges=0.12 if len(shown.triangles) <= most else 0.0, both_sides=not shown.closed)
+    frame(ax, np.concatenate([middles - 0.5, middles + 0.5]))
 
 
 VIEWS: Final = {"fandisk": view((-1, 0.6, 1)), "wuson": view((1, 0.5, -1)), "couplingdown": view((1, 0.5, -1)), "pinion": view((1, 0.5, -1)),

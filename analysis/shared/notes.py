@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -14,14 +16,17 @@ from analysis.shared.results import LEAST_SHARE, Results
 APART: Final = "their times do not compare with any"  # analysis/winners.py looks for it
 
 
-def unchecked_line(results: Results) -> str:
-    """For a table or figure: whose lower bounds the harness could not check; empty where it checked all that there are."""
+def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
+    """For a table or figure: whose lower bounds the harness could not check, among these rows, or all; empty where it checked all that there are."""
     cases, found = results.cases, dict[str, list[str]]()
-    for case in range(len(cases)):
+    among = range(len(cases)) if rows is None else rows
+    titles, asked = {str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among}, Counter(str(cases.label[case]) for case in among)
+    for case in among:
         if cases.status[case] != "unsound" and np.isfinite(cases.lower[case]) and results.check_of(case).startswith("not"):
-            found.setdefault(results.check_of(case), []).append(cases.label[case])
+            found.setdefault(results.check_of(case), []).append(str(cases.label[case]))
+
     def counted(labels: list[str]) -> str:
-        return ", ".join(f"{label} (in {count} of {int((cases.label == label).sum())} rows)" if count < (cases.label == label).sum() else label
+        return ", ".join(titles[label] + (f" (in {count} of {asked[label]} rows)" if count < asked[label] else "")
                          for label, count in sorted(Counter(labels).items()))
 
     return "; ".join(f"Lower bounds {check}: {counted(labels)}" for check, labels in sorted(found.items()))
@@ -51,6 +56,12 @@ def measured_on(results: Results) -> str:
         if (count := len(set(column))) > 1:
             line += f"; rows of {count} {what}s are mixed, and the times of two {what}s do not compare"
     return line
+
+
+def stand_in(note: str) -> str:
+    """Returns the shapes that stand in for the paper's by the note of a scene: 'an orange sampled twice'; empty if the note names none."""
+    found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
+    return found[1] if found else ""
 
 
 def scene_notes(results: Results) -> list[str]:

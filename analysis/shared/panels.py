@@ -6,6 +6,8 @@ import re
 from string import ascii_lowercase
 from typing import Any, Final
 
+import matplotlib.layout_engine
+
 STRIP: Final = 0.35  # inches: lower axes are a strip of a panel
 ROW: Final = 0.3  # inches: panels whose tops are nearer than this are in one row
 LETTERS: Final = [*ascii_lowercase, *[first + second for first in ascii_lowercase for second in ascii_lowercase]]
@@ -29,8 +31,11 @@ def panels(figure: Any) -> list[Any]:
 
 
 def add_letters(figure: Any) -> None:
-    """Adds a letter to each panel, if there are several: before its title, or else inside, at the top left. A title that begins with one keeps it."""
+    """Adds a letter to each panel, if there are several: before its title, or else above its top left corner; inside, if the panels were placed by hand, because
+    nothing makes room then. A title that begins with a letter keeps it.
+    """
     axes = panels(figure)
+    room = figure.get_layout_engine() is not None and not isinstance(figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine)
     own = {found[1] for ax in axes if (found := _LETTERED.match(ax.get_title()))}
     free = (letter for letter in LETTERS if letter not in own)
     for ax in axes if len(axes) > 1 else []:
@@ -39,6 +44,8 @@ def add_letters(figure: Any) -> None:
         letter = f"({next(free)})"
         if ax.get_title():
             ax.title.set_text(f"{letter} {ax.get_title()}")
+        elif room:
+            ax.set_title(letter, loc="left")
         else:
             ax.annotate(letter, (0, 1), (3, -3), xycoords="axes fraction", textcoords="offset points", ha="left", va="top", fontsize=7, zorder=9,
                         bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7})

@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 import os
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,20 +17,24 @@ from analysis.shared import claims, sizes, style, tables
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.panels import add_letters
+from analysis.shared.printable import printable
 from analysis.shared.results import Results
 
 
 FORMATS: Final = ("pdf", "png")
 NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
+CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt is the caption of a figure
 
 
 @dataclass(frozen=True)
 class Report:
     draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: there is none
-    table: tables.Table | None = None  # its caption is the figure's, too; without one the figure has no notes
+    table: tables.Table | None = None  # without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
     clock: str = ""  # a sentence on the clock of the table's times, if they are not those of the rows; or NO_TIMES
+    caption: str = ""  # of the figure: what each panel and mark shows; default: the caption of the table
+    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)  # of several figures: the rows that each shows, for its footnote; default: all
 
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
         """The table with what every table has: notes on its clock and on rows that were run beside others, and verdicts only on claims that
@@ -43,20 +47,45 @@ class Report:
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named;
-        the stem of the results, if no other is given.
+        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named,
+        with the caption of the figure as <stem>.txt if it has one of its own; the stem of the results, if no other is given. Deletes an old figure if there
+        is none now.
         """
         stem = stem or results.stem
-        beside = side_by_side_line(results)
-        table = self.printed(results, stem)
-        if table is None:
-            return save_figures(self.draw(), out, stem, str(results.meta.get("title", "")), beside, formats) if self.draw else []
-        footnote = " ".join(filter(None, [*[f"{text}." for text in (self.key, unchecked_line(results)) if text], beside]))
-        paths = tables.save(table, self.records, out, stem)
-        if table.verdicts:
-            found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
-            paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
-        return paths + save_figures(self.draw(), out, stem, table.caption, footnote, formats) if self.draw else paths
+        table, paths = self.printed(results, stem), list[Path]()
+        if table is not None:
+            paths = tables.save(table, self.records, out, stem)
+            if table.verdicts:
+                found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
+                paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
+        if not self.draw:
+            delete_figures(out, stem, formats)
+            return [*paths, *save_caption("", out, stem)]
+        title = str(results.meta.get("title", "")) if table is None else table.caption
+        footnotes = {name: self._footnote(results, rows) for name, rows in self.parts.items()}
+        figures = save_figures(self.draw(), out, stem, self.caption or title, self._footnote(results), formats, footnotes)
+        return [*paths, *figures, *save_caption(self.caption, out, stem)]
+
+    def _footnote(self, results: Results, rows: Sequence[int] | None = None) -> str:
+        """Returns what stands below a figure of these rows; of all, if not given."""
+        texts = [self.key, unchecked_line(results, rows)] if self.table is not None else []
+        return " ".join(filter(None, [*[f"{text}." for text in texts if text], side_by_side_line(results)]))
+
+
+def save_caption(caption: str, out: Path, stem: str) -> list[Path]:
+    """Writes the caption of a figure for analysis.document, or deletes an old one if it is empty."""
+    path = out / "figures" / f"{stem}{CAPTION}"
+    if not caption:
+        path.unlink(missing_ok=True)
+        return []
+    path.parent.mkdir(parents=True, exist_ok=True)
+    tables.write_whole(path, printable(caption) + "\n")
+    return [path]
+
+
+def delete_figures(out: Path, stem: str, formats: Sequence[str]) -> None:
+    for suffix in formats:
+        (out / "figures" / f"{stem}.{suffix}").unlink(missing_ok=True)
 
 
 def save_png(figure: Any, path: Path) -> Path:
@@ -69,13 +98,13 @@ def save_png(figure: Any, path: Path) -> Path:
     return path
 
 
-def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, formats: Sequence[str]) -> list[Path]:
-    """Writes one figure as <stem>, or several as <stem>-<name>; of several, an old <stem> is deleted."""
+def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, formats: Sequence[str], footnotes: Mapping[str, str] | None = None) -> list[Path]:
+    """Writes one figure as <stem>, or several as <stem>-<name>; of several, an old <stem> is deleted, and `footnotes` may have one of its own for a name."""
     if not isinstance(drawn, dict):
         return save_figure(drawn, out, stem, caption, footnote, formats)
-    for suffix in formats:
-        (out / "figures" / f"{stem}.{suffix}").unlink(missing_ok=True)
-    return [path for name, figure in drawn.items() for path in save_figure(figure, out, f"{stem}-{name}", caption, footnote, formats)]
+    delete_figures(out, stem, formats)
+    return [path for name, figure in drawn.items()
+            for path in save_figure(figure, out, f"{stem}-{name}", caption, (footnotes or {}).get(name, footnote), formats)]
 
 
 def _whole(figure: Any) -> Any:

@@ -62,4 +62,4 @@ def log_ticks(axis: Any) -> None:
     between = (1, 2, 5) if high - low < 0.6 else (1, 3)  # more would overlap in a narrow frame
     axis.set_major_locator(matplotlib.ticker.LogLocator(subs=between if few else (1,), numticks=6))
     if few:
-        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}"))
+        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda x, _: f"{x:g}" if x < 1e4 else f"{x:,.0f}"))

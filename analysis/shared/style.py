@@ -85,6 +85,7 @@ _MARKS: Final[list[tuple[str, str, str, Line]]] = [
     ("external", "#777777", ">", (0, (4, 1.5, 1, 1.5)))]
 LOOKS: Final[dict[str, Look]] = {name: Look(solvers.TITLES[name], colour, marker, line) for name, colour, marker, line in _MARKS}
 NEUTRAL: Final = Look("", GREY, "o")  # of no solver
+PROGRAMS: Final = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}  # titles of external programs
 # Solvers that no picture shows, or one alone, which says there how they look.
 WITHOUT_LOOK: Final = ("nohd_as_printed", "ohd_as_printed", "penetration")
 
@@ -135,7 +136,7 @@ def introduce(results: Results) -> None:
         if (solver == "external" or solver not in LOOKS) and name not in _own:
             k = len(_own)
             marker = _unused(_OWN_MARKERS, used, k)
-            _own[name] = Look(titles.get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], marker, (DASHED, "-")[k % 2])
+            _own[name] = Look(titles.get(name, PROGRAMS.get(name, name)), _OWN_COLOURS[k % len(_OWN_COLOURS)], marker, (DASHED, "-")[k % 2])
     named: dict[str, list[str]] = {}
     for solver, label in dict.fromkeys(zip(results.cases.solver, results.names)):
         if label != solver and label not in _own:
@@ -182,18 +183,18 @@ def look(solver: str, label: str = "") -> Look:
 def _look(solver: str, label: str) -> Look:
     if solver == "external" and label.partition("(")[0] in _own:
         solver = label.partition("(")[0]
-    known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solver, "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
+    known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solvers.TITLES.get(solver, solver), "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
     if label in ("", solver):
         return known
     if label in _variants:
         k, marker = _variants[label]
-        return Look(label, _shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), marker, _LINES[k % len(_LINES)])
+        return Look(label, shade(known.colour, (0.0, 0.45, -0.35)[k % 3]), marker, _LINES[k % len(_LINES)])
     variant = zlib.crc32(label.encode())
     return Look(label, known.colour, "phd<>8"[variant % 6], (DOTTED, (0, (6, 2)), (0, (3, 1, 1, 1)))[variant % 3])
 
 
-def _shade(colour: str, by: float) -> str:
-    """The colour, lighter (by > 0) or darker."""
+def shade(colour: str, by: float) -> str:
+    """Returns the colour, lighter (by > 0) or darker."""
     mixed = [(1 - abs(by)) * part + (by if by > 0 else 0) for part in matplotlib.colors.to_rgb(colour)]
     return str(matplotlib.colors.to_hex(mixed))
 

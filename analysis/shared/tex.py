@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from typing import Final
 
@@ -11,7 +12,7 @@ _SYMBOLS: Final = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "|": r"\textbar{}", "<": r"\textless{}", ">": r"\textgreater{}",
     "—": "---", "–": "--", "…": r"\dots{}", "“": "``", "”": "''", "‘": "`", "’": "'", "\u00a0": "~",
-    "×": r"$\times$", "·": r"$\cdot$", "±": r"$\pm$", "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≠": r"$\ne$", "≈": r"$\approx$", "→": r"$\to$",
+    "×": r"$\times$", "·": r"$\cdot$", "±": r"$\pm$", "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≠": r"$\ne$", "≈": r"$\approx$", "≃": r"$\simeq$", "→": r"$\to$",
     "∞": r"$\infty$", "√": r"$\surd$", "°": r"$^\circ$", "²": "$^2$", "³": "$^3$", "′": r"$'$", "µ": r"\textmu{}", "†": r"$\dagger$",
     "ß": r"\ss{}", "ø": r"\o{}", "Ø": r"\O{}", "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ł": r"\l{}", "Ł": r"\L{}", "ı": r"\i{}"}
 _GREEK: Final = dict(zip("αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΥΦΨΩ", (
@@ -21,8 +22,14 @@ _KNOWN: Final = _SYMBOLS | {letter: rf"$\{name}$" for letter, name in _GREEK.ite
 # By the combining accent: the command that puts it over or under a letter.
 _ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"', "\u030a": "r",
                    "\u030b": "H", "\u030c": "v", "\u0327": "c"}
+_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # what has no letter of its own in Unicode
 SPELLED: Final = r"\texttt{U+"
 SPELLED_NOTE: Final = "U+ and digits are the number in Unicode of a letter that LaTeX does not set by itself."
+
+
+def _under_accent(base: str) -> str:
+    """Returns the letter, an i without its dot."""
+    return base.replace("i", r"\i")
 
 
 def _tex(letter: str) -> str:
@@ -33,13 +40,19 @@ def _tex(letter: str) -> str:
     base, accent = parts[0], parts[1:]
     if accent not in _ACCENTS or not base.isascii():
         return ""
-    return f"\\{_ACCENTS[accent]}{{{base.replace('i', chr(92) + 'i')}}}"
+    return f"\\{_ACCENTS[accent]}{{{_under_accent(base)}}}"
 
 
 def tex_escape(text: str) -> str:
-    """The text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'. An accent that stands behind its letter is put over it."""
-    whole, form = unicodedata.normalize("NFC", printable(text)), "\x02{}\x03"
-    spelt = spelled(whole, lambda letter: bool(_tex(letter)), form)
+    """Returns the text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'. An accent that stands behind its letter is put over it."""
+    parts = _ACCENTED.split(unicodedata.normalize("NFC", printable(text)))
+    accented = [f"\\{_ACCENTS[accent]}{{{_under_accent(base)}}}" for base, accent in zip(parts[1::3], parts[2::3])]
+    return "".join(part for pair in zip([*map(_escaped, parts[::3])], [*accented, ""]) for part in pair)
+
+
+def _escaped(text: str) -> str:
+    """Escapes text in which no accent stands behind a letter."""
+    spelt = spelled(text, lambda letter: bool(_tex(letter)), "\x02{}\x03")
     return "".join(_tex(letter) for letter in spelt).replace("\x02", r"\texttt{").replace("\x03", "}")
 
 

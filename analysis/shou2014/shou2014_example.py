@@ -8,12 +8,16 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.drawable import as_formula
 from analysis.shared.load import paper_numbers
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
+from analysis.shared.verdicts import Verdict, all_of
+
+
+PRINTED_TO = 1e-10  # how far a number may be from one of ten digits: the paper cuts digits off and does not round
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,7 @@ def make(results: Results) -> Report:
     doubtful = "seconds" in paper.get("doubtful", [])
     all_pairs = next((one for (label, _), one in found.items() if label == "all pairs"), None)
     table = tables.Table(
-        "Hausdorff distance H of two elliptic cones in [-2, 2]^3, the example of Shou et al. 2014: 64 voxels an axis, "
+        "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels an axis, "
         "and this project's enclosure.",
         ["method", "lower", "upper", "midpoint", "half-width", "subdivision, s", "distances, s", "box distances",
          "fewer than all pairs", "polynomial bounds"])
@@ -77,6 +81,7 @@ def make(results: Results) -> Report:
         records.append({"solver": solver, "label": label, "tolerance": tolerance, "status": one.status, **one.record(),
                         "paper_lower": paper["lower"], "paper_upper": paper["upper"],
                         "paper_seconds": float("nan") if doubtful else paper["seconds"]})
+    table.verdicts = [printed_interval(paper, all_pairs)]
     table.notes = [
         f"Both directions together. The exact H of these surfaces is sqrt 43/3 - 4/3 = {exact:.10f}, attained "
         "where the box clips the second surface.",
@@ -88,6 +93,14 @@ def make(results: Results) -> Report:
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
     return Report(lambda: draw(methods, found, paper, exact), table, records)
+
+
+def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
+    """Compares the interval of all pairs, its midpoint and its half-width with the printed numbers."""
+    known = here if here and here.status == "ok" else None
+    found = {"lower": known.lower, "upper": known.upper, "midpoint": (known.lower + known.upper) / 2, "error": (known.upper - known.lower) / 2} if known else {}
+    unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in found.items())
+    return all_of(claims.of("shou2014", "printed_interval"), unlike, len(found), len(found), "numbers")
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
@@ -110,14 +123,15 @@ def draw(methods: list[tuple[str, str, float]], found: dict[tuple[str, float], J
          exact: float) -> Any:
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 0.9 + 0.28 * (len(methods) + 1)))
     names = ["paper"]
-    ax.plot([paper["lower"], paper["upper"]], [0, 0], color=style.GREY, linewidth=3, solid_capstyle="butt")
+    ax.use_sticky_edges = False
+    ax.barh(0, paper["upper"] - paper["lower"], 0.17, left=paper["lower"], facecolor="white", edgecolor="black", linewidth=0.8, zorder=2)  # open: printed
     for row, (solver, label, tolerance) in enumerate(methods, start=1):
         looks, one = style.look(solver, label), found[label, tolerance]
         ax.plot([one.lower, one.upper], [row, row], color=looks.colour, linewidth=3, solid_capstyle="butt")
         ax.plot([(one.lower + one.upper) / 2], [row], **style.filled_marker(looks))
         names.append(title_of(solver, label, tolerance))
     ax.axvline(exact, color="black", linewidth=0.7, linestyle=(0, (3, 2)), zorder=0)
-    as_formula(ax.annotate(r"$\sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
+    as_formula(ax.annotate(r"$H = \sqrt{43}/3 - 4/3$", (exact, -0.5), xytext=(-3, 0), textcoords="offset points", ha="right",
                 va="center", fontsize=7))
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.9)

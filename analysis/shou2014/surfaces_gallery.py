@@ -6,16 +6,18 @@ import ast
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.legend_handler import HandlerTuple
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.drawable import as_formula
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import median
+from analysis.shared.verdicts import Verdict, all_of
 
 VOXELS = 32  # an axis, in pictures
 
@@ -89,6 +91,14 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
     return [f"[{low:.6f}, {high:.6f}]{said}", tables.number(median(results.total_seconds(row)).value)]
 
 
+def holds_distance(results: Results) -> Verdict:
+    """Looks at every interval of the published method; a row without one is not looked at."""
+    cases, rows = results.cases, results.rows(solver="interval_subdivision")
+    known = [row for row in rows if np.isfinite([cases.lower[row], cases.upper[row], cases.exact[row]]).all()]
+    unlike = sum(not holds(results, row, float(cases.exact[row])) for row in known)
+    return all_of(claims.of("shou2014", "holds_distance"), unlike, len(known), len(rows), "intervals")
+
+
 def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
@@ -118,6 +128,7 @@ def make(results: Results) -> Report:
                             "box_distances": int(cases.counters["box_distances"][row]),
                             **{key: float(value) for key, value in extras.items()}})
         table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
+    table.verdicts = [holds_distance(results)]
     table.notes = [
         "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. "
         "'stalled': the bounds hold, but cannot close. 'checked': the witnesses of the certified lower bounds, by "
@@ -152,9 +163,9 @@ def draw(results: Results, scenes: list[str]) -> Any:
     cases = results.cases
     models = results.models
     known = {name: Surface(text, box) for name, text, box in zip(models.name, models.polynomial, models.box) if text}
-    columns = 5
+    columns = 4
     rows = -(-len(scenes) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 1.66 * rows), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 2.05 * rows), squeeze=False)
     witness_colour = style.look("surface_enclosure").colour
     for ax in axes.flat[len(scenes):]:
         ax.set_axis_off()
@@ -180,11 +191,12 @@ def draw(results: Results, scenes: list[str]) -> Any:
         ax.set_title(scene, fontsize=7, pad=3)
         x, y = "xyz"[across[0]], "xyz"[across[1]]
         as_formula(ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2))
-    marks = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
-             for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
+    marks: list[Any] = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
+                        for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
+    marks.append((plt.Rectangle((0, 0), 1, 1, facecolor=TARGET_COLOUR, alpha=OPACITY, linewidth=0), marks[0]))  # one over the other
     marks.append(plt.Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))
     strip = 0.2 / figure.get_figheight()
-    figure.set_layout_engine("tight", w_pad=0.6, h_pad=0.8, rect=(0, 0, 1, 1 - strip))
-    figure.legend(marks, ["voxels kept of A", "voxels kept of B", "from the witness on A to its nearest point of B"],
-                  loc="upper center", ncols=3, fontsize=6.5, borderaxespad=0.2)
+    figure.set_layout_engine("tight", w_pad=0.6, h_pad=1.2, rect=(0, 0, 1, 1 - strip))
+    figure.legend(marks, ["voxels kept of A", "of B", "of both", "from the witness on A to its nearest point of B"],
+                  loc="upper center", ncols=4, fontsize=6.5, borderaxespad=0.2, handler_map={tuple: HandlerTuple(ndivide=1)})
     return figure

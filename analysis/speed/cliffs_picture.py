@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -15,6 +16,19 @@ from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, 
 ACROSS: Final = 4
 WIDE: Final = 1.46  # inches, of a frame
 TALL: Final = 0.92
+
+# Frames with point sets also show solvers of meshes: here no two solvers that share frames share a colour.
+_OTHER: Final = {"scan": ("#332288", (0, (4, 1.5, 1, 1.5)))}
+_SPLIT: Final = "#117733"  # Guthe's algorithm with another way to split
+
+
+def look(solver: str, label: str) -> style.Look:
+    """Returns the look of a solver in these frames."""
+    found = style.look(solver, label)
+    if solver in _OTHER and label == solver:
+        colour, line = _OTHER[solver]
+        return replace(found, colour=colour, line=line)
+    return replace(found, colour=_SPLIT) if solver == "guthe" and label != solver else found
 
 
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
@@ -70,7 +84,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
     for solver, label in labels:
         if label not in own:
             continue
-        rows, looks = own[label], style.look(solver, label)
+        rows, looks = own[label], look(solver, label)
         known = [(row.ratio, y, row.status) for row, y in zip(rows, relative(rows, what)) if math.isfinite(y)]
         ax.plot([x for x, _, _ in known], [y for _, y, _ in known], color=looks.colour, linestyle=looks.line,
                 linewidth=0.9, zorder=3)
@@ -80,8 +94,9 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
                     | {"markersize": 0.75 * looks.size})
         for row in rows:
             if row.status not in ANSWERED:
+                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # which stands at the top left
                 statuses.add(row.status)
-                ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - 6 * lost[row.ratio]),
+                ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
                             xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",
                             fontsize=6, fontweight="bold", color=looks.colour, annotation_clip=False)
                 lost[row.ratio] += 1
@@ -101,7 +116,9 @@ def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str
                height: float) -> None:
     left = (0.52 + (slot % ACROSS) * (WIDE + 0.2) - 0.05) / style.DOUBLE_COLUMN
     top = 1 - ((slot // ACROSS) * band + 0.18) / height
-    legend = figure.legend(handles=style.handles(labels), loc="upper left", bbox_to_anchor=(left, top), handlelength=2.2,
+    handles = [plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+               for looks in (look(*pair) for pair in labels)]
+    legend = figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(left, top), handlelength=2.2,
                            borderaxespad=0, fontsize=6.5)
     legend.set_in_layout(False)
     key = style.letters_key(statuses)

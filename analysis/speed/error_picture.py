@@ -20,8 +20,9 @@ from analysis.speed.error_curves import Answer, Curve, Panel, Series
 DOMAINS: Final = {"mesh": "Meshes", "points": "Point sets", "surface": "Surfaces"}
 STAIRS: Final[dict[str, Any]] = {"color": "#A8A8A8", "linewidth": 1.4}
 LEGENDS: Final[dict[str, Any]] = {"handlelength": 2.6, "borderpad": 0, "labelspacing": 0.25}
+LETTER: Final = 0.24  # room above the curves of a frame for its letter, as a part of all decades
 # In inches.
-LEFT, PITCH, WIDE, TALL, BETWEEN, TITLE, BELOW, LEGEND = 0.66, 2.19, 1.82, 0.92, 0.07, 0.2, 0.335, 0.125
+LEFT, PITCH, WIDE, TALL, BETWEEN, TITLE, BELOW, LEGEND = 0.66, 2.19, 1.82, 0.86, 0.07, 0.2, 0.335, 0.125
 
 
 @dataclass
@@ -131,8 +132,8 @@ def _draw_band(figure: Any, results: Results, band: list[Shown], titles: dict[Pa
                         for y in (floor, floor + TALL + BETWEEN))
         above.sharex(below)
         below.set_xscale("log")
-        for ax, floor in ((above, one.least), (below, one.floor)):
-            scale.apply(ax, floor, labels=i == 0)
+        for ax, floor, room in ((above, one.least, 0.04), (below, one.floor, LETTER)):
+            scale.apply(ax, floor, room, labels=i == 0)
         _tolerances(above, results, one)
         _draw_gap(above, scale, results, one)
         _draw_error(below, scale, results, one)
@@ -159,7 +160,8 @@ class Scale:
     def decades(self) -> int:
         return self.high - self.low
 
-    def apply(self, ax: Any, floor: float, labels: bool) -> None:
+    def apply(self, ax: Any, floor: float, room: float, labels: bool) -> None:
+        """Sets the limits, with `room` at the top as a part of all decades, and the ticks."""
         ax.set_yscale("log")
         ax.minorticks_off()
         step = max(1, -(-self.decades // 4))
@@ -167,7 +169,7 @@ class Scale:
         names = [f"$10^{{{round(np.log10(tick))}}}$" if tick < 1 else f"{tick:g}" for tick in ticks] + ["less"]
         ax.set_yticks([*ticks, self.inside(self.least)], names if labels else [""] * len(names))
         bottom = self.least * 10.0 ** (-0.1 * self.decades)
-        ax.set_ylim(bottom, 10.0 ** (self.high + 0.04 * self.decades))
+        ax.set_ylim(bottom, 10.0 ** (self.high + room * self.decades))
         ax.axhspan(bottom, floor, color="#EBEBEB", linewidth=0, zorder=0)
         if floor > 3 * self.least:
             ax.text(0.5, np.sqrt(self.least * floor), "reference", transform=ax.get_yaxis_transform(), ha="center", va="center", fontsize=6,

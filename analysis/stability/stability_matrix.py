@@ -25,7 +25,8 @@ NAMED: Final = 12  # at most so many places are named where a claim fails
 
 def make(results: Results) -> Report:
     suite = Suite(results)
-    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers], clock=NO_TIMES)
+    parts = {kind: [answer.row for family in suite.of_kind(kind) for own in family.answers.values() for answer in own.values()] for kind in KINDS}
+    return Report(lambda: stability_picture.draw(suite), table_of(suite), [record(suite, answer) for answer in suite.answers], clock=NO_TIMES, parts=parts)
 
 
 # --- claims -------------------------------------------------------------------------------------------------------------------------

@@ -120,7 +120,9 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: S
 
 
 def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
-    """A line through the answers, and what has none above it: a letter at the top, in the colour of the solver. A solver that is not in front is grey."""
+    """Draws a line through the answers, and above it what has none: a letter at the top, in a darker shade of the solver's colour. A solver that is not in front is
+    grey.
+    """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
     known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
     if known:
@@ -143,7 +145,7 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
         elif not math.isnan(measure.of(answer)) or answer.outcome.badness > Outcome.STOPPED.badness:
             ax.annotate("∞" if math.isinf(measure.of(answer)) else letter, (answer.severity, 1), (0, -3 - 5.5 * lost[answer.severity]),
                         xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center", fontsize=5.5,
-                        fontweight="bold", color=looks.colour, annotation_clip=False, zorder=6, family="DejaVu Sans")
+                        fontweight="bold", color=style.shade(looks.colour, -0.4), annotation_clip=False, zorder=6, family="DejaVu Sans")
             lost[answer.severity] += 1
 
 

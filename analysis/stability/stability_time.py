@@ -35,7 +35,8 @@ def make(results: Results) -> Report:
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
     return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records,
-                  clock="Times are wall time.")
+                  clock="Times are wall time.",
+                  caption="Time to solve (upper frames) and counted work (lower frames) of each solver against severity, on the families where one grows the most.")
 
 
 def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
@@ -100,9 +101,9 @@ def draw(suite: Suite, families: list[Family]) -> Any:
 
     measures = (Measure("time (s)", lambda answer: seconds(suite, answer), lambda answer: limit(suite, answer),
                         lambda answer: limit(suite, answer) if ran_out_of_time(suite, answer) else math.nan),
-                Measure("counted work", lambda answer: work(suite, answer), no_guide))
+                Measure("work (operations)", lambda answer: work(suite, answer), no_guide))
     tolerances = sorted({answer.tolerance for answer in suite.answers})
     notes = ["Dotted: the time limit; open markers on it: out of time. Open markers below: stopped or loose. Red boxes: wrong."
              + (f" Tolerance: {tolerances[0]:g}, the finest." if len(tolerances) > 1 else ""),
-             "Letters: no answer (C crashed, R refused; H hung, in the frame of work). Peers count no work."]
+             "Letters: no answer (C crashed, R refused; H hung, in the frame of work). Operations: distances, bounds, nodes and polynomial bounds; peers count none."]
     return stability_panels.draw(suite, families, measures, notes)

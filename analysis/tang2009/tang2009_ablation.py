@@ -17,13 +17,16 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
+from analysis.tang2009 import tang_pictures
 from analysis.tang2009.tang_motion import Run
 
 FINEST: Final = 1e-4
 PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
+MARKERS: Final = "osD^v"  # of scenes
 COUNTED: Final = {**CUTS, **MEASURES}
 CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # what the plain algorithm is measured against
+IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # the one of more subdivisions, and the one of fewer
 
 
 class Variants:
@@ -60,7 +63,9 @@ def verdicts(variants: Variants) -> list[Verdict]:
         claim = claims.of("tang2009", name)
         return in_time_and_work(lambda what: on_average(claim, [variants.ratio(scene, label, PLAIN, what) for scene in variants.scenes]), COUNTED)
 
-    return [*[judge(label, name) for label, name in CLAIMS], sensitive(variants)]
+    counted = [on_average(claims.of("tang2009", name), [variants.ratio(scene, more, fewer, "subdivisions") for scene in variants.scenes])
+               for more, fewer, name in IN_SUBDIVISIONS]
+    return [*[judge(label, name) for label, name in CLAIMS], *counted, sensitive(variants)]
 
 
 def sensitive(variants: Variants) -> Verdict:
@@ -99,26 +104,35 @@ def make(results: Results) -> Report:
                    "medians over rounds; ratios are paired by round. Distances are those of points to triangles. Deepest: subdivisions one in another.",
                    "Warm: each pose starts from what the one before has left. Corners alone: the three corners of a triangle of A are closest point queries of their own.",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(variants, rows, clock_word(results)), table, records)
+    caption = (f"(a) {clock_title(results)} of all poses of a motion with one part of the algorithm of Tang et al. 2009 changed, in units of the plain algorithm, with the interval of the "
+               "ratio as a line; cover is another algorithm. (b) The same time, in ms, of the plain algorithm against the tolerance. The legend names the models that stand in for the paper's.")
+    return Report(lambda: draw(variants, rows, clock_word(results)), table, records, caption=caption)
+
+
+def named(results: Results, scene: str) -> str:
+    """Returns a scene and what stands in for its models: 'Puma1/Puma2 (stand-ins: dinosaur, horse)'."""
+    shapes = [shape.removeprefix("stand-in: ") for shape in tang_pictures.stand_ins(results, results.rows(scene=scene)[0]) if shape]
+    return style.scene_title(scene) + (f" (stand-ins: {', '.join(shapes)})" if shapes else "")
 
 
 def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
-    """Left: each change against the plain algorithm. Right: the tolerance against subdivisions and time."""
+    """Draws, on the left, each change against the plain algorithm; on the right, its time against the tolerance."""
     changed = [label for label, tolerance in rows if tolerance == FINEST and label != PLAIN]
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.9), width_ratios=(1.3, 1))
-    colours = plt.get_cmap("viridis")(np.linspace(0.1, 0.85, len(variants.scenes)))
-    height = 0.8 / len(variants.scenes)
-    for k, (scene, colour) in enumerate(zip(variants.scenes, colours)):
+    colours = plt.get_cmap("viridis")(np.linspace(0.05, 0.75, len(variants.scenes)))
+    markers = [MARKERS[k % len(MARKERS)] for k in range(len(variants.scenes))]
+    step = 0.7 / len(variants.scenes)
+    for k, (scene, colour, marker) in enumerate(zip(variants.scenes, colours, markers)):
         for i, label in enumerate(changed):
-            y = i + (k - (len(variants.scenes) - 1) / 2) * height
+            y = i + (k - (len(variants.scenes) - 1) / 2) * step
             ratio = variants.ratio(scene, label, PLAIN)
             if not ratio.n:
                 continue
-            left.barh(y, ratio.value - 1, height * 0.9, left=1, color=colour)
-            if math.isfinite(ratio.low):
-                left.plot([ratio.low, ratio.high], [y, y], color="black", linewidth=0.7)
+            style.interval(left, ratio, y, color=colour, linewidth=1.4)
+            left.plot(ratio.value, y, marker=marker, markersize=4.5, color=colour, markeredgecolor="white", markeredgewidth=0.4)
         swept = [(tolerance, run) for tolerance in variants.tolerances if (run := variants.run(scene, PLAIN, tolerance))]
-        right.plot([tolerance for tolerance, _ in swept], [1e3 * float(run.per_pose.sum()) for _, run in swept], "o-", markersize=3.5, linewidth=0.9, color=colour)
+        right.plot([tolerance for tolerance, _ in swept], [1e3 * float(run.per_pose.sum()) for _, run in swept], marker=marker, markersize=4.5, markeredgecolor="white", markeredgewidth=0.4,
+                   linewidth=0.9, color=colour)
     left.axvline(1, color="black", linewidth=0.7)
     left.set_yticks(range(len(changed)), [style.title("cover" if label == "cover" else "tang", label) for label in changed])
     left.invert_yaxis()
@@ -127,5 +141,7 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
     right.invert_xaxis()
     for axis in (left.xaxis, right.xaxis, right.yaxis):
         scales.log_ticks(axis)
-    style.legend_above(figure, [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=style.scene_title(scene)) for scene, colour in zip(variants.scenes, colours)], columns=3)
+    entries = [plt.Line2D([], [], color=colour, marker=marker, markersize=4.5, linewidth=0.9, markeredgecolor="white", markeredgewidth=0.4, label=named(variants.results, scene))
+               for scene, colour, marker in zip(variants.scenes, colours, markers)]
+    style.legend_above(figure, entries, columns=3)
     return figure

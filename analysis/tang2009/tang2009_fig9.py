@@ -7,14 +7,14 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
-from analysis.shared import style, tables
+from analysis.shared import scales, style, tables
 from analysis.shared.notes import clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.tang2009 import tang_motion
-from analysis.tang2009.tang_motion import Motion
+from analysis.tang2009 import tang_motion, tang_pictures
+from analysis.tang2009.tang_motion import Motion, Run
 
-STAGES: Final = {"cull on A": "#9AD0F5", "cull on B": "#D97B00", "subdivide": "#00513B"}  # each of another lightness
+STAGES: Final[dict[str, tuple[str, style.Line]]] = {"cull on A": ("#56B4E9", "-"), "cull on B": ("#0072B2", style.DASHED), "subdivide": ("#000000", style.DOTTED)}
 
 
 def make(results: Results) -> Report:
@@ -45,24 +45,37 @@ def make(results: Results) -> Report:
                    f"{f'medians over {rounds} rounds' if rounds > 1 else 'of one round'}. Finding the lists of Lemma 3 counts as culling on B.",
                    "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(found, clock_word(results)), table, records)
+    caption = (f"Top: {clock_word(results)}, in ms, of each stage of Tang's algorithm, two-sided, by frame, and of cover in all; a stage takes next to no time where it is below the axis. "
+               "Bottom: the two-sided distance (Fig. 9 of Tang et al. 2009). Stages are of a run of their own, and cover's line is the median over rounds. Titles name the pair, the "
+               "triangles of A / B, and the models that stand in for the paper's.")
+    return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
+
+
+def bottom_of(tang: Run) -> float | None:
+    """Returns where the axis of times begins, in ms: below both cullings. Where nothing is subdivided, that stage takes the time to read the clock."""
+    known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
+    return 0.5 * min(known) if known else None
 
 
 def draw(found: list[Motion], clock: str) -> Any:
-    """A column a pair: stages stacked above, H below."""
+    """Draws a column for each pair: the stages above, H below. The axis of times is logarithmic, because the last frames take up to a thousand times longer."""
     figure, axes = plt.subplots(2, len(found), figsize=(style.DOUBLE_COLUMN, 3.9), sharex="col", squeeze=False, height_ratios=(2.2, 1))
     for (upper, lower), motion in zip(axes.T, found):
         tang = motion.runs["tang"]
         frames = [int(tang.results.cases.pose_index[row]) for row in tang.rows]
-        upper.stackplot(frames, *[1e3 * tang.stage(stage) for stage in STAGES], colors=list(STAGES.values()), linewidth=0)
+        for stage, (colour, line) in STAGES.items():
+            seconds = tang.stage(stage)
+            upper.plot(frames, 1e3 * seconds, color=colour, linestyle=line, linewidth=0.9)
         if (cover := motion.runs.get("cover")) and len(cover.per_pose):
-            upper.plot(frames, 1e3 * cover.per_pose, color=style.look("cover").colour, linewidth=0.9)
-        upper.set(title=f"{motion.scene}, {motion.sizes}", ylim=(0, None), xlim=(frames[0], frames[-1]))
+            upper.plot(frames, 1e3 * cover.per_pose, color=style.look("cover").colour, linewidth=1.2)
+        upper.set(title=tang_pictures.short_title(tang.results, motion.first), yscale="log", xlim=(frames[0], frames[-1]))
+        upper.set_ylim(bottom=bottom_of(tang))
+        scales.log_ticks(upper.yaxis)
         lower.plot(frames, 100 * tang.distance, color="black", linewidth=0.9)
         lower.set(xlabel="frame", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} (ms)")
     axes[1][0].set_ylabel("H(A, B), % of\nA's longest side")
-    entries = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, label=f"{style.title('tang')}: {stage}") for stage, colour in STAGES.items()]
-    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=0.9, label=f"{style.title('cover')}, in all")]
+    entries = [plt.Line2D([], [], color=colour, linestyle=line, linewidth=0.9, label=f"{style.title('tang')}: {stage}") for stage, (colour, line) in STAGES.items()]
+    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=1.2, label=f"{style.title('cover')}, in all")]
     style.legend_above(figure, entries, columns=4)
     return figure

@@ -169,7 +169,7 @@ def draw(every: dict[str, list[Search]]) -> Any:
         ax.hlines([at for at, _, _ in counted], [part for _, part, _ in counted], [whole for _, _, whole in counted], color="0.7", linewidth=1)
         for name, side, fill in (("search", 1, "full"), ("full matrix", 2, "none")):
             ax.plot([one[side] for one in counted], [one[0] for one in counted], "o", markersize=3.5, color="black", fillstyle=fill, label=name)
-        ax.set(title=title, xscale="log", xlabel=WORK)
+        ax.set(title=title, xscale="log", xlabel=f"number of {WORK}")
         scales.log_ticks(ax.xaxis)
     axes[0][0].set_yticks(range(len(names)), names, fontsize=6.5)
     axes[0][0].invert_yaxis()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
@@ -13,17 +14,19 @@ from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
-from analysis.tang2009 import tang_motion
+from analysis.tang2009 import tang_motion, tang_pictures
 from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
+REAL_TIME: Final = 1 / 30  # seconds: what passes for real-time
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
 HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", "culled on A, %", "culled on B, %", "deepest",
                  "queries, median")
 
 
 def verdicts(found: list[Motion]) -> list[Verdict]:
-    return [*tang_motion.culling(found, "tang"), tang_motion.fraction_of_a_second(found, "tang"), tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"),
-            *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM]]
+    return [*tang_motion.culling(found, "tang"), tang_motion.faster_than(found, "tang", "fraction", 1.0), tang_motion.faster_than(found, "tang", "greatest", 1.0, slowest=True),
+            tang_motion.faster_than(found, "tang", "real_time", REAL_TIME), tang_motion.within_tolerance(found, "tang"), tang_motion.subdivided(found, "tang"),
+            tang_motion.depth(found, "tang"), tang_motion.rising(found, "tang"), *[tang_motion.warm_pays(found, cold, warm) for cold, warm in WARM]]
 
 
 def cells(run: Run) -> list[str]:
@@ -60,7 +63,10 @@ def make(results: Results) -> Report:
                    "The mean over the poses is one number a round (a fresh process that answers all poses), with its interval over rounds from six on; "
                    "least and most are of the poses' medians. Warm: from what the pose before has left.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(found, clock_word(results)), table, records)
+    caption = (f"{clock_title(results)}, in ms, of the two-sided distance at a pose against the distance, while A is translated towards B: the motion goes from left to right "
+               "(Table 2 of Tang et al. 2009). Dashed: warm, from what the pose before has left. Markers: every tenth pose. Titles name the pair, the triangles of A / B, and the models "
+               "that stand in for the paper's.")
+    return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
 
 
 def record(motion: Motion, label: str) -> list[tables.Record]:
@@ -73,19 +79,25 @@ def record(motion: Motion, label: str) -> list[tables.Record]:
             for i, row in enumerate(run.rows)]
 
 
+def look(solver: str, label: str) -> style.Look:
+    """Returns the look of a solver; a warm start is dashed."""
+    warm = (solver, label) in WARM
+    return replace(style.look(solver, label), line=style.DASHED, title=f"{style.title(solver)}, warm") if warm else style.look(solver, label)
+
+
 def draw(found: list[Motion], clock: str) -> Any:
     """Time against distance, a panel a pair."""
     columns = min(3, len(found))
-    figure, axes = plt.subplots(-(-len(found) // columns), columns, figsize=(style.DOUBLE_COLUMN, 2.1 * -(-len(found) // columns) + 0.5), squeeze=False)
+    figure, axes = plt.subplots(-(-len(found) // columns), columns, figsize=(style.DOUBLE_COLUMN, 2.2 * -(-len(found) // columns) + 0.5), squeeze=False)
     for ax in axes.flat[len(found):]:
         ax.set_visible(False)
     for ax, motion in zip(axes.flat, found):
         for solver, label in motion.labels:
-            run, looks = motion.runs[label], style.look(solver, label)
+            run, looks = motion.runs[label], look(solver, label)
             if len(run.per_pose):
                 ax.plot(100 * run.distance, 1e3 * run.per_pose, color=looks.colour, linestyle=looks.line, linewidth=0.8)
                 ax.plot(100 * run.distance[::10], 1e3 * run.per_pose[::10], **style.filled_marker(looks))
-        ax.set(xscale="log", yscale="log", title=f"{motion.scene}, {motion.sizes}")
+        ax.set(xscale="log", yscale="log", title=tang_pictures.short_title(run.results, motion.first))
         ax.invert_xaxis()
         scales.log_ticks(ax.xaxis)
         scales.log_ticks(ax.yaxis)
@@ -93,5 +105,7 @@ def draw(found: list[Motion], clock: str) -> Any:
         ax.set_ylabel(f"{clock} (ms)")
     for ax in axes[-1]:
         ax.set_xlabel("H(A, B), % of A's longest side")
-    style.legend_above(figure, style.handles(tang_motion.labels_of(found)), columns=4)
+    entries = [plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+               for looks in (look(*pair) for pair in tang_motion.labels_of(found))]
+    style.legend_above(figure, entries, columns=4)
     return figure

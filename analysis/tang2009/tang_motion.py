@@ -20,12 +20,13 @@ from analysis.shared.columns import Floats
 from analysis.shared.comparable import Origin, apart, origins, reason_apart
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
-from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, everywhere, most_of, rising_by_run
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Ratio, Verdict, all_of, everywhere, most_of, rising_by_run
 
 BACK: Final = " (B to A)"
 QUERIES: Final = ("closest_point_queries",)
 AIM_OF_CULLING: Final = 0.99
 AIM_OF_DEPTH: Final = 10
+AIM_OF_SUBDIVIDING: Final = 0.01
 AIM_OF_WARM: Final = 0.67
 
 
@@ -157,13 +158,44 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
     return replace(verdict, evidence=f"{verdict.evidence}{spread}{most}")
 
 
-def fraction_of_a_second(found: Sequence[Motion], label: str) -> Verdict:
-    """Compares the mean time of a pose with one second, for every pair. The unit is the round."""
+def faster_than(found: Sequence[Motion], label: str, name: str, seconds: float, slowest: bool = False) -> Verdict:
+    """Compares the mean time of a pose, or the time of the slowest pose, with `seconds`, for every pair. The unit is the round."""
     def ratio(run: Run) -> Estimate:
-        means = {number: float(times.mean()) for number, times in run.by_round.items()}
-        return apart(run.origins) or ratio_by_round(dict.fromkeys(means, 1.0), means)
+        spent = {number: float(times.max() if slowest else times.mean()) for number, times in run.by_round.items()}
+        return apart(run.origins) or ratio_by_round(dict.fromkeys(spent, seconds), spent)
 
-    return everywhere(claims.of("tang2009", "fraction"), [ratio(motion.runs[label]) for motion in found if label in motion.runs])
+    return everywhere(claims.of("tang2009", name), [ratio(motion.runs[label]) for motion in found if label in motion.runs])
+
+
+def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
+    """Looks at every pose that ended by itself. A row of another status than ok has wider bounds than the tolerance, or wrong ones."""
+    rows = [(motion.runs[label].results, row) for motion in found if label in motion.runs for row in motion.runs[label].rows]
+    ended = [(results, row) for results, row in rows if results.cases.status[row] in ("ok", "floor", "unsound")]
+    wide = sum(results.cases.status[row] != "ok" or results.gap(row) > float(results.cases.tolerance_absolute[row]) for results, row in ended)
+    return all_of(claims.of("tang2009", "within_tolerance"), wide, len(ended), len(rows), "poses")
+
+
+def subdivided(found: Sequence[Motion], label: str) -> Verdict:
+    """Bounds the share of the triangles of both models that are subdivided, on average over the poses of each pair.
+
+    Rows count subdivisions of triangles and of their pieces, four each. So the triangles are at most as many as the subdivisions, and as culling on A leaves;
+    and a triangle has at most (4^d - 1) / 3 subdivisions if the deepest is d.
+    """
+    def bounds(motion: Motion) -> tuple[float, float]:
+        run, cases = motion.runs[label], motion.runs[label].results.cases
+        sizes = np.array([int(cases.source_elements[motion.first]), int(cases.target_elements[motion.first])])
+        count, left = run.counted(("subdivisions",)), (1 - run.told("culled on A")) @ sizes
+        return float((count / np.maximum((4.0**run.deepest - 1) / 3, 1)).mean() / sizes.sum()), float(np.minimum(count, left).mean() / sizes.sum())
+
+    shares = [bounds(motion) for motion in found if label in motion.runs and motion.runs[label].complete]
+    known, claim = [(low, high) for low, high in shares if math.isfinite(low + high)], claims.of("tang2009", "subdivided")
+    if not known:
+        return Verdict(claim, UNTESTED, "no pair with counted subdivisions at every pose")
+    more, less = sum(low >= AIM_OF_SUBDIVIDING for low, _ in known), sum(high < AIM_OF_SUBDIVIDING for _, high in known)
+    most, pairs = [high for _, high in known], sum(label in motion.runs for motion in found)
+    evidence = f"at most {tables.number(100 * min(most))} to {tables.number(100 * max(most))} % on {len(known)} of {pairs} pairs; more than 1 % for certain on {more}"
+    return Verdict(claim, FAILS if more else HOLDS if less == pairs else OPEN, evidence,
+                   ratio=Ratio(math.nan, *(AIM_OF_SUBDIVIDING / x if x else math.inf for x in (max(most), min(most)))))
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:

@@ -7,8 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+import matplotlib.patheffects
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse.csgraph
+import scipy.spatial
 
 from analysis.shared import mesh_picture, shapes
 from analysis.shared.columns import Floats
@@ -17,9 +20,10 @@ from analysis.shared.results import Results
 from analysis.shared.shapes import Mesh
 
 WITNESS: Final = "#00A000"  # green, as in the paper
-BLUE: Final = (0.15, 0.30, 0.85, 1.0)  # what of A lies in B, as in the paper
-RED: Final = (0.85, 0.15, 0.15, 1.0)  # and what of B lies in A
-PAINT: Final = ((0.72, 0.80, 0.92, 1.0), (0.95, 0.84, 0.68, 1.0))
+BLUE: Final = (0.10, 0.18, 0.60, 1.0)  # what of A lies in B, blue as in the paper, and darker than red, so that they differ in grey
+RED: Final = (0.93, 0.42, 0.36, 1.0)  # and what of B lies in A
+PAINT: Final = ((0.36, 0.51, 0.76, 1.0), (0.97, 0.87, 0.70, 1.0))  # A dark, B light: they differ in grey, too
+HALO: Final = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 SIDE: Final = mesh_picture.view((0.15, 0.3, 1))  # the motions are along x, so from left to right
 
 # Chosen by hand: which way is up differs.
@@ -29,9 +33,20 @@ VIEWS: Final = {"tang_puma1": mesh_picture.view((1, -0.6, 0.3), (0, 0, 1)),
 
 
 def stand_ins(results: Results, row: int) -> list[str]:
-    """What stands in for A and for B: 'stand-in: hand', or nothing if the note of the scene names no two of them."""
-    found = re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", str(results.cases.scene_note[row]).partition(";")[0])
-    return [f"stand-in: {name.partition(' of ')[0]}" for name in found.groups()] if found else ["", ""]
+    """Returns what stands in for A and for B: 'stand-in: hand', or for a bunny of the paper 'Bunny2 simplified'; empty if the note of the scene names nothing."""
+    note = str(results.cases.scene_note[row])
+    if found := re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", note.partition(";")[0]):
+        return [f"stand-in: {name.partition(' of ')[0]}" for name in found.groups()]
+    told = dict(re.findall(r"(\w+) is (\w+ \w+)", note))
+    return [told.get(name, "") for name in str(results.cases.scene[row]).split("/")] if told else ["", ""]
+
+
+def short_title(results: Results, row: int) -> str:
+    """Returns the paper's names, the numbers of triangles, and in a second line what stands in, for a narrow panel."""
+    scene, note = str(results.cases.scene[row]), str(results.cases.scene_note[row])
+    told = {name: shape.removeprefix("stand-in: ") for name, shape in zip(scene.split("/"), stand_ins(results, row)) if shape}
+    second = f"stand-ins: {', '.join(told.values())}" if len(told) == 2 else next((f"{name}: {shape}" for name, shape in told.items()), note.partition(":")[0])
+    return f"{scene}, {results.sizes(row)}" + (f"\n({second})" if second else "")
 
 
 def title(results: Results, row: int) -> str:
@@ -62,7 +77,7 @@ def draw_witness(ax: Any, results: Results, row: int, of: View, width: float, si
     """As a line that nothing hides; nothing where nobody knows it."""
     pair = np.stack([results.cases.witness_source[row], results.cases.witness_target[row]])
     if np.isfinite(pair).all():
-        ax.plot(*of.seen(pair)[:, :2].T, color=WITNESS, linewidth=width, marker="o", markersize=size, zorder=5)
+        ax.plot(*of.seen(pair)[:, :2].T, color=WITNESS, linewidth=width, marker="o", markersize=size, zorder=5, path_effects=HALO)
 
 
 def draw_pair(ax: Any, results: Results, case: int, of: View = SIDE) -> None:
@@ -130,27 +145,57 @@ def within(own: Mesh, other: Mesh, size: float) -> Mesh:
 
 
 def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: bool) -> None:
-    """Both solids, see-through, and what of each lies in the other; or, close, that alone with the deepest pair of each part, of which the solver reports."""
+    """Draws both solids, see-through, and what of each lies in the other; or, close, each part of that, side by side, with its deepest pair of points, which the
+    solver reports.
+    """
     a, b = pair_of(results, row)
     size = float(results.cases.source_longest[row]) / 100
-    parts = [within(a, b, size), within(b, a, size)]
-    for own, colour in ((a, BLUE), (b, RED)) if not close else ():
-        mesh_picture.draw(ax, own, of, np.tile((*colour[:3], 0.10), (len(own.triangles), 1)), both_sides=True)
-    common = joined(parts)
-    colours = np.concatenate([np.tile(colour, (len(part.triangles), 1)) for part, colour in zip(parts, (BLUE, RED))])
-    mesh_picture.draw(ax, common, of, colours * ((1, 1, 1, 0.35) if close else (1, 1, 1, 1)), both_sides=True)
-    if not close or not len(common.triangles):
-        mesh_picture.frame(ax, of.seen(joined([a, b]).corners))
+    inner = [within(a, b, size), within(b, a, size)]
+    common = joined(inner)
+    colours = np.concatenate([np.tile(colour, (len(one.triangles), 1)) for one, colour in zip(inner, (BLUE, RED))])
+    if close and len(common.triangles):
+        draw_parts(ax, common, colours * (1, 1, 1, 0.35), deepest_pairs(results.extras(row)), of, size)
         return
-    draw_deepest(ax, results.extras(row), of)
-    mesh_picture.frame(ax, of.seen(common.corners[np.unique(common.triangles)]), margin=0.08)
+    for own, colour, alpha, name in ((a, BLUE, 0.22, "A"), (b, RED, 0.10, "B")):
+        mesh_picture.draw(ax, own, of, np.tile((*colour[:3], alpha), (len(own.triangles), 1)), both_sides=True)
+        ax.annotate(name, of.seen(own.corners)[:, :2].mean(axis=0), ha="center", va="center", fontsize=9, color=colour[:3], zorder=6, path_effects=HALO)
+    mesh_picture.draw(ax, common, of, colours, both_sides=True)
+    mesh_picture.frame(ax, of.seen(joined([a, b]).corners))
 
 
-def draw_deepest(ax: Any, extras: dict[str, float], of: View) -> None:
-    """The deepest pair of points of each part."""
-    for part in range(1, int(extras.get("parts", 0)) + 1):
-        ends = np.array([[extras[f"length: part {part}, {side} {axis}"] for axis in "xyz"] for side in "AB"])
-        seen = of.seen(ends)
-        ax.plot(*seen[:, :2].T, color=WITNESS, linewidth=1.6, zorder=5)
-        for end, colour in zip(seen, (BLUE, RED)):
-            ax.plot(*end[:2], marker="o", markersize=4.5, color=colour[:3], markeredgecolor="white", markeredgewidth=0.5, zorder=6)
+def connected(points: Floats, gap: float) -> npt.NDArray[np.int_]:
+    """Returns the number of the cluster of each point; points nearer than the gap are in one cluster."""
+    pairs = scipy.spatial.cKDTree(points).query_pairs(gap, output_type="ndarray")
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
+    return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1])
+
+
+def deepest_pairs(extras: dict[str, float]) -> list[Floats]:
+    """Returns the deepest pair of points of each part, on A and on B."""
+    return [np.array([[extras[f"length: part {part}, {side} {axis}"] for axis in "xyz"] for side in "AB"]) for part in range(1, int(extras.get("parts", 0)) + 1)]
+
+
+def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], of: View, size: float) -> None:
+    """Draws the connected parts at one scale, from left to right as they stand from the top down, each with the pairs of points that are nearest to it."""
+    middles = common.corners[common.triangles].mean(axis=1)
+    part_of = connected(middles, 2 * size)
+    parts = sorted(range(part_of.max() + 1), key=lambda part: -float(of.seen(middles[part_of == part])[:, 1].mean()))
+    owner = [part_of[np.linalg.norm(middles - pair.mean(axis=0), axis=1).argmin()] for pair in pairs]
+    moved, right = list[Mesh](), 0.0
+    for part in parts:
+        own = common.triangles[part_of == part]
+        seen = of.seen(common.corners[np.unique(own)])
+        shift = np.array([right - seen[:, 0].min(), -seen[:, 1].max(), 0.0])
+        moved.append(Mesh(common.corners + shift @ of.axes, own))
+        right += float(np.ptp(seen[:, 0])) + 4 * size
+        for pair in (pair for pair, whose in zip(pairs, owner) if whose == part):
+            draw_deepest(ax, of.seen(pair) + shift)
+    mesh_picture.draw(ax, joined(moved), of, np.concatenate([colours[part_of == part] for part in parts]), both_sides=True)
+    mesh_picture.frame(ax, of.seen(np.concatenate([one.corners[np.unique(one.triangles)] for one in moved])), margin=0.08)
+
+
+def draw_deepest(ax: Any, seen: Floats) -> None:
+    """Draws a deepest pair of points, as seen."""
+    ax.plot(*seen[:, :2].T, color=WITNESS, linewidth=1.6, zorder=5)
+    for end, colour in zip(seen, (BLUE, RED)):
+        ax.plot(*end[:2], marker="o", markersize=3.2, color=colour[:3], markeredgecolor="white", markeredgewidth=0.4, zorder=6)

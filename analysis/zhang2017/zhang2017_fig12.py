@@ -11,12 +11,12 @@ import numpy as np
 from analysis.shared import claims, shapes, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.load import paper_numbers
-from analysis.shared.notes import machine_line
+from analysis.shared.notes import machine_line, stand_in
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
-SOURCE, TARGET, WITNESS = "#0072B2", "#E69F00", "#000000"
+SOURCE, TARGET, WITNESS = "#00507F", "#F2B134", "#000000"  # A dark, B light: they differ in grey, too
 MOST = 6000  # points drawn of a set
 
 
@@ -64,7 +64,15 @@ def make(results: Results) -> Report:
                    f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
                    "set are drawn.",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(results, scenes), table, records, clock=NO_TIMES)
+    caption = ("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12): the source A, the target B, and the line from the witness on A to its nearest "
+               "point of B, whose length is h. Titles name the shapes that stand in for the paper's, and the numbers of points |A| / |B|.")
+    return Report(lambda: draw(results, scenes), table, records, clock=NO_TIMES, caption=caption)
+
+
+def shapes_text(results: Results, row: int) -> str:
+    """Returns the second line of a title: '(stand-in: an orange sampled twice)'; empty if the shapes are those of the paper."""
+    shapes_here = stand_in(str(results.cases.scene_note[row]))
+    return f"(stand-in: {shapes_here})" if shapes_here else ""
 
 
 def view(points: Floats, along: Floats) -> Floats:
@@ -90,7 +98,7 @@ def thinned(points: Floats) -> Floats:
 def draw(results: Results, scenes: list[str]) -> Any:
     cases, columns = results.cases, 3
     rows = -(-len(scenes) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 1.75 * rows + 0.2), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 1.87 * rows + 0.2), squeeze=False)
     for ax in axes.ravel():
         ax.set_axis_off()
     for ax, scene in zip(axes.ravel(), scenes):
@@ -107,20 +115,20 @@ def draw(results: Results, scenes: list[str]) -> Any:
         everything = np.vstack([points for points, _ in drawn] or [np.stack([p, q]) if shown else np.zeros((2, 3))])
         plane = view(everything, q - p if shown else np.zeros(3))
         for points, colour in drawn:
-            ax.scatter(*(points @ plane).T, s=0.5, c=colour, alpha=0.55, linewidths=0, rasterized=True)
+            ax.scatter(*(points @ plane).T, s=0.5, c=colour, alpha=0.65, linewidths=0, rasterized=True)
         if shown:
             ends = np.stack([p, q]) @ plane
             ax.plot(*ends.T, color="white", linewidth=3.2, solid_capstyle="round", zorder=3)
             ax.plot(*ends.T, color=WITNESS, linewidth=1.3, zorder=4)
             for end, colour in zip(ends, (SOURCE, TARGET)):
                 ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
-                        markeredgewidth=0.7,                        zorder=5)
+                        markeredgewidth=0.7, zorder=5)
         status = cases.status[row]
         value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.status_word(status)
         if not drawn:
             value += " (points not available)"
-        ax.set_title(f"{style.scene_title(scene)}\n{cases.source_elements[row]:,} / {cases.target_elements[row]:,} "
-                     f"points, {value}",
+        ax.set_title("\n".join(filter(None, [style.scene_title(scene), shapes_text(results, row),
+                                             f"{cases.source_elements[row]:,} / {cases.target_elements[row]:,} points, {value}"])),
                      fontsize=7, pad=2)
         ax.set_aspect("equal", adjustable="datalim")
     entries = [plt.Line2D([], [], label=label, marker="o", markersize=4, linestyle="none", color=colour)

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 from analysis.shared import claims
+from analysis.shared.comparable import reason_apart
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.verdicts import Verdict
+from analysis.shared.verdicts import UNTESTED, Verdict, constant
 from analysis.zhang2017 import zhang_sweep
 
 BEST = [5.0, 6.0]  # "the high efficiency is obtained when depth is increased to five or six"
+CONSTANT = 1.25  # what passes for one: the paper gives no number
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
     deepest = max(sweep.values, default=0.0)
     return [*[sweep.least(claims.of("zhang2017", "depth_best", f"{scene} points"), scene, BEST) for scene in sweep.scenes],
             sweep.everywhere(claims.of("zhang2017", "depth_greater"), deepest, 6.0),
-            sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0)]
+            sweep.everywhere(claims.of("zhang2017", "depth_smaller"), 1.0, 5.0), *[build_by_depth(sweep, scene) for scene in sweep.scenes]]
+
+
+def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
+    """Compares the times to build the octree, each divided by its depth; one number a round."""
+    claim = claims.of("zhang2017", "build_by_depth", f"{scene} points")
+    cells = [(depth, cell) for depth in sweep.values if (cell := sweep.cells.get((scene, depth))) and not cell.failures]
+    if why := reason_apart(one for _, cell in cells for one in cell.origins):
+        return Verdict(claim, UNTESTED, f"times {why}")
+    built = [(depth, [time for row in cell.cases for time in sweep.results.prepare_by_round(row).values() if time > 0]) for depth, cell in cells]
+    return constant(claim, [[time / depth for time in times] for depth, times in built if times], CONSTANT)
 
 
 SPEC = zhang_sweep.Spec(

@@ -10,7 +10,7 @@ from analysis.shared import claims
 from analysis.shared.cells import Cell
 from analysis.shared.report import Report
 from analysis.shared.results import Results
-from analysis.shared.verdicts import Verdict
+from analysis.shared.verdicts import Verdict, rising_by_run
 from analysis.zhang2017 import zhang_sweep
 
 BEST = 1 / 80  # "the high efficiency is obtained when lambda is set as 1/80"
@@ -25,7 +25,20 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
     found = [sweep.least(claims.of("zhang2017", "lambda_best", f"{scene} points"), scene, [BEST]) for scene in sweep.scenes]
     for claim, value in (("lambda_larger", max(sweep.values, default=math.nan)), ("lambda_smaller", min(sweep.values, default=math.nan))):
         found.append(sweep.everywhere(claims.of("zhang2017", claim, value=text_of(value)), value, BEST))
-    return found
+    found += [sweep.least(claims.of("zhang2017", "lambda_recommended", f"{scene} points"), scene, [RECOMMENDED]) for scene in sweep.scenes]
+    return found + [ahd_culls(sweep, scene) for scene in sweep.scenes]
+
+
+def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
+    """Correlates lambda with the points that are culled, for each seed. With one seed AHD never falls as lambda grows: its sample gets longer at its end."""
+    by_seed: dict[int, list[tuple[float, float]]] = {}
+    for value in sweep.values:
+        cell = sweep.cells.get((scene, value))
+        for row in cell.cases if cell else ():
+            extras = sweep.results.extras(row)
+            if sweep.results.cases.status[row] == "ok" and "culled" in extras:
+                by_seed.setdefault(int(sweep.results.options(row).get("seed", 0)), []).append((value, extras["culled"]))
+    return rising_by_run(claims.of("zhang2017", "ahd_culls", f"{scene} points"), [([x for x, _ in run], [y for _, y in run]) for run in by_seed.values()])
 
 
 def culled(results: Results, cell: Cell) -> float:

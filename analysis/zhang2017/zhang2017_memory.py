@@ -9,8 +9,9 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 
+from analysis.scaling import growth
 from analysis.shared import claims, scales, style, tables
-from analysis.shared.cells import Cell
+from analysis.shared.cells import DISTANCES, Cell
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
@@ -18,6 +19,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 POINT: Final = 24  # bytes: three doubles
 LEAST: Final = 2**20  # bytes; below it pages and what loading left free decide, not the solver
+LINEAR: Final = 1.2  # the greatest exponent that passes for almost linear: the paper gives no number
 ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less: how the allocator rounds up and gives back
 
 
@@ -84,6 +86,21 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     return Verdict(claim, outcome, f"{largest.size} points each: {', '.join(parts)}")
 
 
+def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
+    """Compares the exponent of EARLYBREAK's distances over |A| + |B| with LINEAR. Each size is one seed; Student's interval is of how they scatter about a
+    line through their logarithms. A size without an answer took longer than the limit, or failed, so the claim cannot hold.
+    """
+    claim = claims.of("zhang2017", "almost_linear", workload)
+    cells = [(spot.points, spot.cells["earlybreak"]) for spot in spots if "earlybreak" in spot.cells]
+    known = [(points, cell.count(DISTANCES)) for points, cell in cells if not math.isnan(cell.count(DISTANCES))]
+    grown = growth.Growth(tuple(points for points, _ in known), tuple(count for _, count in known))
+    if not grown.known:
+        return Verdict(claim, UNTESTED, "fewer than three sizes with an answer")
+    found, lost = grown.exponent(), [cell.failure_text() for _, cell in cells if cell.failures]
+    outcome = FAILS if found.low > LINEAR else HOLDS if found.high <= LINEAR and not lost else OPEN
+    return Verdict(claim, outcome, f"exponent {growth.text(found)} over {len(known)} sizes" + (f", {len(lost)} more without an answer ({', '.join(dict.fromkeys(lost))})" if lost else ""))
+
+
 def compared(own: float, other: float) -> str:
     """What one other peak says of the claim that INC's is greater."""
     alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
@@ -126,7 +143,7 @@ def make(results: Results) -> Report:
         table.rows.append([workload, "grows as n^", "1", *[tables.number(x, 2) for x in grown], "", ""])
     notes = {scene.partition(", ")[0]: str(note)
              for scene, note in zip(results.cases.scene, results.cases.scene_note)}
-    table.verdicts = [verdict(workload, [s for s in spots if s.workload == workload]) for workload in workloads]
+    table.verdicts = [judge(workload, [s for s in spots if s.workload == workload]) for judge in (verdict, almost_linear) for workload in workloads]
     table.notes = ["Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
                    "of 4 KiB, and 0 where what loading left free was enough: below 1 MiB (grey) it says little. The "
                    "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "

@@ -19,6 +19,7 @@ from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
 MOST: Final = 4000  # points of A whose distances to all of B are looked at
 CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
+STAND_INS: Final = {"pears, a tenth": "an orange, sampled twice"}  # as in Table 3; the scene has no note
 EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
 BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", style.DOTTED)
 
@@ -136,7 +137,7 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
         for step in own:
             style.interval(ax, step.counted, step.shift, upright=True, color=counted.colour, linewidth=1.2)
             ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
-        ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene)
+        ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene + (f"\n(stand-in: {STAND_INS[scene]})" if scene in STAND_INS else ""))
         scales.log_ticks(ax.yaxis)
     axes[0][0].set_ylabel("inner steps for a point of A")
     entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,

@@ -17,22 +17,25 @@ import numpy as np
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work, takes_seed
-from analysis.shared.comparable import apart, origins
+from analysis.shared.comparable import apart, origins, reason_apart
 from analysis.shared.notes import clock_title, clock_word, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_draw, paired_ratio, ratio_by_round
-from analysis.shared.verdicts import UNTESTED, Verdict, above_one, greatest
+from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one, all_of, greatest, rising_by_run, weighed
 from analysis.zhang2017 import motion_picture
 
 WORK: Final = "distances, bounds and nodes"
 THETA: Final = 0.33
 REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
 SHADES: Final = {"apart": "#FFFFFF", "touching": "#F4F4F4", "overlapping": "#E6E6E6"}
-COMPARED: Final = (  # a regime, whose name is the claim's id too; the slower and the faster there
-                   ("apart", "earlybreak", "nohd"),
-                   ("touching", "ohd", "earlybreak"),
-                   ("overlapping", "earlybreak", "ohd"))
+COMPARED: Final = (  # the claim and its regime; the slower and the faster there
+                   ("apart", "apart", "earlybreak", "nohd"),
+                   ("touching", "touching", "ohd", "earlybreak"),
+                   ("overlapping", "overlapping", "earlybreak", "ohd"),
+                   ("nohd_overlapping", "overlapping", "nohd", "ohd"))
+CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # the claim and its regime; whether more than HALF
+HALF: Final = 0.5  # of A: what passes for a large number of points
 
 
 @dataclass(frozen=True)
@@ -120,9 +123,10 @@ class Motion:
         return paired_ratio(medians, [1.0] * len(medians))
 
     def verdicts(self) -> list[Verdict]:
-        found = [self.peak(label) for label in ("earlybreak", "adaptive") if any(label in p.rows for p in self.poses)]
-        for regime, slow, fast in COMPARED:
-            claim = claims.of("zhang2017", regime, self.scene)
+        labels = [label for label in ("earlybreak", "adaptive") if any(label in p.rows for p in self.poses)]
+        found = [judge(label) for judge in (self.peak, self.nearer) for label in labels]
+        for name, regime, slow, fast in COMPARED:
+            claim = claims.of("zhang2017", name, self.scene)
             times = self.times(regime, slow, fast)
             evidence = (f"at {sum(a > b for a, b in times)} of {len(times)} poses; longest "
                         f"{tables.number(1000 * max((b for _, b in times), default=math.nan))} against "
@@ -132,7 +136,48 @@ class Motion:
             counted = {what: above_one(claim, self.ratio(regime, slow, fast, what), titles) for what in MEASURES}
             found.append(above_one(claim, self.ratio(regime, slow, fast), evidence)
                          .with_counts(counted))
-        return found
+        return [*found, *[self.culled(*one) for one in CULLED], *self.worst_case()]
+
+    def nearer(self, label: str) -> Verdict:
+        """Correlates time with how small the distance is, over all poses: one number a round, and one a seed for counted work."""
+        claim = claims.of("zhang2017", "nearer", self.scene, solver=style.title(label))
+        timed = [p for p in self.poses if self.time(p, label).n and math.isfinite(p.distance)]
+        x = [-p.distance for p in timed]
+
+        def judge(what: str) -> Verdict:
+            if what:
+                counts = [self.work_by_seed(p, label, what) for p in timed]
+                return rising_by_run(claim, [(x, [one[i] for one in counts]) for i in range(min(map(len, counts), default=0))])
+            if why := reason_apart(origins(self.results, [p.rows[label] for p in timed])):
+                return Verdict(claim, UNTESTED, f"times {why}")
+            times = [self.rounds(p, label) for p in timed]
+            shared = sorted(set.intersection(*[set(one) for one in times])) if times else []
+            return rising_by_run(claim, [(x, [one[number] for one in times]) for number in shared])
+
+        return in_time_and_work(judge)
+
+    def culled(self, name: str, regime: str, more: bool) -> Verdict:
+        """Compares the share of A that OHD culls with HALF: the median over the poses of a regime, one number a seed."""
+        claim = claims.of("zhang2017", name, self.scene)
+        cases = self.results.cases
+        shares = [[self.results.extras(row).get("culled", math.nan) / int(cases.source_elements[row]) if cases.status[row] == "ok" else math.nan
+                   for row in pose.seeds.get("ohd", [])] for pose in self.poses if pose.regime == regime]
+        known = [one for one in shares if one and all(map(math.isfinite, one))]
+        share = median([float(np.median([one[i] for one in known])) for i in range(min(map(len, known), default=0))])
+        if not share.n:
+            return Verdict(claim, UNTESTED, "no pose says how many points were culled")
+        sure = share.has_interval and share.coverage >= 1 - ERROR
+        above, below = sure and share.low > HALF, sure and share.high < HALF
+        outcome = HOLDS if (above if more else below) else FAILS if (below if more else above) else OPEN
+        return weighed(Verdict(claim, outcome, f"{tables.estimate(share, 100)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
+
+    def worst_case(self) -> list[Verdict]:
+        """Compares the distances that EARLYBREAK counted with |A| |B|, for every seed at the poses whose distance is 0. Empty if there are none."""
+        poses, cases = [p for p in self.poses if p.distance == 0], self.results.cases
+        counts = [count for p in poses for count in self.work_by_seed(p, "earlybreak", "distances")]
+        pairs = [int(cases.source_elements[row]) * int(cases.target_elements[row]) for p in poses for row in p.rows.values()]
+        claim = claims.of("zhang2017", "worst_case", self.scene)
+        return [all_of(claim, sum(count != pairs[0] for count in counts), len(counts), len(counts), "runs, each with a seed of its own")] if poses else []
 
     def peak(self, label: str) -> Verdict:
         """The time is greatest where the models overlap most, that is where the distance is least. Which pose there, and
@@ -219,13 +264,22 @@ def make(caption: str, results: Results) -> Report:
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
     table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
-                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). The band in the "
-                   "figure is the interval of a pose. On top: B in black, A at five of its poses, the first in violet. Counted work is exact, or one number a seed: one seed (n = 1) separates nothing. "
+                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number a "
+                   "seed: one seed (n = 1) separates nothing. "
                    "Times, and the poses of the peak (by counted work), are of the first seed. α: overlap of the boxes, as a fraction of the smaller one.",
                    "Structures are built once in A's frame and serve every pose; their building is not in these "
-                   "times. From the ledger of the result: " + (" ".join(reused) or "nothing."),
+                   "times. " + (" ".join(reused) or "What this saved was not recorded."),
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(motions, labels, reused, clock), table, records)
+    return Report(lambda: draw(motions, labels, reused, clock), table, records, caption=figure_caption(caption, motions, clock))
+
+
+def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
+    """Returns what each row of panels shows."""
+    notes = {motion.scene: str(motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]) for motion in motions}
+    shapes = "; ".join(f"{scene}: {note}" for scene, note in notes.items() if note)
+    return (f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "
+            "median over the rounds, and its band the interval of the median (markers: every fourth pose). Bottom: the distance. The background shows how much the "
+            f"boxes of A and B overlap: α is the overlap as a fraction of the smaller box.{f' Models: {shapes}.' if shapes else ''}")
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
@@ -265,5 +319,5 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
                                                      linewidth=0.4, label=title) for regime, title in REGIMES]
     style.legend_above(figure, entries, columns=4)
     if reused:
-        figure.supxlabel("Structures: built once and used for all poses (ledger of the result).", fontsize=7)
+        figure.supxlabel("Structures are built once and used for all poses; the times do not include that.", fontsize=7)
     return figure

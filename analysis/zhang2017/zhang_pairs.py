@@ -100,7 +100,9 @@ def make(spec: Spec, results: Results) -> Report:
                    + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
-    return Report(lambda: draw(spec, pairs, papers, shown, total_word(results)), table, records)
+    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, by the number of points. (b) Time without / with {spec.part} on each pair of the paper's table. "
+               "Filled: measured here, with the interval of the median as a bar; open: printed in the paper.")
+    return Report(lambda: draw(spec, pairs, papers, shown, total_word(results)), table, records, caption=caption)
 
 
 def has_seeds(pairs: list[Pair]) -> bool:

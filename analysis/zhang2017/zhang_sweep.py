@@ -12,14 +12,14 @@ import matplotlib.pyplot as plt
 from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
 from analysis.shared.comparable import apart
-from analysis.shared.notes import machine_line, total_word
+from analysis.shared.notes import machine_line, total_title, total_word
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
-# Of pairs, from light to dark; markers tell them apart as well.
-PAIR_LOOKS = [("#56B4E9", "o"), ("#009E73", "^"), ("#D55E00", "s"), ("#882255", "D"), ("#000000", "v")]
+# Of pairs, from light to dark, in colours that no solver has; markers tell them apart as well.
+PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", "D"), ("#332288", "v")]
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,14 @@ def make(spec: Spec, results: Results) -> Report:
     table.notes = [tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
                    + "",
                    f"Here: {machine_line(results)}."]
-    return Report(lambda: draw(sweep), table, records)
+    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, with the interval of the median as a bar. (b) The same in units of the least time of each pair"
+               f"{'' if from_zero(sweep) else '; the axis does not begin at 0'}.")
+    return Report(lambda: draw(sweep), table, records, caption=caption)
+
+
+def from_zero(sweep: Sweep) -> bool:
+    """Returns whether the axis of multiples begins at zero, which would squeeze multiples that are all below two."""
+    return any(sweep.times_the_least(scene, value) > 2 for scene in sweep.scenes for value in sweep.timed(scene))
 
 
 def draw(sweep: Sweep) -> Any:
@@ -147,7 +154,8 @@ def draw(sweep: Sweep) -> Any:
             ax.axvline(place[spec.recommended], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, zorder=0.5)
     axes[0].set_yscale("log")
     scales.log_ticks(axes[0].yaxis)
-    axes[1].set_ylim(bottom=0)
+    if from_zero(sweep):
+        axes[1].set_ylim(bottom=0)
     if lost:
         axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
     entries = [plt.Line2D([], [], label=scene, linewidth=0.8, color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],

@@ -22,12 +22,15 @@ def test_every_paper_has_a_file() -> None:
 
 @pytest.mark.parametrize("entry", EVERY, ids=lambda entry: f"{entry.paper}-{entry.id}")
 def test_a_claim_is_asked_for_and_quotes_its_sentence(entry: claims.Entry) -> None:
-    """By a script of analysis that names its id; a claim of a paper has the sentence, one or two, and the section."""
-    assert entry.stems and all(stems.module_of(stem) for stem in entry.stems)
+    """By a script of analysis that names its id, unless it is marked untested; a claim of a paper has the sentence, one or two, and the section."""
     prefix = entry.id.rpartition("_")[0]  # framework_inc and its like are put together from parts
     scripts = [path.read_text(encoding="utf-8") for path in stems.ANALYSIS.rglob("*.py")]
-    assert any(f'"{entry.id}"' in text or prefix and f'f"{prefix}_{{' in text for text in scripts)
-    assert entry.judged_as
+    assert all(stems.module_of(stem) for stem in entry.stems)
+    if entry.untested:
+        assert entry.untested.endswith(".")
+    else:
+        assert entry.stems and entry.judged_as
+        assert any(f'"{entry.id}"' in text or prefix and f'f"{prefix}_{{' in text for text in scripts)
     if entry.paper == claims.OWN:
         assert not entry.quote and not entry.section
     else:
@@ -53,6 +56,18 @@ def test_a_claims_file_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             claims.entries(name)
 
 
+def test_a_sentence_that_no_script_judges_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(claims, "FOLDER", tmp_path)
+    (tmp_path / "u1.toml").write_text('[c]\nclaim = "a"\nquote = "q"\nsection = "1"\nuntested = "No row has it."\n', encoding="utf-8")
+    entry = claims.entries("u1")["c"]
+    assert (entry.untested, entry.stems, entry.judged_as) == ("No row has it.", (), "")
+    with pytest.raises(ValueError, match="the claim u1/c, which is marked untested"):
+        claims.record(Verdict(claims.of("u1", "c"), HOLDS, "x"), "zhang2017_fig8", "quick")
+    (tmp_path / "u2.toml").write_text('[c]\nclaim = "a"\nquote = "q"\nsection = "1"\nuntested = ""\n', encoding="utf-8")
+    with pytest.raises(ValueError, match="no 'judged_as'"):
+        claims.entries("u2")
+
+
 def test_a_typed_claim_has_no_record() -> None:
     with pytest.raises(TypeError, match="claims.of"):
         claims.record(Verdict("typed", HOLDS, "x"), "zhang2017_fig8", "quick")
@@ -70,7 +85,7 @@ def test_verdicts_stand_beside_the_table(tmp_path: Path) -> None:
     for one in found:
         assert f"- Claim: {one['place']}: {one['claim']}. Here" in text and f"{one['outcome']} ({one['evidence']})" in text
         assert one["paper"] == "zhang2017" and one["stem"] == file.stem and one["profile"] == "quick"
-        assert one["quote"] and one["section"] in ("5", "6.4") and one["judged_as"]
+        assert one["quote"] and one["section"] in ("1", "3.3", "5", "6.4") and one["judged_as"]
     assert any(one["counted"] for one in found)
 
 

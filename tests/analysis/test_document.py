@@ -17,7 +17,7 @@ from test_corpus import corpus
 
 from analysis import document
 from analysis.paper_page import papers
-from analysis.shared import latex, table_width, tables
+from analysis.shared import latex, table_width, tables, tex
 from analysis.shared.load import load
 from analysis.shared.stems import drawn_with, module_of
 from analysis.shared.verdicts import HOLDS, Verdict
@@ -56,6 +56,16 @@ def test_layout(columns: int, rows: int, environment: str) -> None:
     text = latex.latex(table_of(columns, rows), "stem")
     assert environment in text
     assert text.count(r"\bottomrule") == (1 if columns < 40 else len(table_width.layout(["x"] * 40, table_of(40, 3).rows, 1).blocks)) and (columns < 40 or text.count(r"\bottomrule") > 1)
+
+
+def test_the_blocks_of_a_long_table_count_as_one() -> None:
+    text = latex.latex(table_of(40, 90), "stem")
+    assert text.count(r"\begin{longtable}") == text.count(r"\addtocounter{table}{-1}") + 1 > 1
+
+
+@pytest.mark.parametrize(("text", "escaped"), [("1/p\u0304", r"1/\={p}"), ("i\u0304x\u0304", r"\={\i}\={x}"), ("e\u0301", r"\'{e}"), ("\u0304", r"\texttt{U+0304}"), ("8\u0304 中", r"8\texttt{U+0304} \texttt{U+4E2D}")])
+def test_an_accent_stands_over_its_letter(text: str, escaped: str) -> None:
+    assert tex.tex_escape(text) == escaped
 
 
 @pytest.fixture(scope="module")
@@ -117,6 +127,8 @@ def test_a_figure_has_a_caption_with_or_without_a_table(tmp_path: Path) -> None:
     own = document.document("hausbench", tmp_path, tmp_path / "tables")
     assert r"\includegraphics{../figures/overview.pdf}" in own and r"\caption{overview}" not in own and r"\caption{Measured / claimed" in own
     assert r"\caption{OHD by depth.}" in document.document("zhang2017", tmp_path, tmp_path / "tables")
+    (tmp_path / "figures" / "zhang2017_fig8.txt").write_text("(a) Seconds of OHD.\n")
+    assert r"\caption{(a) Seconds of OHD.}" in document.document("zhang2017", tmp_path, tmp_path / "tables")
     assert document.document("tang2009", tmp_path, tmp_path / "tables") == ""
 
 

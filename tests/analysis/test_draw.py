@@ -14,8 +14,9 @@ import pytest
 from synthetic import ResultFile, spread
 
 from analysis import draw
-from analysis.shared import report, style
+from analysis.shared import report, style, tables
 from analysis.shared.drawable import as_formula, make_drawable
+from analysis.shared.load import load
 
 CLAIMS = """
 [[claim]]
@@ -292,3 +293,31 @@ def test_solvers_from_outside_have_titles_and_colours_of_their_own(tmp_path: Pat
     style.highlight("")
     assert len({look.colour for look in (style.look("mine"), style.look("external", "metro"), style.look("external", "cloudcompare"))}) == 3
     assert style.look("guthe", "guthe").colour == style.LOOKS["guthe"].colour
+
+
+def test_each_of_several_figures_has_the_footnote_of_its_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = ResultFile("parts")
+    for solver, check in (("guthe", "holds"), ("cgal", "no witness")):
+        file.case(solver, "x", [1.0], lower=0.5, upper=0.6, lower_check=check)
+    results, footnotes = load(file.write(tmp_path)), dict[str, str]()
+
+    def remember(figure: Any, out: Path, stem: str, caption: str, footnote: str, formats: Any) -> list[Path]:
+        footnotes[stem] = footnote
+        return []
+
+    monkeypatch.setattr(report, "save_figure", remember)
+    made = report.Report(lambda: {"a": None, "b": None, "all": None}, tables.Table("A caption.", ["x"], [["1"]]), parts={"a": [0], "b": [1]})
+    made.save(results, tmp_path)
+    line = "Lower bounds not checked (no witness): CGAL."
+    assert footnotes == {"parts-a": "", "parts-b": line, "parts-all": line}
+
+
+def test_an_old_figure_is_deleted_if_there_is_none_now(tmp_path: Path) -> None:
+    file = ResultFile("gone")
+    file.case("guthe", "x", [1.0], lower=0.5, upper=0.6)
+    results, table = load(file.write(tmp_path)), tables.Table("A caption.", ["x"], [["1"]])
+    paths = report.Report(lambda: plt.figure(), table, caption="A picture.").save(results, tmp_path)
+    figures = [path for path in paths if path.parent.name == "figures"]
+    assert {path.suffix for path in figures} == {".pdf", ".png", ".txt"} and all(path.exists() for path in figures)
+    report.Report(None, table).save(results, tmp_path)
+    assert not any(path.exists() for path in figures)

@@ -205,8 +205,9 @@ def test_bounds_that_were_not_checked_are_named(tmp_path: Path) -> None:
     file.case("external", "x", [1.0], label="peer", lower=0.5, upper=np.inf, lower_check="no witness")
     file.case("external", "x", label="gone", status="failed", lower_check="not checked")
     results = load.load(file.write(tmp_path))
-    assert notes.unchecked_line(results) == "Lower bounds not checked (no witness): cgal, peer"
-    assert notes.machine_line(results).endswith(". Lower bounds not checked (no witness): cgal, peer")
+    assert notes.unchecked_line(results) == "Lower bounds not checked (no witness): CGAL, peer"
+    assert notes.machine_line(results).endswith(". Lower bounds not checked (no witness): CGAL, peer")
+    assert notes.unchecked_line(results, [0, 2]) == "Lower bounds not checked (no witness): peer" and notes.unchecked_line(results, [0]) == ""
     assert notes.machine_line(results).startswith(notes.measured_on(results) + ". ")
     assert [results.check_of(case) for case in range(2)] == ["holds", "not checked (no witness)"]
 
@@ -410,3 +411,10 @@ def test_what_follows_the_data_is_their_seal_or_nothing(tmp_path: Path) -> None:
             load.load(path)
     path.write_bytes(content + seal)
     load.load(path)
+
+
+@pytest.mark.parametrize(("note", "shapes"), [
+    ("an orange sampled twice stands in for the pears", "an orange sampled twice"), ("chess king and queen stand in for the cups", "chess king and queen"),
+    ("cow, and a triceratops that stands in for the hippo", "a triceratops"), ("a dinosaur and a horse stand in", "a dinosaur and a horse"), ("two bunnies", ""), ("", "")])
+def test_shapes_that_stand_in_are_read_from_notes(note: str, shapes: str) -> None:
+    assert notes.stand_in(note) == shapes

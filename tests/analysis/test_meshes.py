@@ -10,7 +10,10 @@ import pytest
 from stem_runner import Make, stem_runner
 from synthetic import NAN, ResultFile, spread, without_bounds
 
+from analysis.meshes import mesh_traps
 from analysis.shared import mesh_picture, shapes, style
+from analysis.shared.load import load
+from analysis.stability.stability_outcomes import Outcome
 
 
 @pytest.fixture()
@@ -146,6 +149,11 @@ def test_traps_say_how_each_ended(make: Make) -> None:
     assert "Wrong: cgal on identical ([0.125, 0.126])" in text
     assert [record["outcome"] for record in records] == ["converged", "wrong", "stopped", "no bounds"]
     assert "Here: not refuted (0 of 2 answers; the cases were chosen" in claim(text, "certified")
+
+
+def test_traps_have_the_colours_and_letters_of_the_stability_suite(tmp_path: Path) -> None:
+    results = load(traps().write(tmp_path))
+    assert [mesh_traps.mark(results, row) for row in range(4)] == [(Outcome.TIGHT, ""), (Outcome.STOPPED, "T"), (Outcome.WRONG, "X"), (Outcome.HUNG, "H")]
 
 
 @pytest.mark.parametrize("wrong", [{"lower": 0.5, "upper": 0.5}, {"lower": 1e-3, "upper": 0.0}, {"upper": 1e-3}, {"lower": NAN, "upper": NAN}])

@@ -139,9 +139,19 @@ def test_fig2_cells(make: Make) -> None:
     ([20.0] * 8, [20.0] * 8, "ssssss22", (UNTESTED, UNTESTED, UNTESTED, UNTESTED, FAILS))])
 def test_fig2_verdicts(tmp_path: Path, ratios: list[float], work: list[float], late: str, expected: tuple[str, ...]) -> None:
     found = verdicts_of(fig2(ratios, work, late), tmp_path)
-    assert tuple(verdict.outcome for verdict in found) == expected
+    assert tuple(verdict.outcome for verdict in found[:5]) == expected
     for verdict in found[:4]:
         assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
+
+
+@pytest.mark.parametrize(("subdivisions", "outcome"), [((80, 70, 60, 50, 40, 30), HOLDS), ((30, 40, 50, 60, 70, 80), FAILS), ((50, 40, 60, 30, 70, 50), OPEN), ((), UNTESTED)])
+def test_fig2_counts_what_near_pairs_take(tmp_path: Path, subdivisions: Sequence[int], outcome: str) -> None:
+    """The distance grows from pair to pair, from 1 % of the diagonal; `subdivisions` are those per triangle of A."""
+    file = fig2([2.0] * max(1, len(subdivisions)), [2.0] * max(1, len(subdivisions)))
+    for i, count in enumerate(subdivisions):
+        for case in file.cases[2 * i:2 * i + 2]:
+            case |= {"lower": 0.01 * (i + 1), "upper": 0.01 * (i + 1), "counter_subdivisions": count * case["source_elements"]}
+    assert verdicts_of(file, tmp_path)[5].outcome == outcome
 
 
 def test_fig2_time_and_work_are_judged_apart(tmp_path: Path) -> None:
@@ -199,9 +209,18 @@ NEVER = [math.nan] * 8
     ({"1": NEVER, "1234": NEVER, "3": NEVER}, 0, (UNTESTED, UNTESTED, UNTESTED, FAILS))])
 def test_fig10_verdicts(tmp_path: Path, costs: dict[str, list[float]], unsolved: int, expected: tuple[str, ...]) -> None:
     found = verdicts_of(fig10(costs, unsolved), tmp_path)
-    assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]
+    assert tuple(verdict.outcome for verdict in found[:4]) == expected, [v.evidence for v in found]
     for verdict in found[:3]:
         assert [counted.outcome for counted in verdict.counted.values()] == [verdict.outcome] * 2
+
+
+@pytest.mark.parametrize(("best", "others", "single", "expected"), [
+    (GOOD, SLOW, SLOW, (HOLDS, HOLDS)), (SLOW, GOOD, SLOW, (FAILS, OPEN)), (SLOW, SLOW, GOOD, (FAILS, FAILS)), (NEVER, NEVER, NEVER, (UNTESTED, UNTESTED))])
+def test_fig10_looks_at_the_ten_best_and_at_cascades(tmp_path: Path, best: list[float], others: list[float], single: list[float], expected: tuple[str, ...]) -> None:
+    """All bounds alone take `single`, the paper's ten best orders `best`, and two more orders `others`."""
+    costs = {**dict.fromkeys(sacht2024_fig10.SINGLE, 2 * single), **dict.fromkeys(sacht2024_fig10.TEN_BEST, 2 * best), "21": 2 * others, "4321": 2 * others}
+    found = verdicts_of(fig10(costs), tmp_path)[4:]
+    assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]
 
 
 def test_fig10_is_drawn_without_a_winner(make: Make) -> None:

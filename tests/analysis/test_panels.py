@@ -16,7 +16,7 @@ from analysis.stability.stability_families import Suite, look
 
 
 def letters(figure: Any) -> list[str]:
-    return [ax.get_title() or ax.texts[-1].get_text() if ax.get_title() or ax.texts else "" for ax in panels.panels(figure)]
+    return [ax.get_title() or ax.get_title(loc="left") for ax in panels.panels(figure)]
 
 
 def test_panels_have_letters_row_by_row() -> None:
@@ -33,12 +33,21 @@ def test_panels_have_letters_row_by_row() -> None:
 def test_a_single_panel_has_no_letter_and_a_title_keeps_its_own() -> None:
     single, ax = plt.subplots()
     panels.add_letters(single)
-    assert not ax.texts
+    assert not ax.get_title(loc="left")
     figure, axes = plt.subplots(1, 3)
     axes[1].set_title("(a) pears")
     panels.add_letters(figure)
     assert letters(figure) == ["(b)", "(a) pears", "(c)"]
     plt.close("all")
+
+
+def test_panels_that_were_placed_by_hand_have_their_letters_inside() -> None:
+    figure = plt.figure()
+    figure.set_layout_engine("none")
+    axes = [figure.add_axes((0.1, bottom, 0.8, 0.35)) for bottom in (0.55, 0.1)]
+    panels.add_letters(figure)
+    assert [ax.texts[0].get_text() for ax in axes] == ["(a)", "(b)"] and letters(figure) == ["", ""]
+    plt.close(figure)
 
 
 def test_several_figures_have_names(tmp_path: Path) -> None:

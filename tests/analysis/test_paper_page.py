@@ -42,7 +42,9 @@ def test_the_kept_pages_are_what_the_kept_verdicts_give(tmp_path: Path) -> None:
 def test_every_claim_has_a_line_and_every_quote_stands_once(paper: str) -> None:
     page = paper_page.markdown(paper, paper_page.lines_of(paper, [], []))
     for entry in claims.entries(paper).values():
-        assert f"{entry.in_general or entry.text} ({entry.judged_as})".replace("|", "\\|") in page and (not entry.quote or f"“{entry.quote}”" in page)
+        judged_as = f" ({entry.judged_as})" if entry.judged_as else ""
+        assert f"{entry.in_general or entry.text}{judged_as} | **{UNTESTED}** | {entry.untested or 'no verdict yet'} |" in page.replace("\\|", "|")
+        assert not entry.quote or f"“{entry.quote}”" in page
     assert page.count(f"**{UNTESTED}**") == len(claims.entries(paper)) and "{" not in page
 
 
@@ -61,6 +63,24 @@ def test_counted_work_says_whether_it_is_the_machine() -> None:
     assert "it is not this machine" in line([same], [])[0] and "it is not this machine" not in line([unlike], [])[0]
     assert "counted work agrees with the paper" in line([unlike], [])[0]
     assert "counted work" not in line([record(HOLDS, "ratio 2", counted={"distances": verdict(HOLDS, "ratio 2.4")})], [])[0]
+
+
+def test_a_reason_for_a_difference_stands_alone() -> None:
+    """Counted work that fails as time does would rule out the machine, where the claims file already gives the reason."""
+    claim = claims.of("tang2009", "outperforms")
+    assert claim.entry.differs
+    judged = claims.record(Verdict(claim, FAILS, "ratio 0.5", counted={"distances": Verdict(claim, FAILS, "ratio 0.4")}), "tang2009_fig10", "paper")
+    (found,) = [line for line in paper_page.lines_of("tang2009", [judged], []) if line.verdict]
+    assert paper_page.why(found) == claim.entry.differs
+
+
+def test_a_sentence_that_no_script_judges_has_its_reason_and_no_verdict() -> None:
+    lines = paper_page.lines_of("zhang2017", [], [])
+    (found,) = [text for text in paper_page.markdown("zhang2017", lines).splitlines() if "in proportion to the number of points |" in text]
+    assert found.endswith(" | **not tested** | No experiment builds the best case, in which the first distance ends the loop of every point. |  |  |")
+    judged: claims.Record = {**record(HOLDS, "x"), "id": "best_case"}
+    with pytest.raises(ValueError, match="zhang2017/best_case is marked untested and has a verdict"):
+        paper_page.lines_of("zhang2017", [], [judged])
 
 
 def test_latex_is_escaped_and_has_a_row_for_each_line() -> None:

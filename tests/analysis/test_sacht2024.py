@@ -10,12 +10,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import synthetic_sacht
+from matplotlib.colors import to_rgb
 from stem_runner import TETRAHEDRON, Make, stem_runner
 from synthetic import ResultFile
 from synthetic_sacht import TIE, Ratio, Tie, size_of
 
 from analysis.__main__ import main
 from analysis.sacht2024 import sacht2024_fig1, sacht2024_fig11, sacht_limits
+from analysis.sacht2024.sacht_pairs import named
 from analysis.shared import mesh_picture
 from analysis.shared.shapes import Mesh
 from analysis.shared.statistics import exact
@@ -52,7 +54,7 @@ def test_table2_compares_the_pairs_near_zero(make: Make, kang: Ratio, outcome: s
 
 def test_table2_cells(make: Make) -> None:
     records, rows, text = make(synthetic_sacht.table2())
-    header, crown = rows["pair"][0], rows["crown"][0]
+    header, crown = rows["pair"][0], rows["elephant (for Crown)"][0]
     assert crown[:3] == ["here", "5,000 / 9,000", "0.400"]
     assert crown[header.index("Sacht 2024")] == "12.5 [10.0, 15.0]"  # 10 ms to 15 ms, six rounds
     assert crown[header.index("Zheng 2022 / Sacht 2024")] == "3.00 [3.00, 3.00]" and crown[header.index("CGAL / Sacht 2024")].startswith("8.00")
@@ -79,6 +81,12 @@ def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quo
     assert claim(text, "Zheng takes less time than Tang on average").startswith(outcome)
     assert claim(text, "Zheng is 4.38 times as fast as Tang on average").startswith(quoted)
     assert ("Tang 2009" in rows["pair"][0]) == (tang is not None)
+
+
+@pytest.mark.parametrize("tang,outcome", [(None, ": not tested ("), (6.0, " it holds ("), (0.5, " it does not hold ("), (TIE, ": not separated (")])
+def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome: str) -> None:
+    """Tang over Sacht is `tang`: on the derived pairs too, as kang takes as long as sacht."""
+    assert claim(make(synthetic_sacht.table2(kang=1.0, tang=tang))[2], "Sacht takes less time than Tang on average").startswith(outcome)
 
 
 @pytest.mark.parametrize("sacht,kang,outcome", [(1.0, 3.0, " it holds ("), (8.0, 1.0, " it does not hold ("), (2.0, 2.0, ": not separated (")])
@@ -184,6 +192,15 @@ def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], foun
     outcome = " it holds (not so for 0 of 2 rows)" if not wrong else " it does not hold (not so for 1 of 2 rows)"
     assert claim(text, "unreferenced vertex: the bounds").startswith(outcome)
     assert claim(text, "Sacht ends at 1e-5 and not at 1e-8") == " it holds (1e-05: ok, 1e-08: budget spent)."
+    for part, rows_of_sacht in (("Sacht's bounds hold", 3), ("that no triangle uses, Sacht", 1)):
+        assert claim(text, part).startswith(f" it holds (not so for 0 of {rows_of_sacht} rows)" if not wrong else f" it does not hold (not so for 1 of {rows_of_sacht} rows)")
+
+
+def test_section52_without_rows_of_sacht(make: Make) -> None:
+    file = ResultFile("sacht2024_section52")
+    file.case("kang", "unreferenced vertex", [0.1], tolerance=1e-8, lower=0.25, upper=0.25, exact=0.25)
+    _, _, text = make(file)
+    assert claim(text, "Sacht's bounds hold").startswith(": not tested") and claim(text, "that no triangle uses, Sacht").startswith(": not tested")
 
 
 @pytest.mark.parametrize("kept,outcome", [((), ": not tested (no such rows)"), (("ok", "ok"), " it does not hold (1e-05: ok, 1e-08: ok)")])
@@ -199,7 +216,7 @@ def test_section52_looks_at_the_budget(make: Make, kept: tuple[str, ...], outcom
 def test_table1_puts_the_numbers_beside_the_papers(make: Make, tetrahedra: None) -> None:
     records, rows, text = make(synthetic_sacht.table1())
     header = rows["pair"][0]
-    crown = dict(zip(header, rows["crown"][0]))
+    crown = dict(zip(header, rows["elephant (for Crown)"][0]))
     assert crown["A is"] == "closed" and crown["paper: \\|A\\|"] == "19,826" and crown["h(A, B), %"] == "0.400" and crown["H(A, B), %"] == "0.500"
     assert rows["hand, noisy"][0][header.index("paper: \\|B\\|")] == "—" and "crown: stands in." in text
     assert next(r for r in records if r["scene"] == "bust")["paper_source_elements"] == "510712"
@@ -208,7 +225,7 @@ def test_table1_puts_the_numbers_beside_the_papers(make: Make, tetrahedra: None)
 def test_table1_without_the_models(make: Make, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HAUSBENCH_PROGRAM", str(tmp_path / "not there"))
     _, rows, _ = make(synthetic_sacht.table1())
-    assert rows["crown"][0][2:4] == ["—", "—"]
+    assert rows["elephant (for Crown)"][0][2:4] == ["—", "—"]
 
 
 def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
@@ -231,6 +248,11 @@ def test_fig11_counts_the_last_bounds(last: tuple[int, ...], used: str, least: s
     assert used in lines[0] and least in lines[1]
 
 
+@pytest.mark.parametrize("last,outcome", [((0, 1, 2, 2, 3, 3, 4), "it holds (not so for 0 of 2"), ((0, 1, 2, 3, 3, 4), "it does not hold (not so for 1 of 2"), ((4, 4, 2, 3), "it does not hold (not so for 2 of 2")])
+def test_fig11_looks_at_u2_and_u3(last: tuple[int, ...], outcome: str) -> None:
+    assert outcome in sacht2024_fig11.verdicts([sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))])[2].line()
+
+
 @pytest.mark.parametrize("height,away,last,outcome", [
     (0.05, 0.2, (4,), "holds"), (0.05, 0.2, (3,), "does not hold"), (0.05, 0.2, (3, 4), "not separated"), (0.2, 0.9, (4,), "not tested"),
     (0.05, 0.05, (3,), "not tested"),  # nearer to B than it is high: it does not disappear
@@ -239,6 +261,16 @@ def test_fig11_looks_at_thin_triangles_that_disappear(height: float, away: float
     shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]] * len(last)))
     far = np.array([1.0, 1.0, away]) if math.isfinite(away) else np.empty(0)
     assert sacht2024_fig11.thin(sacht2024_fig11.Shown("x", 0, np.array(last), far), shape).outcome == outcome
+
+
+def test_fig11_colours_differ_in_grey_also_where_they_are_shaded() -> None:
+    grey = sorted(float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114))) for colour in sacht2024_fig11.COLOURS)
+    assert all((1 - sacht2024_fig11.SHADE) * lighter > darker + 0.03 for darker, lighter in zip(grey, grey[1:]))
+
+
+def test_stand_ins_are_named() -> None:
+    assert named("crown") == "elephant (for Crown)" and named("ramesses_bust", "\n") == "dragon, Snowden\n(for Ramesses, Bust)"
+    assert named("hand, noisy") == "hand, noisy"
 
 
 def test_fig11_prints_shares(make: Make, tetrahedra: None) -> None:

@@ -207,6 +207,17 @@ def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
     assert needed(round(0.8 * tasks), upper=False) <= memory  # the values alone would ask for fewer
 
 
+def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) -> None:
+    picture = tmp_path / "figures" / "scaling_billion.pdf"
+    picture.parent.mkdir()
+    picture.write_text("an old one", encoding="utf-8")
+    file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
+    for case in file.cases[2:]:
+        case["status"] = "timeout"
+    make(file)
+    assert not picture.exists()
+
+
 def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> None:
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for case in file.cases:

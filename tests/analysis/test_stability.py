@@ -295,7 +295,7 @@ def test_three_stems_come_from_one_file(tmp_path: Path, monkeypatch: pytest.Monk
     arguments = ["--results", str(tmp_path), "--out", str(tmp_path / "out")]
     assert main(["stability_matrix", *arguments]) == 0
     three = {f"{stem}.{suffix}" for stem in ("stability_matrix", "stability_error", "stability_time")
-             for suffix in ("csv", "md", "tex", "pdf", "png")} | {"stability_matrix.verdicts.json"}
+             for suffix in ("csv", "md", "tex", "pdf", "png")} | {"stability_matrix.verdicts.json", "stability_time.txt"}
     parts = {f"stability_matrix-{kind}.{suffix}" for kind in ("points", "meshes", "surfaces") for suffix in ("pdf", "png")}
     three = three - {"stability_matrix.pdf", "stability_matrix.png"} | parts
     assert {Path(line).name for line in capsys.readouterr().out.splitlines() if not line.startswith("Claim: ")} == three

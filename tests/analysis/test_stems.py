@@ -165,7 +165,8 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     said = [line for line in lines if line.startswith("Claim: ")]  # after the files
     written = [Path(line) for line in lines if line not in said]
     suffixes = [output.suffix for output in written]
-    assert [suffix for suffix in suffixes if suffix != ".json"] == [".csv", ".md", ".tex", ".pdf", ".png"]
+    assert [suffix for suffix in suffixes if suffix not in (".json", ".txt")] == [".csv", ".md", ".tex", ".pdf", ".png"]
+    assert suffixes.count(".txt") == (suffixes[-1] == ".txt")  # the caption of a figure that has its own
     text = written[1].read_text(encoding="utf-8")
     assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts, of a stem that has some
     assert all(f"- {line}" in text for line in said)

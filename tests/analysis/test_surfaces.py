@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from synthetic import ResultFile, spread
 
 from analysis.__main__ import main
-from analysis.shared.load import load
+from analysis.shared.load import load, paper_numbers
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED
 from analysis.shou2014 import shou2014_convergence, shou2014_example, surfaces_gallery
 from analysis.shou2014.shou2014_example import Joined
@@ -67,13 +68,23 @@ def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:
 
 
 def test_convergence_is_judged_by_exact_widths() -> None:
-    def outcomes(widths: list[float], exact: float = 0.5) -> list[str]:
+    def outcomes(widths: list[float], exact: float = 0.5, work: int = 16) -> list[str]:
         published = {("pruned pairs", "modified_affine", 4 + k): Joined(0.5 - width / 2, 0.5 + width / 2, 1.0, 1.0, 1, 1, "ok") for k, width in enumerate(widths)}
+        published |= {("all pairs", form, depth): replace(one, distances=work**depth) for (_, form, depth), one in published.items()}
         return [verdict.outcome for verdict in shou2014_convergence.verdicts(published, exact)]
 
-    assert outcomes([0.4, 0.2, 0.1]) == [HOLDS, HOLDS]
-    assert outcomes([0.4, 0.4, 0.1]) == [OPEN, HOLDS] and outcomes([0.4, 0.5, 0.1]) == [FAILS, HOLDS]
-    assert outcomes([0.4, 0.2, 0.1], 0.61) == [HOLDS, FAILS] and outcomes([]) == [UNTESTED, UNTESTED]
+    assert outcomes([0.4, 0.2, 0.1]) == [HOLDS, HOLDS, HOLDS]
+    assert outcomes([0.4, 0.3, 0.1]) == [FAILS, HOLDS, HOLDS]
+    assert outcomes([0.4, 0.2, 0.1], 0.61) == [HOLDS, HOLDS, FAILS] and outcomes([]) == [UNTESTED, UNTESTED, UNTESTED]
+    assert [outcomes([0.4, 0.2, 0.1], work=work)[1] for work in (4, 8, 9)] == [FAILS, OPEN, HOLDS]
+
+
+@pytest.mark.parametrize(("lower", "upper", "status", "outcome"), [
+    (0.7288689868557, 0.8970437559005, "ok", HOLDS), (0.7288689868557, 0.8970437561, "ok", FAILS), (0.7288689868557, 0.8970437559005, "timeout", UNTESTED), (None, None, "", UNTESTED)])
+def test_the_example_gives_the_printed_interval(lower: float | None, upper: float | None, status: str, outcome: str) -> None:
+    """The paper cuts off the digits after the tenth."""
+    here = Joined(lower, upper, 1.0, 1.0, 1, 1, status) if lower is not None and upper is not None else None
+    assert shou2014_example.printed_interval(paper_numbers("shou2014_example")["row"][0], here).outcome == outcome
 
 
 def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
@@ -88,7 +99,17 @@ def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
     assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     held = {r["solver"]: r["holds"] for r in records(tmp_path, file.stem)}
     assert held == {"interval_subdivision": "0", "surface_enclosure": "1"}
-    assert "(unsound)" in (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+    text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
+    assert "(unsound)" in text and "The interval holds the distance. Here it does not hold (not so for 1 of 1 intervals)" in text
+
+
+@pytest.mark.parametrize(("changed", "outcome"), [({}, HOLDS), ({"upper": 0.45}, FAILS), ({"status": "timeout", "lower": float("nan"), "upper": float("nan")}, UNTESTED)])
+def test_gallery_judges_the_published_intervals(tmp_path: Path, changed: dict[str, Any], outcome: str) -> None:
+    file = ResultFile("surfaces_gallery")
+    published: dict[str, Any] = {"lower": 0.4, "upper": 0.6, **changed}
+    file.case("interval_subdivision", "spheres", [0.1], exact=0.5, **published)
+    file.case("surface_enclosure", "spheres", [0.1], exact=0.5, lower=0.9, upper=1.0)
+    assert surfaces_gallery.holds_distance(load(file.write(tmp_path))).outcome == outcome
 
 
 def test_kept_voxels_cover_the_surface() -> None:

@@ -88,7 +88,43 @@ def test_a_fraction_of_a_second(make: Make, wall: float, outcome: str) -> None:
     for row in [*file.repeats, *file.answers]:
         for column in ("wall_seconds", "cpu_seconds"):
             row[column] *= wall
-    assert claim(make(file)[2], "less than a second").startswith(outcome)
+    text = make(file)[2]
+    assert claim(text, "less than a second, on average").startswith(outcome) and claim(text, "less than a second at the slowest pose").startswith(outcome)
+    assert claim(text, "less than 1/30 s").startswith(outcome)
+
+
+@pytest.mark.parametrize(("seconds", "average", "slowest"), [(0.5, " it does not hold", " it holds"), (2.0, " it does not hold", " it does not hold"), (0.02, " it holds", " it holds")])
+def test_a_slow_pose_is_looked_at_on_its_own(make: Make, seconds: float, average: str, slowest: str) -> None:
+    """The first pose of every pair takes `seconds`, each other one 0.05 s, or 0.01 s if the first is fast, too."""
+    file = motion("tang2009_table2", PAIRS, ALL)
+    for row in [*file.repeats, *file.answers]:
+        first = file.cases[row["case"]]["pose_index"] == 0
+        for column in ("wall_seconds", "cpu_seconds"):
+            row[column] = (seconds if first else 0.01 if seconds < 0.1 else 0.05) * (1 + 1e-3 * row["round"])
+    text = make(file)[2]
+    assert claim(text, "less than a second at the slowest pose").startswith(slowest) and claim(text, "less than 1/30 s").startswith(average)
+    assert claim(text, "less than a second, on average").startswith(" it holds")
+
+
+@pytest.mark.parametrize(("changed", "outcome"), [
+    ({}, " it holds (not so for 0 of 126 poses)"), ({"upper": 9.0}, " it does not hold (not so for 1 of 126 poses)"), ({"status": "floor"}, " it does not hold (not so for 1"),
+    ({"status": "timeout"}, ": not separated (not so for 0 of 125 poses out of 126)")])
+def test_bounds_are_within_the_tolerance(make: Make, changed: dict[str, Any], outcome: str) -> None:
+    file = motion("tang2009_table2", PAIRS, ALL)
+    next(case for case in file.cases if case["label"] == "tang" and case["pose_index"] == 3).update(changed)
+    assert claim(make(file)[2], "differ by at most the tolerance").startswith(outcome)
+
+
+@pytest.mark.parametrize(("left", "count", "deepest", "outcome"), [
+    (0.005, 1000, 5, " it holds"),  # no more are subdivided than are left
+    (0.5, 20, 5, " it holds"), (0.5, 300, 1, " it does not hold"), (0.5, 300, 5, ": not separated"), (None, 20, 5, ": not tested")])
+def test_few_triangles_are_subdivided(make: Make, left: float | None, count: int, deepest: int, outcome: str) -> None:
+    """A has 1,000 triangles and B 2,000. 300 subdivisions are of 300 triangles if none is deeper than one, and may be of one if they are five deep."""
+    file = motion("tang2009_table2", PAIRS, ALL)
+    for case in file.cases:
+        if case["label"] == "tang":
+            case |= {"counter_subdivisions": count, "extras": synthetic_tang.told(1 - left, 0.9, deepest) if left is not None else "{}"}
+    assert claim(make(file)[2], "Fewer than 1 % of the triangles").startswith(outcome)
 
 
 @pytest.mark.parametrize(("slower", "outcome"), [(1.0, " it holds"), (-1.0, " it does not hold"), (0.0, ": not separated")])
@@ -150,6 +186,33 @@ def test_fig10_counts_subdivisions(make: Make, cuts: int, outcome: str) -> None:
     assert claim(make(synthetic_tang.fig10(cuts=cuts))[2], "subdivides fewer triangles").startswith(outcome)
 
 
+@pytest.mark.parametrize(("guthe", "outcome"), [(150.0, " it holds"), (0.5, " it does not hold"), (100.0, ": not separated"), (None, ": not tested")])
+def test_fig10_looks_at_guthes_own_time(make: Make, guthe: float | None, outcome: str) -> None:
+    """Every pair takes `guthe` times 0.1 s."""
+    file = synthetic_tang.fig10()
+    for row in file.answers:
+        case = file.cases[row["case"]]
+        if case["label"] == "guthe" and guthe:
+            row["cpu_seconds"] = 0.1 * guthe * (1 + 0.01 * (row["round"] - 3))
+    for case in file.cases:
+        if case["label"] == "guthe" and guthe is None:
+            case.update(status="timeout", lower=float("nan"), upper=float("nan"))
+    assert claim(make(file)[2], "takes ten seconds or more").startswith(outcome)
+
+
+@pytest.mark.parametrize(("midpoint", "lemma4", "cuts", "saved"), [
+    (2.0, 50, " it holds", " it holds"), (0.5, 200, " it does not hold", " it does not hold"), (1.0, 100, ": not separated", ": not separated"), (2.0, None, " it holds", ": not tested")])
+def test_ablation_counts_subdivisions(make: Make, midpoint: float, lemma4: int | None, cuts: str, saved: str) -> None:
+    """The plain algorithm makes 100 at each pose, with Lemma 4 `lemma4`."""
+    file = synthetic_tang.ablation(midpoint)
+    for scene in ("Puma1/Puma2", "bear, half"):
+        for i in range(5 if lemma4 else 0):
+            file.case("tang", scene, [1e-3], label="tang, Lemma 4", tolerance=1e-4, tolerance_of="longest", pose_index=i, lower=0.1, upper=0.1, quantity="symmetric",
+                      pose=[1.0, 0, 0, 0, 1, 0, 0, 0, 1, float(i), 0, 0], counters={"subdivisions": lemma4 or 0}, prepare_seconds=0.0)
+    text = make(file)[2]
+    assert claim(text, "makes fewer subdivisions").startswith(cuts) and claim(text, "Lemma 4 saves").startswith(saved)
+
+
 @pytest.mark.parametrize(("coarse", "outcome"), [(1, " it holds"), (2, ": not separated"), (3, " it does not hold")])
 def test_depth_is_sensitive_to_the_tolerance(make: Make, coarse: int, outcome: str) -> None:
     assert claim(make(synthetic_tang.ablation(coarse=coarse))[2], "the deeper a triangle is subdivided").startswith(outcome)
@@ -164,9 +227,9 @@ def test_fig10_where_one_timed_out(make: Make) -> None:
 @pytest.mark.parametrize(("midpoint", "outcome"), [(2.0, " it holds"), (0.5, " it does not hold"), (1.0, ": not separated")])
 def test_ablation_claims(make: Make, midpoint: float, outcome: str) -> None:
     _, rows, text = make(synthetic_tang.ablation(midpoint))
-    assert claim(text, "Voronoi subdivision").startswith(outcome)
+    assert claim(text, "Voronoi subdivision takes").startswith(outcome)
     word = {" it holds": "it holds", " it does not hold": "it does not hold", ": not separated": "it is not separated"}[outcome]
-    assert f"Counted in subdivisions {word}" in claim(text, "Voronoi subdivision")
+    assert f"Counted in subdivisions {word}" in claim(text, "Voronoi subdivision takes")
     assert claim(text, "three corners").startswith(": not separated")  # twice as fast on one pair, half as fast on the other
     assert rows["Puma1/Puma2"][0][:6] == ["Tang 2009", "0.001", "2.50", "250", "2,500", "1"]
     warm = [row for row in rows[""] if row[0] == "tang, warm"]
@@ -316,8 +379,19 @@ def test_depths_cells(make: Make) -> None:
 def test_time_of_measuring_depths(make: Make, cover: float, frames: int, domino: str, bunnies: str) -> None:
     _, _, text = make(synthetic_tang.depths(cover=cover, frames=frames))
     for scene, outcome in (("Alphabet Domino", domino), ("Falling Bunnies", bunnies)):
-        assert claim(text, f"Measuring the depths of a frame of {scene} takes less than the paper's {'0.97' if 'Domino' in scene else '3.88'} ms on average, by cover").startswith(outcome)
-    assert claim(text, "With CGAL's cutting a frame of Alphabet Domino takes less than the paper's 0.97 ms on average, by cover").startswith(" it does not hold" if frames == 30 else ": not")
+        assert claim(text, f"Measuring the depths of a frame of {scene} takes less than Tang et al.'s {'0.97' if 'Domino' in scene else '3.88'} ms on average, by cover").startswith(outcome)
+    for by, paper in (("Tang 2009", "the paper's"), ("cover", "Tang et al.'s")):
+        assert claim(text, f"With CGAL's cutting a frame of Alphabet Domino takes less than {paper} 0.97 ms on average, by {by}").startswith(" it does not hold" if frames == 30 else ": not")
+
+
+@pytest.mark.usefixtures("tetrahedra")
+@pytest.mark.parametrize(("cover", "frames", "outcome"), [
+    (2e-3, 30, " it holds"), (2.381e-3, 30, ": not separated"), (3e-3, 30, " it does not hold"), (2e-3, 15, ": not judged")])
+def test_measuring_takes_a_few_milliseconds(make: Make, cover: float, frames: int, outcome: str) -> None:
+    """Tang takes twice as long as `cover` for a pair, and a frame has two pairs; every other one takes a tenth more."""
+    text = make(synthetic_tang.depths(cover=cover, frames=frames))[2]
+    for scene in ("Alphabet Domino", "Falling Bunnies"):
+        assert claim(text, f"{scene}: Measuring the depths of a frame takes less than 10 ms").startswith(outcome)
 
 
 @pytest.mark.usefixtures("tetrahedra")
@@ -325,7 +399,7 @@ def test_depths_that_failed_or_disagree(make: Make) -> None:
     _, rows, text = make(synthetic_tang.depths(failed=3))
     assert next(row for row in rows[""] if row[0] == "cover (ours)")[2] == "3 of 60 pairs failed"
     assert claim(text, "Every pair that overlaps").startswith(" it does not hold (not so for 3 of 240")
-    assert claim(text, "Measuring the depths of a frame of Alphabet Domino takes less than the paper's 0.97 ms on average, by cover").startswith(": not tested")
+    assert claim(text, "Measuring the depths of a frame of Alphabet Domino takes less than Tang et al.'s 0.97 ms on average, by cover").startswith(": not tested")
     assert claim(text, "have a number in common").startswith(": not separated")
     assert claim(make(synthetic_tang.depths(tang_lower=0.011))[2], "have a number in common").startswith(" it does not hold (not so for 120 of 120")
 
@@ -336,6 +410,24 @@ def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     assert rows["Falling Bunnies"] == [["cover, depth", "depth, frame 24", "2 of 3", "10.00000", "10.00000"]]
     assert rows["Bird1/Bird2"][0] == ["Tang 2009", "H", "1 of 1", "75.00000", "75.00000"]
     assert len(records) == 5 and "two stand in" in text
+
+
+@pytest.mark.parametrize(("scene", "note", "shapes", "second"), [
+    ("Puma1/Puma2", "a dinosaur and a horse stand in", ["stand-in: dinosaur", "stand-in: horse"], "(stand-ins: dinosaur, horse)"),
+    ("Dog/Lion", "a bison and a dragon of 47,794 triangles stand in", ["stand-in: bison", "stand-in: dragon"], "(stand-ins: bison, dragon)"),
+    ("Bunny1/Bunny2", "Bunny2 by its count; Bunny1 is Bunny2 simplified", ["Bunny2 simplified", ""], "(Bunny1: Bunny2 simplified)"),
+    ("bear, half", "not in the paper: a bear and the same", ["", ""], "(not in the paper)"), ("bear, half", "", ["", ""], "")])
+def test_titles_name_what_stands_in(tmp_path: Path, scene: str, note: str, shapes: list[str], second: str) -> None:
+    file = ResultFile("tang2009_fig9")
+    file.case("tang", scene, [0.1], lower=1.0, upper=1.0, scene_note=note, source_elements=4, target_elements=5)
+    results = load.load(file.write(tmp_path))
+    assert tang_pictures.stand_ins(results, 0) == shapes
+    assert tang_pictures.short_title(results, 0) == f"{scene}, 4 / 5" + (f"\n{second}" if second else "")
+
+
+def test_near_points_are_one_part() -> None:
+    points = np.array([[0.0, 0, 0], [0.9, 0, 0], [1.8, 0, 0], [3.0, 0, 0], [3.5, 0, 0]])
+    assert list(tang_pictures.connected(points, 1.0)) == [0, 0, 0, 1, 1] and list(tang_pictures.connected(points, 0.1)) == [0, 1, 2, 3, 4]
 
 
 def test_points_inside() -> None:

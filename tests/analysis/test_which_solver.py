@@ -80,3 +80,13 @@ def test_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert which_solver.main(["--results", str(tmp_path)]) == 0
     assert "| Meshes | near |" in (tmp_path / "tables" / "which_solver.md").read_text()
     assert (tmp_path / "figures" / "which_solver.png").stat().st_size > 10_000
+
+
+def test_sizes_of_one_scene_share_a_row_if_one_solver_is_the_fastest(tmp_path: Path) -> None:
+    file = ResultFile("scaling_meshes")
+    for size, cover, tang in (("1500", 1.0, 2.0), ("2800", 1.0, 4.0), ("5600", 3.0, 2.0)):
+        for solver, seconds in (("cover", cover), ("tang", tang)):
+            file.case(solver, f"moved_{size}", [seconds] * 7, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0)
+    first, last = which_solver.rows_of(which_solver.cells_of(load(file.write(tmp_path))))
+    assert (first.title, last.title) == ("moved 1500 to 2800", "moved 5600")
+    assert which_solver.text_of(first.cells[1e-6]) == "cover 2.0–4.0×" and which_solver.text_of(last.cells[1e-6]) == "Tang 2009 1.5×"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 import synthetic_zhang
 from stem_runner import Make, stem_runner
-from synthetic import ResultFile
+from synthetic import ResultFile, spread, without_bounds
 
 from analysis.shared import cells, load, notes, shapes
 from analysis.shared.results import ResultError
@@ -85,7 +86,8 @@ def test_fig9_pools_seeds(make: Make) -> None:
     assert [row[0] for row in rows["4K"]] == ["1/400", "1/100", "1/80", "1/2"]
     assert rows["4K"][3][-1] == "40.0"  # culled, %
     assert "lambda = 1/80. Here: not separated (least at 1/100; not separated from it: 1/400, 1/100)" in text
-    assert "a much larger lambda makes OHD slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
+    assert "a much larger lambda makes OHD, mended, slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
+    assert "OHD, mended, is fastest at lambda = 1/100. Here: not separated (least at 1/100" in text
 
 
 @pytest.mark.parametrize("file", [synthetic_zhang.fig10(), synthetic_zhang.fig11()], ids=["fig10", "fig11"])
@@ -99,8 +101,9 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
     for claim, verdict in (("the time of EARLYBREAK peaks where the models overlap most", "holds (greatest at x = 0"),
                            ("where the boxes are apart, NOHD takes less time than EARLYBREAK",
                             "holds (at 6 of 6 poses"),
-                           ("where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD", "holds (at 8 of 8 poses"),
-                           ("where α > 0.33, OHD takes less time than EARLYBREAK", "holds (at 7 of 7 poses")):
+                           ("where 0 ≤ α ≤ 0.33, EARLYBREAK takes less time than OHD, mended", "holds (at 8 of 8 poses"),
+                           ("where α > 0.33, OHD, mended, takes less time than EARLYBREAK", "holds (at 7 of 7 poses"),
+                           ("the smaller the distance, the more time EARLYBREAK takes", "holds (Kendall's tau 1.00 [1.00, 1.00], over 7 independent runs)")):
         assert f"Claim: ring: {claim}. Here it {verdict}" in text
     claim = next(line for line in text.splitlines() if "boxes are apart, NOHD takes less" in line)
     assert "Counted in distances it holds (median of EARLYBREAK / NOHD 10.0)" in claim
@@ -108,6 +111,113 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
     assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0"
     assert "built once and used for all 21 poses: saved NOHD 2500 ms" in text
     assert sum(r["status"] == "timeout" for r in records) == 1
+
+
+def outcome_of(text: str, part: str) -> str:
+    """What came out of the one claim whose text has this part, with its evidence."""
+    (line,) = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
+    return line.split(". Here", 1)[1].removeprefix(":").strip()
+
+
+@pytest.mark.parametrize(("nohd", "outcome"), [(2.0, "it holds"), (0.2, "it does not hold"), (None, "not tested")])
+def test_nohd_is_compared_with_ohd_where_models_overlap(nohd: float | None, outcome: str, make: Make) -> None:
+    """OHD takes half of EARLYBREAK's time, NOHD `nohd` times it."""
+    file = synthetic_zhang.fig10()
+    for row in file.repeats:
+        if file.cases[row["case"]]["solver"] == "nohd" and nohd:
+            row["cpu_seconds"] *= nohd / 0.5
+    for case in file.cases:
+        if case["solver"] == "nohd" and nohd is None:
+            case |= {"status": "timeout", "lower": float("nan"), "upper": float("nan")}
+    assert outcome_of(make(file)[2], "NOHD takes more time than OHD").startswith(outcome)
+
+
+@pytest.mark.parametrize(("power", "rounds", "outcome"), [(1.0, 7, "it holds"), (-1.0, 7, "it does not hold"), (0.0, 7, "not separated"), (1.0, 3, "not judged")])
+def test_time_rises_as_the_distance_falls(power: float, rounds: int, outcome: str, tmp_path: Path) -> None:
+    times = [[(10.0 - abs(i - 3))**power] * rounds for i in range(7)]
+    work = [int(100 * time[0]) for time in times]
+    found = motion_of(times, tmp_path, work).nearer("earlybreak")
+    assert f"it {found.outcome}".endswith(outcome) and {one.outcome for one in found.counted.values()} == {"not judged"}  # one seed is one draw
+
+
+@pytest.mark.parametrize(("touching", "overlapping", "seeds", "few", "many"), [
+    (100, 900, 6, "it holds", "it holds"), (900, 100, 6, "it does not hold", "it does not hold"), (500, 500, 6, "not separated", "not separated"),
+    (100, 900, 1, "not judged", "not judged"), (None, None, 6, "not tested", "not tested")])
+def test_motion_says_what_is_culled(touching: int | None, overlapping: int | None, seeds: int, few: str, many: str, make: Make) -> None:
+    """Of the 1,000 points of A; seeds cull up to 30 points more or fewer."""
+    file = synthetic_zhang.fig10()
+    for case in [case for case in file.cases if case["solver"] == "ohd"]:
+        culled = touching if abs(case["pose"][9]) > 0.35 else overlapping
+        for seed in range(1, seeds + 1):
+            told = {} if culled is None else {"culled": culled + (-10 * seed if seed % 2 else 10 * seed) / 2}
+            changed: dict[str, Any] = {"options": json.dumps({"seed": seed}), "extras": json.dumps(told)}
+            if seed == 1:
+                case |= changed
+            else:
+                file.cases.append({**case, **changed, "identity": f"{case['identity']}{seed}"})
+    text = make(file)[2]
+    assert outcome_of(text, "culls less than half").startswith(few) and outcome_of(text, "culls more than half").startswith(many)
+
+
+@pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (not so for 0 of 1"), (1_999_999, "it does not hold (not so for 1 of 1"), (None, "not tested")])
+def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, make: Make) -> None:
+    """At the pose whose distance is 0; A has 1,000 points, B 2,000. Without such a pose there is no claim."""
+    file = synthetic_zhang.fig10()
+    for case in file.cases:
+        changed: dict[str, Any] = {"counter_point_distances": counted} if counted else {"status": "timeout", "lower": float("nan"), "upper": float("nan")}
+        case |= changed if case["solver"] == "earlybreak" and case["pose_index"] == 10 else {}
+    assert outcome_of(make(file)[2], "where h(A, B) = 0").startswith(outcome)
+    for case in file.cases:
+        case |= {"lower": case["lower"] + 0.25, "upper": case["upper"] + 0.25}
+    assert "where h(A, B) = 0" not in make(file)[2]
+
+
+@pytest.mark.parametrize(("power", "n", "outcome"), [(1.0, 10, "it holds"), (0.0, 10, "it does not hold"), (1.0, 6, "not separated"), (None, 10, "not tested")])
+def test_fig8_divides_the_time_to_build_by_the_depth(power: float | None, n: int, outcome: str, make: Make) -> None:
+    """Building takes depth^power ms."""
+    file = ResultFile("zhang2017_fig8", cpu=1.0)
+    for depth in (1, 2, 5, 6, 9):
+        prepare = spread(0.001 * depth**power, n, 0.02) if power is not None else [0.0] * n
+        file.case("nohd", "3K", spread(0.001, n, 0.02), options={"depth": depth}, lower=0.5, upper=0.5, prepare=prepare)
+    assert outcome_of(make(file)[2], "divided by its depth").startswith(outcome)
+
+
+@pytest.mark.parametrize(("sign", "seeds", "outcome"), [(1, 7, "it holds"), (-1, 7, "it does not hold"), (0, 7, "not separated"), (1, 3, "not judged"), (None, 7, "not tested")])
+def test_fig9_correlates_lambda_with_what_is_culled(sign: int | None, seeds: int, outcome: str, make: Make) -> None:
+    file = ResultFile("zhang2017_fig9", cpu=1.0)
+    for value in (0.0025, 0.01, 0.0125, 0.5):
+        for seed in range(1, seeds + 1):
+            extras = "{}" if sign is None else json.dumps({"culled": 500 + sign * 100 * value + seed})
+            file.case("ohd", "4K", [0.001], options={"lambda": value, "seed": seed}, lower=0.5, upper=0.5, extras=extras, prepare_seconds=0.0)
+    assert outcome_of(make(file)[2], "the more points OHD").startswith(outcome)
+
+
+@pytest.mark.parametrize(("points", "counted", "outcome"), [
+    (1000, 2_000_000, "it holds (not so for 0 of 2 pairs)"), (1000, 1_999_999, "it does not hold (not so for 1 of 2 pairs)"),
+    (1000, None, "not separated (not so for 0 of 1 pairs out of 2)"), (None, None, "not tested")])
+def test_table3_counts_the_pairs_of_naivehdd(points: int | None, counted: int | None, outcome: str, make: Make) -> None:
+    file = ResultFile("zhang2017_table3", cpu=1.0)
+    for scene, count in (("a_pears", points and points * 2000), ("d_cups", counted)):
+        common: dict[str, Any] = {"source_elements": 1000, "target_elements": 2000, "lower": 0.5, "upper": 0.5}
+        if count:
+            file.case("naive", scene, spread(0.01, 6), counters={"point_distances": count}, **common)
+        file.case("adaptive", scene, spread(0.01, 6), **common)
+    assert outcome_of(make(file)[2], "NAIVEHDD computes").startswith(outcome)
+
+
+@pytest.mark.parametrize(("exponent", "lost", "outcome"), [
+    (1.05, False, "it holds (exponent 1.05 [1.05, 1.05] over 4 sizes)"), (1.9, False, "it does not hold (exponent 1.90"),
+    (1.05, True, "not separated (exponent 1.05"), (None, False, "not tested")])
+def test_memory_counts_how_the_distances_of_early_breaking_grow(exponent: float | None, lost: bool, outcome: str, make: Make) -> None:
+    file = ResultFile("zhang2017_memory")
+    for size, n in (("1K", 1e3), ("10K", 1e4), ("100K", 1e5), ("1M", 1e6), ("10M", 1e7))[:5 if lost else 4]:
+        common: dict[str, Any] = {"source_elements": int(n), "target_elements": int(n), "lower": 0.5, "upper": 0.5, "peak_bytes": 2**22}
+        file.case("inc", f"similar, {size}", [0.1], **common)
+        if size == "10M":
+            file.case("earlybreak", f"similar, {size}", **without_bounds("timeout", "300 s passed", common))
+        elif exponent:
+            file.case("earlybreak", f"similar, {size}", [0.1], counters={"point_distances": round(n**exponent)}, **common)
+    assert outcome_of(make(file)[2], "grow almost linearly").startswith(outcome)
 
 
 def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
@@ -118,7 +228,7 @@ def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
     _, rows, text = make(file)
     header, apart = rows["models"][0], rows["ring, boxes apart"][0]
     assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.0 (not judged, n = 1)"
-    for claim in ("peaks where the models overlap most", "boxes are apart, NOHD takes less time", "0.33, OHD takes less time than"):
+    for claim in ("peaks where the models overlap most", "boxes are apart, NOHD takes less time", "0.33, OHD, mended, takes less time than"):
         line = next(line for line in text.splitlines() if claim in line)
         assert "Here it holds" in line and "Counted in distances it is not judged (n = 1; " in line
 
