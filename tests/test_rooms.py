@@ -38,9 +38,9 @@ def test_the_picture_shows_the_rooms_of_today() -> None:
 
 def declared_in(file: Path) -> Path:
     """Returns the header of a source: the one of its name, else the first of its folder that it includes. A header stays as it is."""
-    beside = [name for name in rooms.INCLUDE.findall(file.read_text()) if (rooms.ROOT / name).parent == file.parent]
+    beside = [Path(rooms.ROOT, name) for name in rooms.INCLUDE.findall(file.read_text()) if Path(rooms.ROOT, name).parent == file.parent]
     named = file.with_suffix(".h")
-    return file if file.suffix == ".h" else named if named in GRAPH or not beside else rooms.ROOT / beside[0]
+    return file if file.suffix == ".h" else named if named in GRAPH or not beside else beside[0]
 
 
 def users(shared: Path) -> set[str]:
@@ -61,7 +61,7 @@ def users(shared: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("file", [file for file in GRAPH if rooms.room_of(file) in SHARED and file.suffix == ".h"], ids=lambda file: file.name)
+@pytest.mark.parametrize("file", [file for file in GRAPH if rooms.room_of(file) in SHARED and file.suffix == ".h"], ids=str)
 def test_a_shared_file_has_two_users(file: Path) -> None:
     assert len(users(file)) >= 2, "move it to the folder of its only user"
 
