@@ -2,7 +2,6 @@
 // distances of points of A. The first byte chooses the scene, the next two `proven`. A first byte of 255 says that the rest is a certificate
 // file; one of 254, that it is a file without its seal, which is added, and that the second byte chooses the scene.
 #include "algorithms/kernel/triangle.h"
-#include "tests/support/seal.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_check.h"
 #include "harness/check/certificate_file.h"
@@ -11,6 +10,7 @@
 #include "tests/fuzz/target.h"
 #include "tests/support/exact.h"
 #include "tests/support/scenes.h"
+#include "tests/support/seal.h"
 
 #include <cmath>
 

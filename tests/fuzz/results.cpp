@@ -1,9 +1,9 @@
 // Result files with a seal that fits. The bytes say what is changed in a small file of two rows: a column is left out, is of another type or
 // length, or holds other values. Or, where the first byte is 255, they are the file, under the seal that it would have.
 #include "datasets/hdf5.h"
-#include "tests/support/seal.h"
 #include "harness/result/result_file.h"
 #include "tests/fuzz/target.h"
+#include "tests/support/seal.h"
 #include "tests/support/temporary_folder.h"
 
 #include <bit>
