@@ -16,7 +16,7 @@ namespace {
 struct Part {
     const char *models, *manifest;
 };
-constexpr Part chosen = {"model", "manifest"}, rest = {"whole", "whole_manifest"};
+constexpr Part chosen_part = {"model", "manifest"}, rest_part = {"whole", "whole_manifest"};
 
 std::vector<std::string> of_manifest(const TomlReader& corpus, const Part& part) {
     return corpus.texts(part.manifest, "names of models");
@@ -55,12 +55,12 @@ std::filesystem::path corpus_beside(const std::filesystem::path& manifest) { ret
 Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInfo>& manifest) {
     const toml::table root = parse_toml(file);
     const TomlReader reader(file, root);
-    reader.allow({chosen.manifest, chosen.models, rest.manifest, rest.models});
+    reader.allow({chosen_part.manifest, chosen_part.models, rest_part.manifest, rest_part.models});
     reader.refuse_other_keys();
     std::set<std::string> there;
     for (const ModelInfo& model : manifest) there.insert(model.name);
     Corpus corpus;
-    for (const Part& part : {chosen, rest}) {
+    for (const Part& part : {chosen_part, rest_part}) {
         for (ModelInfo& model : read_models(file, root, ModelsOf::manifest, part.models)) {
             model.of_corpus = true;
             corpus.whole.push_back(model.name);
@@ -87,7 +87,7 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
 std::vector<std::string> corpus_names(const std::filesystem::path& file, bool whole) {
     const toml::table root = parse_toml(file);
     std::vector<std::string> names;
-    for (const Part& part : whole ? std::vector{chosen, rest} : std::vector{chosen}) {
+    for (const Part& part : whole ? std::vector{chosen_part, rest_part} : std::vector{chosen_part}) {
         for (const std::string& name : of_manifest(TomlReader(file, root), part)) names.push_back(name);
         if (const toml::table* models = root[part.models].as_table())
             for (const auto& [key, table] : *models) names.emplace_back(key.str());

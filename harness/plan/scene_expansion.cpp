@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view place = "{}";  // of the model's name, in a scene with `each`
+constexpr std::string_view name_place = "{}";  // of the model's name, in a scene with `each`
 
-bool has_place(const std::string& text) { return text.find(place) != std::string::npos; }
+bool has_place(const std::string& text) { return text.find(name_place) != std::string::npos; }
 
 std::string with(std::string text, const std::string& name) {
-    for (std::size_t at = text.find(place); at != std::string::npos; at = text.find(place, at + name.size()))
-        text.replace(at, place.size(), name);
+    for (std::size_t at = text.find(name_place); at != std::string::npos; at = text.find(name_place, at + name.size()))
+        text.replace(at, name_place.size(), name);
     return text;
 }
 
